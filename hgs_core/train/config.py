@@ -1,0 +1,152 @@
+"""Everything that decides a training run, in one dataclass; free of torch, so that the API can validate it."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+from hgs_core.errors import InputError
+
+__all__ = ["PRESETS", "LearningRates", "TrainConfig"]
+
+
+@dataclass(frozen=True)
+class LearningRates:
+    """Adam step sizes. Those of positions are multiplied by the scene's extent; sources in docs/training.md."""
+
+    position: float = 1.6e-4
+    position_final: float = 1.6e-6  # log-linear decay from `position`
+    motion: float = 1.75  # of the higher motion coefficients, in multiples of `position` and of 50-frame spans
+    rotation: float = 1e-3
+    turning: float = 1e-4  # of the linear rotation coefficient
+    log_scale: float = 5e-3
+    opacity: float = 5e-2
+    rgb: float = 2.5e-3
+    time_center: float = 1e-4
+    time_log_precision: float = 3e-2
+
+
+@dataclass(frozen=True)
+class TrainConfig:
+    """How to train one run. A cycle is one static step and one dynamic step on the same view.
+
+    Equal configs on equal captures give equal bits, for any number of threads.
+    """
+
+    preset: str = "standard"
+    hold_out: tuple[str, ...] = ()  # camera names that neither training nor initialisation may see
+    seed: int = 0
+    cycles: int = 12_000
+    static_points: int = 12_000  # initial points asked for
+    dynamic_points: int = 6_000
+    init_frames: int = 10  # frames that initialisation samples (interleaved-frame initialisation)
+    max_static: int = 40_000  # splat budgets
+    max_dynamic: int = 15_000
+    densify_from: float = 0.04  # shares of `cycles`
+    densify_until: float = 0.6
+    densify_every: int = 100  # cycles
+    grow_gradient: float = 2e-4  # screen-gradient norm, in half image widths, above which a splat is cloned or split
+    clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
+    prune_opacity: float = 0.005
+    dssim: float = 0.2  # lambda of the loss
+    coarse_until: float = 0.25  # share of `cycles` trained at half resolution
+    checkpoint_every: int = 500  # cycles
+    backend: str = "auto"
+    learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)
+
+    def __post_init__(self) -> None:
+        """Check every range.
+
+        Raises:
+            InputError: names the field and the range it must lie in.
+        """
+        for name, low in (
+            ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0), ("init_frames", 1),
+            ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
+        ):  # fmt: skip
+            value = getattr(self, name)
+            if value < low:
+                raise InputError(f"config.{name}", f"{value} is too small", f"give {low} or more")
+        for name in ("densify_from", "densify_until", "prune_opacity", "dssim", "coarse_until"):
+            value = getattr(self, name)
+            if not 0 <= value <= 1:
+                raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")
+        if self.backend not in ("auto", "cpu", "reference"):
+            raise InputError("config.backend", f"unknown backend {self.backend!r}", "use auto, cpu or reference")
+        if len(set(self.hold_out)) != len(self.hold_out):
+            raise InputError("config.hold_out", f"a camera is named twice in {','.join(self.hold_out)}")
+
+    @classmethod
+    def for_preset(cls, preset: str, **overrides: Any) -> TrainConfig:
+        """Return a preset's config with fields replaced; nested learning rates as {"learning_rates": {...}}.
+
+        Raises:
+            InputError: an unknown preset or field, or a value of the wrong type or range.
+        """
+        if preset not in PRESETS:
+            raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")
+        return cls.from_json({"preset": preset, **PRESETS[preset], **overrides})
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form that run.json stores."""
+        return dataclasses.asdict(self) | {"hold_out": list(self.hold_out)}
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> TrainConfig:
+        """Read what `to_json` wrote; absent fields take their defaults.
+
+        Raises:
+            InputError: an unknown field, or a value of the wrong type or range.
+        """
+        rates = value.get("learning_rates", {})
+        if isinstance(rates, LearningRates):
+            rates = dataclasses.asdict(rates)
+        if not isinstance(rates, dict):
+            raise InputError("config.learning_rates", f"{rates!r} is not an object")
+        fields = {k: v for k, v in value.items() if k != "learning_rates"}
+        hold_out = fields.get("hold_out", ())
+        if isinstance(hold_out, str) or not all(isinstance(name, str) for name in hold_out):
+            raise InputError("config.hold_out", f"{hold_out!r} is not a list of camera names")
+        fields["hold_out"] = tuple(hold_out)
+        return cls(**_typed(cls, fields, "config"), learning_rates=_learning_rates(rates))
+
+
+def _learning_rates(value: dict[str, Any]) -> LearningRates:
+    rates = LearningRates(**_typed(LearningRates, value, "config.learning_rates"))
+    for name, rate in dataclasses.asdict(rates).items():
+        if not rate >= 0:
+            raise InputError(f"config.learning_rates.{name}", f"{rate} is negative")
+    return rates
+
+
+def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
+    """Check the names and coerce the numbers of a dataclass's fields."""
+    types = {field.name: str(field.type) for field in dataclasses.fields(cls)}
+    result: dict[str, Any] = {}
+    for name, given in value.items():
+        if name not in types:
+            raise InputError(f"{where}.{name}", "unknown field", f"known are {', '.join(sorted(types))}")
+        number = isinstance(given, int | float) and not isinstance(given, bool)
+        if types[name] == "int" and not (number and float(given).is_integer()):
+            raise InputError(f"{where}.{name}", f"{given!r} is not a whole number")
+        if types[name] == "float" and not number:
+            raise InputError(f"{where}.{name}", f"{given!r} is not a number")
+        if types[name] == "str" and not isinstance(given, str):
+            raise InputError(f"{where}.{name}", f"{given!r} is not a string")
+        result[name] = {"int": int, "float": float}.get(types[name], lambda x: x)(given)
+    return result
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    "preview": {
+        "cycles": 3_000, "static_points": 10_000, "dynamic_points": 4_000, "init_frames": 6,
+        "max_static": 20_000, "max_dynamic": 8_000, "coarse_until": 0.4,
+    },
+    "standard": {},
+    "best": {
+        "cycles": 40_000, "static_points": 20_000, "dynamic_points": 10_000, "init_frames": 15,
+        "max_static": 120_000, "max_dynamic": 40_000, "coarse_until": 0.15,
+    },
+}  # fmt: skip
+"""What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
