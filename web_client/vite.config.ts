@@ -1,0 +1,16 @@
+import { defineConfig } from "vitest/config";
+
+// `npm run dev` serves the pages itself and forwards the API to a running `hgs serve`.
+const server = process.env.HGS_SERVER ?? "http://127.0.0.1:8000";
+
+export default defineConfig({
+  build: {
+    outDir: "../server/viewer",
+    emptyOutDir: true,
+    target: "es2022",
+    sourcemap: false,
+  },
+  worker: { format: "es" },
+  server: { proxy: { "/v1": { target: server, ws: true } } },
+  test: { include: ["tests/**/*.test.ts"], environment: "node" },
+});
