@@ -1,0 +1,104 @@
+"""Scene files: a trained `HybridScene` as .npz, float32, lossless.
+
+Entries: `format` (the version), `segments` [S, 2] (start and end of each segment, seconds), `static.<field>` and
+`segment<i>.<field>` with the fields and shapes of `StaticSplats` and `DynamicSplats`.
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.atomic import replacing
+from hgs_core.errors import InputError
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
+
+__all__ = ["load_scene", "save_scene"]
+
+FORMAT = 1
+
+Floats = NDArray[np.float32]
+
+
+def save_scene(path: Path, scene: HybridScene[Floats]) -> None:
+    """Write `scene` to `path` atomically; floats are stored as float32.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    entries: dict[str, NDArray[Any]] = {
+        "format": np.array(FORMAT, np.int64),
+        "segments": np.array([(s.start, s.end) for s in scene.segments], np.float64).reshape(-1, 2),
+    }
+    sets: list[tuple[str, StaticSplats[Floats] | DynamicSplats[Floats]]] = [("static", scene.static)]
+    sets += [(f"segment{i}", segment.dynamic) for i, segment in enumerate(scene.segments)]
+    for prefix, splats in sets:
+        for name, array in splats.items():
+            entries[f"{prefix}.{name}"] = np.asarray(array, np.float32)
+    with replacing(path) as file:
+        np.savez(cast(Any, file), **cast(Any, entries))
+
+
+def load_scene(path: Path) -> HybridScene[Floats]:
+    """Read what `save_scene` wrote; the same bits come back.
+
+    Raises:
+        InputError: the file is missing, unreadable, of another version, or an entry is missing or of the wrong shape.
+    """
+    try:
+        with path.open("rb") as file:
+            archive = np.load(file, allow_pickle=False)
+            entries = {name: archive[name] for name in archive.files} if hasattr(archive, "files") else {}
+    except FileNotFoundError as error:
+        raise InputError(path, "no such file", "train a scene first") from error
+    except (OSError, ValueError, EOFError, NotImplementedError, zipfile.BadZipFile, zlib.error) as error:
+        raise InputError(path, f"unreadable scene file ({error})", "train the scene again") from error
+    version = _entry(path, entries, "format", (), "i")
+    if int(version) != FORMAT:
+        raise InputError(path, f"format is {int(version)}, expected {FORMAT}", "use the version that wrote the file")
+    spans = _entry(path, entries, "segments", (-1, 2), "f")
+    if len(spans) == 0 or not np.isfinite(spans).all() or (spans[:, 1] < spans[:, 0]).any():
+        raise InputError(path, "segments are not spans of time with a start and a later end", "train the scene again")
+    static = StaticSplats(*_arrays(path, entries, "static", StaticSplats.empty()))
+    segments = tuple(
+        Segment(
+            float(start),
+            float(end),
+            DynamicSplats(*_arrays(path, entries, f"segment{i}", DynamicSplats.empty())),
+        )
+        for i, (start, end) in enumerate(spans)
+    )
+    return HybridScene(static, segments)
+
+
+def _arrays(
+    path: Path, entries: Mapping[str, NDArray[Any]], prefix: str, empty: StaticSplats[Floats] | DynamicSplats[Floats]
+) -> list[Floats]:
+    """Collect the arrays of one set; their row shapes are those of `empty`, and their lengths agree."""
+    count = -1
+    arrays: list[Floats] = []
+    for name, model in empty.items():
+        array = _entry(path, entries, f"{prefix}.{name}", (count, *model.shape[1:]), "f")
+        arrays.append(np.asarray(array, np.float32))
+        count = len(array)
+    return arrays
+
+
+def _entry(
+    path: Path, entries: Mapping[str, NDArray[Any]], name: str, shape: tuple[int, ...], kind: str
+) -> NDArray[Any]:
+    """Return an entry of the given kind of number and shape, in which -1 stands for any length."""
+    if name not in entries:
+        raise InputError(path, f"has no entry {name}", "give the scene.npz of a run")
+    array = entries[name]
+    fits = len(array.shape) == len(shape) and all(w in (-1, h) for h, w in zip(array.shape, shape, strict=True))
+    if array.dtype.kind != kind or not fits:
+        wanted = "x".join("N" if n == -1 else str(n) for n in shape) or "scalar"
+        raise InputError(path, f"entry {name} is {array.dtype} {array.shape}, expected {wanted} of kind {kind!r}")
+    return array

@@ -1,0 +1,53 @@
+"""The equations of time on numpy arrays: when a dynamic splat lives, and where it is (docs/numerics.md, "Time")."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.scene.splats import DynamicSplats
+
+__all__ = ["evaluate", "lifetime"]
+
+Doubles = NDArray[np.float64]
+
+
+def lifetime(dynamic: DynamicSplats[NDArray[np.floating[Any]]]) -> tuple[Doubles, Doubles]:
+    """Return the first and the last normalised time at which each splat's opacity is 1/255 or more, ([M], [M]).
+
+    |t - mu| <= sqrt(ln(255 sigma) / s). A splat with sigma < 1/255 never lives: its start is +inf and its end -inf.
+    Where s underflows to zero the splat always lives: (-inf, +inf).
+    """
+    logit = np.asarray(dynamic.opacity_logits, np.float64)
+    center = np.asarray(dynamic.time_centers, np.float64)
+    visibility = np.log(255.0) - np.logaddexp(0.0, -logit)  # ln(255 sigma)
+    with np.errstate(over="ignore"):
+        precision = np.exp(np.asarray(dynamic.time_log_precisions, np.float64))
+    visible = visibility >= 0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        radius = np.sqrt(np.where(visible, visibility, 0.0) / precision)
+    radius = np.where(precision == 0, np.inf, radius)
+    return np.where(visible, center - radius, np.inf), np.where(visible, center + radius, -np.inf)
+
+
+def evaluate(dynamic: DynamicSplats[NDArray[np.floating[Any]]], time: float) -> tuple[Doubles, Doubles, Doubles]:
+    """Return positions [M, 3], unit quaternions [M, 4] and opacities [M] at normalised `time`, in float64.
+
+    A rotation that passes through zero is the identity there.
+    """
+    d = time - np.asarray(dynamic.time_centers, np.float64)
+    motion = np.asarray(dynamic.motion, np.float64)
+    rotation = np.asarray(dynamic.rotation, np.float64)
+    step = d[:, None]
+    positions = motion[:, 0] + step * (motion[:, 1] + step * (motion[:, 2] + step * motion[:, 3]))
+    quats = rotation[:, 0] + step * rotation[:, 1]
+    norm = np.linalg.norm(quats, axis=1, keepdims=True)
+    still = norm < 1e-12  # |q|^2 < 1e-24
+    quats = np.where(still, (1.0, 0.0, 0.0, 0.0), quats / np.where(still, 1.0, norm))
+    sigma = np.exp(-np.logaddexp(0.0, -np.asarray(dynamic.opacity_logits, np.float64)))
+    log_precision = np.asarray(dynamic.time_log_precisions, np.float64)
+    with np.errstate(over="ignore", divide="ignore"):
+        fade = np.exp(-np.exp(log_precision + 2 * np.log(np.abs(d))))  # s d^2 without inf * 0
+    return positions, quats, sigma * fade
