@@ -1,0 +1,3 @@
+"""The C++17 CPU kernels and their bindings: rasterization, the training loss and Adam, on numpy arrays."""
+
+__all__: list[str] = []
