@@ -1,0 +1,5 @@
+"""Pictures of splats: one function, `rasterize`, and interchangeable backends that compute docs/numerics.md."""
+
+from hgs_core.render.types import Render, ScreenStatistics
+
+__all__ = ["Render", "ScreenStatistics"]

@@ -1,0 +1,70 @@
+"""The one way to draw splats, whatever computes it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+from torch import Tensor
+
+from hgs_core import native
+from hgs_core.camera import Camera
+from hgs_core.errors import InputError
+from hgs_core.render.cpu import rasterize_cpu
+from hgs_core.render.reference import rasterize_reference
+from hgs_core.render.types import Render, ScreenStatistics
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+__all__ = ["Gradients", "rasterize"]
+
+Gradients = Literal["all", "static", "dynamic", "none"]
+
+
+def rasterize(
+    static: StaticSplats[Tensor] | None,
+    dynamic: DynamicSplats[Tensor] | None,
+    camera: Camera,
+    time: float = 0.0,
+    *,
+    background: Sequence[float] = (0.0, 0.0, 0.0),
+    backend: str = "auto",
+    gradients: Gradients = "all",
+    tile_mask: npt.NDArray[np.bool_] | None = None,
+    statistics: ScreenStatistics | None = None,
+) -> Render:
+    """Draw static and dynamic splats as `camera` sees them at one moment.
+
+    Args:
+        static: splats that are always there, or None.
+        dynamic: splats evaluated at `time`, or None.
+        camera: the view and the size of the picture.
+        time: normalised time of the dynamic splats' segment.
+        background: colour behind everything, sRGB in [0, 1].
+        backend: "reference" (torch, any dtype and device), "cpu" (compiled, float32), or "auto": "cpu" where the
+            compiled library is there and the splats are float32 on the CPU.
+        gradients: which parameters the backward pass reaches; the others cost nothing.
+        tile_mask: [ceil(H/16), ceil(W/16)]; tiles that are False are not drawn: they show the background.
+        statistics: is added to when the backward pass runs; rows are statics, then dynamics.
+
+    Returns:
+        The picture and its coverage, differentiable towards the parameters that require gradients.
+
+    Raises:
+        InputError: an unknown backend.
+    """
+    if backend == "auto":
+        backend = "cpu" if native.available() and _fits_cpu(static, dynamic) else "reference"
+    if backend not in ("cpu", "reference"):
+        raise InputError("backend", f"unknown backend {backend!r}", "use auto, cpu or reference")
+    draw = rasterize_cpu if backend == "cpu" else rasterize_reference
+    return draw(
+        static, dynamic, camera, time,
+        background=background, gradients=gradients, tile_mask=tile_mask, statistics=statistics,
+    )  # fmt: skip
+
+
+def _fits_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None) -> bool:
+    arrays = [splats.rgb for splats in (static, dynamic) if splats is not None]
+    return all(array.device.type == "cpu" and str(array.dtype) == "torch.float32" for array in arrays)
