@@ -85,15 +85,18 @@ def test_a_stack_of_opaque_splats_stops_before_the_last_one_allowed() -> None:
     one = static_splats(1)
     stack = StaticSplats(
         torch.tensor([[0.0, 0.0, 2.0 + k] for k in range(8)], dtype=torch.float64),
-        torch.full((8, 3), 1.0, dtype=torch.float64),
+        torch.full((8, 3), 2.5, dtype=torch.float64),
         one.quats.expand(8, 4),
-        torch.full((8,), 9.0, dtype=torch.float64),
+        torch.full((8,), math.log(0.97 / 0.03), dtype=torch.float64),
         torch.eye(8, 3, dtype=torch.float64),
     )
     render = rasterize_reference(stack, None, camera())
-    # The second opaque splat would take T from 0.01 to 0.0001: it is not drawn.
-    assert render.alpha.max().item() == pytest.approx(0.99, abs=1e-12)
-    assert render.rgb[1].max().item() == 0.0
+    # T after two splats is about 1e-3; the third would take it below 1e-4 where it covers as much: it is not drawn.
+    row, column = divmod(int(render.rgb[0].argmax()), render.alpha.shape[1])
+    colour = render.rgb[:, row, column]
+    assert colour[0] > colour[1] > 0
+    assert colour[2] == 0
+    assert render.alpha[row, column] == pytest.approx(float(colour[0] + colour[1]), abs=1e-12)
 
 
 def test_background_shows_where_nothing_covers() -> None:
