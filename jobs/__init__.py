@@ -1,0 +1,1 @@
+"""The durable queue: job table, workflows, workers and the artifact store. Nothing here imports torch."""

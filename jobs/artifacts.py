@@ -1,0 +1,118 @@
+"""The artifact store: published scenes and their chunks, in a folder or an object store such as S3.
+
+Layout: `scenes/<scene id>/manifest.json`, `scenes/<scene id>/thumbnail.jpg` and `chunks/<sha256>`, the chunks shared by
+all scenes. Nothing that was published is ever overwritten.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+import obstore
+from obstore.exceptions import AlreadyExistsError
+from obstore.store import LocalStore, ObjectStore, from_url
+
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, ProgressCallback, silent
+
+__all__ = ["ArtifactStore", "SceneEntry"]
+
+_SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+_CHUNK_ID = re.compile(r"[0-9a-f]{64}")
+
+
+@dataclass(frozen=True)
+class SceneEntry:
+    """One published scene."""
+
+    id: str
+    published: datetime  # UTC
+
+
+class ArtifactStore:
+    """Published scenes. Reads return None for names that do not exist, malformed ones included.
+
+    Safe to use from several threads; every method blocks for its input and output.
+    """
+
+    def __init__(self, url: str) -> None:
+        """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows."""
+        self._store: ObjectStore
+        if url.startswith("file://"):
+            self._store = LocalStore.from_url(url, mkdir=True)
+        else:
+            self._store = from_url(url)
+
+    def put_scene(self, folder: Path, scene_id: str, progress: ProgressCallback = silent) -> None:
+        """Publish an encoded scene: its chunks, then the thumbnail, then the manifest.
+
+        The manifest comes last, so whoever sees the scene sees all of it. Publishing again does nothing.
+
+        Raises:
+            InputError: a malformed scene id, a folder without a manifest, or a chunk that is not what its name says.
+        """
+        if not _SCENE_ID.fullmatch(scene_id):
+            raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
+        manifest = folder / "manifest.json"
+        if not manifest.is_file():
+            raise InputError(manifest, "is missing", "encode the scene first")
+        chunks = sorted(path for path in (folder / "chunks").iterdir() if _CHUNK_ID.fullmatch(path.name))
+        for done, path in enumerate(chunks):
+            progress(Progress("publish", done, len(chunks) + 1))
+            data = path.read_bytes()
+            if hashlib.sha256(data).hexdigest() != path.name:
+                raise InputError(path, "its SHA-256 is not its name: the file is damaged", "encode the scene again")
+            self._create(f"chunks/{path.name}", data)
+        progress(Progress("publish", len(chunks), len(chunks) + 1))
+        thumbnail = folder / "thumbnail.jpg"
+        if thumbnail.is_file():
+            self._create(f"scenes/{scene_id}/thumbnail.jpg", thumbnail.read_bytes())
+        self._create(f"scenes/{scene_id}/manifest.json", manifest.read_bytes())
+        progress(Progress("publish", len(chunks) + 1, len(chunks) + 1))
+
+    def list_scenes(self) -> list[SceneEntry]:
+        """Return the published scenes, newest first."""
+        scenes = []
+        for page in obstore.list(self._store, prefix="scenes"):
+            for item in page:
+                parts = item["path"].split("/")
+                if len(parts) == 3 and parts[2] == "manifest.json" and _SCENE_ID.fullmatch(parts[1]):
+                    scenes.append(SceneEntry(parts[1], item["last_modified"]))
+        return sorted(scenes, key=lambda scene: (scene.published, scene.id), reverse=True)
+
+    def manifest(self, scene_id: str) -> bytes | None:
+        """Return the bytes of a scene's manifest.json."""
+        return self._get(f"scenes/{scene_id}/manifest.json") if _SCENE_ID.fullmatch(scene_id) else None
+
+    def thumbnail(self, scene_id: str) -> bytes | None:
+        """Return the bytes of a scene's JPEG thumbnail."""
+        return self._get(f"scenes/{scene_id}/thumbnail.jpg") if _SCENE_ID.fullmatch(scene_id) else None
+
+    def chunk(self, chunk_id: str) -> bytes | None:
+        """Return the bytes of the chunk with this SHA-256 (64 lower-case hexadecimal digits)."""
+        return self._get(f"chunks/{chunk_id}") if _CHUNK_ID.fullmatch(chunk_id) else None
+
+    def remove_scene(self, scene_id: str) -> None:
+        """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
+        if _SCENE_ID.fullmatch(scene_id):
+            for name in ("manifest.json", "thumbnail.jpg"):
+                try:
+                    obstore.delete(self._store, f"scenes/{scene_id}/{name}")
+                except FileNotFoundError:
+                    continue
+
+    def _create(self, path: str, data: bytes) -> None:
+        try:
+            obstore.put(self._store, path, data, mode="create")
+        except AlreadyExistsError:
+            return
+
+    def _get(self, path: str) -> bytes | None:
+        try:
+            return bytes(obstore.get(self._store, path).bytes())
+        except FileNotFoundError:
+            return None

@@ -1,0 +1,156 @@
+"""What the API and the command line use of the queue: submit, look at, cancel and retry jobs."""
+
+from __future__ import annotations
+
+import importlib
+import re
+import secrets
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import sqlalchemy as sa
+
+from jobs.database import create_engine, open_client, prepare_database
+from jobs.home import Home
+from jobs.store import Job, JobTable, metadata
+
+if TYPE_CHECKING:
+    from hgs_core.train.config import TrainConfig
+
+__all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "JobClient", "JobConflictError", "JobRequest", "workflow_id"]
+
+TRAINING_QUEUE = "training"
+TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
+
+
+class JobConflictError(Exception):
+    """The job is in a state that does not allow what was asked; the API answers 409."""
+
+
+@dataclass(frozen=True)
+class JobRequest:
+    """A capture to train with a config. The title is for people; it defaults to the capture's name."""
+
+    capture: Path
+    config: TrainConfig
+    title: str = ""
+
+
+class JobClient:
+    """A connection to the queue; it runs no job itself. Its methods block for one or two short transactions.
+
+    Creating one creates the home and the tables where they are missing. Safe to use from several threads.
+    """
+
+    def __init__(self, home: Home) -> None:
+        self.home = home
+        self._engine = create_engine(home)
+        prepare_database(home, self._engine, metadata)
+        self._table = JobTable(self._engine)
+        self._queue = open_client(home, self._engine)
+
+    def submit(self, request: JobRequest) -> str:
+        """Check the capture, create its run folder, queue the job and return the job's id.
+
+        Raises:
+            InputError: the capture or the config is unusable; nothing was written.
+        """
+        capture = request.capture.expanduser().resolve()
+        title = request.title.strip() or capture.name
+        job_id = _new_id(title)
+        run = self.home.run(job_id)
+        importlib.import_module(self.home.pipeline).create_run(run, capture, request.config)
+        job = Job(id=job_id, title=title, capture=str(capture), config=request.config.to_json())
+        try:
+            # One transaction: a job is in the table if and only if it is in the queue.
+            with self._engine.begin() as connection:
+                self._table.insert(connection, job)
+                self._enqueue(connection, job.id, job.attempt)
+        except BaseException:
+            shutil.rmtree(run, ignore_errors=True)
+            raise
+        return job_id
+
+    def get(self, job_id: str) -> Job | None:
+        """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
+        return self._table.get(job_id)
+
+    def list(self, limit: int = 100) -> list[Job]:
+        """Return the newest jobs, newest first."""
+        return self._table.newest(limit)
+
+    def cancel(self, job_id: str) -> Job:
+        """Cancel a job and return it as it then is; a finished job stays as it is.
+
+        The row says cancelled at once; the processes that work on the job are gone within seconds.
+
+        Raises:
+            KeyError: there is no such job.
+        """
+        job = self._known(job_id)
+        if not job.state.finished:
+            # The workflow first: if this process dies in between, a worker brings the row in line.
+            self._queue.cancel_workflow(workflow_id(job.id, job.attempt))
+            self._table.cancel(job.id, job.attempt)
+        return self._known(job_id)
+
+    def retry(self, job_id: str) -> Job:
+        """Queue a failed or cancelled job again; it goes on from what its run folder holds.
+
+        Raises:
+            KeyError: there is no such job.
+            JobConflictError: the job is queued, running or succeeded.
+        """
+        job = self._known(job_id)
+        with self._engine.begin() as connection:
+            if not self._table.requeue(connection, job.id, job.attempt):
+                raise JobConflictError(
+                    f"job {job_id} is {job.state.value}; only a failed or cancelled job can be retried"
+                )
+            self._enqueue(connection, job.id, job.attempt + 1)
+        return self._known(job_id)
+
+    def close(self) -> None:
+        """Close the connections."""
+        self._queue.destroy()
+        self._engine.dispose()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _known(self, job_id: str) -> Job:
+        job = self.get(job_id)
+        if job is None:
+            raise KeyError(job_id)
+        return job
+
+    def _enqueue(self, connection: sa.Connection, job_id: str, attempt: int) -> None:
+        self._queue.enqueue_in_transaction(
+            connection,
+            {
+                "queue_name": TRAINING_QUEUE,
+                "workflow_name": TRAIN_JOB,
+                "workflow_id": workflow_id(job_id, attempt),
+            },
+            job_id,
+            attempt,
+        )
+
+
+def workflow_id(job_id: str, attempt: int) -> str:
+    """Return the name of an attempt's workflow. A retry is a new workflow, so old outcomes are never rewritten."""
+    return f"{job_id}:{attempt}"
+
+
+def _new_id(title: str) -> str:
+    """Return a readable, unique id that is safe in URLs and file names, such as "studio-1f9c03ab"."""
+    slug = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:40].strip("-")
+    return f"{slug or 'job'}-{secrets.token_hex(4)}"

@@ -1,0 +1,64 @@
+"""Where one installation of the service keeps its database, its runs and its published scenes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+__all__ = ["Home"]
+
+
+@dataclass(frozen=True)
+class Home:
+    """The places that the API process, the workers and their stages agree on.
+
+    `folder` holds the runs and the locks; on several machines it must be a shared folder.
+    """
+
+    folder: Path
+    database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
+    store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
+    pipeline: str = "hgs_core.pipeline"  # the module that gives create_run, initialise, train and encode
+
+    @classmethod
+    def at(cls, folder: Path) -> Home:
+        """Return the home that keeps everything in `folder`."""
+        folder = folder.expanduser().resolve()
+        return cls(folder, f"sqlite:///{folder / 'jobs.sqlite'}", (folder / "store").as_uri())
+
+    @classmethod
+    def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL` and `HGS_PIPELINE`.
+
+        An empty variable counts as absent. A store given as a plain path becomes a file URL.
+        """
+        default = cls.at(Path(environment.get("HGS_HOME") or "~/.hgs"))
+        store_url = environment.get("HGS_STORE_URL") or default.store_url
+        if "://" not in store_url:
+            store_url = Path(store_url).expanduser().resolve().as_uri()
+        return cls(
+            default.folder,
+            environment.get("HGS_DATABASE_URL") or default.database_url,
+            store_url,
+            environment.get("HGS_PIPELINE") or default.pipeline,
+        )
+
+    def environment(self) -> dict[str, str]:
+        """Return the variables from which a child process reads this home again."""
+        return {
+            "HGS_HOME": str(self.folder),
+            "HGS_DATABASE_URL": self.database_url,
+            "HGS_STORE_URL": self.store_url,
+            "HGS_PIPELINE": self.pipeline,
+        }
+
+    @property
+    def runs(self) -> Path:
+        """The folder of the run folders."""
+        return self.folder / "runs"
+
+    def run(self, job_id: str) -> Path:
+        """Return the run folder of a job."""
+        return self.runs / job_id
