@@ -1,0 +1,120 @@
+/** What a chunk decodes to, and what a manifest says. Names follow the Python codec; units are those of docs/format.md. */
+
+/** Axis-aligned box in world units. */
+export interface Box {
+  readonly min: readonly [number, number, number];
+  readonly max: readonly [number, number, number];
+}
+
+interface ChunkCommon {
+  readonly count: number;
+  /** Seconds: the segment whose normalised time [0, 1] the splats use; [0, 0] in a static chunk. */
+  readonly timeRange: readonly [number, number];
+  /** Holds the centre of every splat whenever it can be seen. */
+  readonly box: Box;
+  /** [N * 3] natural logarithms of the standard deviations. */
+  readonly logScales: Float32Array;
+  /** [N] in [0, 1]; of dynamic splats the peak sigma. */
+  readonly opacities: Float32Array;
+  /** [N * 3] sRGB, nominally in [0, 1]. */
+  readonly rgb: Float32Array;
+}
+
+/** Splats that never change. */
+export interface StaticChunk extends ChunkCommon {
+  readonly kind: "static";
+  /** [N * 3] world units. */
+  readonly means: Float32Array;
+  /** [N * 4] unit quaternions w, x, y, z. */
+  readonly quats: Float32Array;
+}
+
+/** Splats that move: the equations are in docs/numerics.md, "Time". */
+export interface DynamicChunk extends ChunkCommon {
+  readonly kind: "dynamic";
+  /** [N * 4 * 3] position polynomial in d = t - timeCenters, constant first, x y z each. */
+  readonly motion: Float32Array;
+  /** [N * 2 * 4] rotation polynomial in d, w x y z each; the constant is a unit quaternion. */
+  readonly rotation: Float32Array;
+  /** [N] normalised time. */
+  readonly timeCenters: Float32Array;
+  /** [N] ln s, s in 1 / normalised time squared. */
+  readonly timeLogPrecisions: Float32Array;
+}
+
+export type DecodedChunk = StaticChunk | DynamicChunk;
+
+/** A camera of the capture: OpenCV axes, pixel centres at +0.5. */
+export interface ManifestCamera {
+  readonly name: string;
+  readonly width: number;
+  readonly height: number;
+  readonly fx: number;
+  readonly fy: number;
+  readonly cx: number;
+  readonly cy: number;
+  /** 4 rows of 4. */
+  readonly worldToCamera: readonly (readonly number[])[];
+}
+
+/** A chunk as the manifest lists it. */
+export interface ChunkEntry {
+  /** SHA-256 of the chunk's bytes, lower-case hex. */
+  readonly id: string;
+  readonly bytes: number;
+  readonly splats: number;
+  readonly box: Box;
+}
+
+export interface SegmentEntry {
+  /** Seconds. */
+  readonly start: number;
+  readonly end: number;
+}
+
+/** A stretch of a segment: at any moment of it, the living dynamic splats are in `chunks` and `needs`. */
+export interface SliceEntry {
+  /** Index into the manifest's segments. */
+  readonly segment: number;
+  /** Seconds; a slice is shown for start <= time < end, the last one also at its end. */
+  readonly start: number;
+  readonly end: number;
+  /** Chunks whose splats are first alive in this slice. */
+  readonly chunks: readonly ChunkEntry[];
+  /** Ids of chunks of earlier slices with splats that are still alive in this one. */
+  readonly needs: readonly string[];
+}
+
+export interface Totals {
+  readonly splatsStatic: number;
+  readonly splatsDynamic: number;
+  readonly bytesStatic: number;
+  readonly bytesDynamic: number;
+}
+
+export interface Manifest {
+  readonly version: 1;
+  readonly title: string;
+  /** Seconds of the capture's clock. */
+  readonly start: number;
+  readonly end: number;
+  /** Frames per second, above 0. */
+  readonly frameRate: number;
+  readonly background: readonly [number, number, number];
+  /** Unit vector, world. */
+  readonly up: readonly [number, number, number];
+  /** Point that an orbit camera turns about, world. */
+  readonly center: readonly [number, number, number];
+  /** Typical distance of the capture's cameras from `center`, world units, above 0. */
+  readonly extent: number;
+  readonly cameras: readonly ManifestCamera[];
+  readonly segments: readonly SegmentEntry[];
+  /** Static chunks, most useful first: any prefix draws. */
+  readonly static: readonly ChunkEntry[];
+  /** In order of time. */
+  readonly slices: readonly SliceEntry[];
+  readonly totals: Totals;
+  /** True if thumbnail.jpg lies beside the manifest. */
+  readonly thumbnail: boolean;
+  readonly training: Readonly<Record<string, unknown>>;
+}
