@@ -1,0 +1,69 @@
+"""The ASGI application: `create_app` puts the service and its routes together."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+from fastapi import FastAPI
+from starlette.middleware.cors import CORSMiddleware
+
+from jobs.artifacts import ArtifactStore
+from jobs.client import JobClient
+from jobs.home import Home
+from server.capture_folders import CaptureFolders
+from server.chunk_cache import ChunkCache
+from server.problems import install_problem_handlers
+from server.routes import chunks, health, jobs, scenes, stream
+from server.service import Artifacts, Jobs, Service
+from server.viewer import VIEWER, viewer_router
+
+__all__ = ["create_app"]
+
+
+def create_app(
+    home: Home,
+    *,
+    captures: CaptureFolders | None = None,
+    origins: Iterable[str] = (),
+    job_client: Jobs | None = None,
+    artifacts: Artifacts | None = None,
+    viewer: Path = VIEWER,
+) -> FastAPI:
+    """Return the application that serves `home`; creates the home and its tables where they are missing.
+
+    `captures` are the folders that jobs may read, `origins` the pages of other hosts that may read scenes and chunks
+    (`*` for all). The queue, the store and the folder of the built viewer can be replaced, as tests do.
+    """
+    store = artifacts or ArtifactStore(home.store_url)
+    service = Service(
+        jobs=job_client or JobClient(home),
+        artifacts=store,
+        chunks=ChunkCache(store.chunk),
+        captures=captures or CaptureFolders.configured(home.folder),
+        origins=frozenset(origins),
+    )
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        yield
+        service.stopping.set()
+        service.jobs.close()
+
+    app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
+    app.state.service = service
+    install_problem_handlers(app)
+    if service.origins:
+        app.add_middleware(
+            CORSMiddleware,
+            allow_origins=sorted(service.origins),
+            allow_methods=["GET", "HEAD"],
+            allow_headers=["If-None-Match", "If-Range", "Range"],
+            expose_headers=["Content-Range", "ETag"],
+            max_age=3600,
+        )
+    for module in (health, jobs, scenes, chunks, stream):
+        app.include_router(module.router)
+    app.include_router(viewer_router(viewer))
+    return app

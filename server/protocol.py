@@ -1,0 +1,273 @@
+"""The messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
+
+A control message is one msgpack map whose `type` names its dataclass; a chunk frame is a fixed header and raw bytes.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+import msgpack
+
+__all__ = [
+    "CHUNK_FRAME",
+    "DEFAULT_RATE",
+    "HEADER_BYTES",
+    "MAX_BALANCE",
+    "MAX_HAVE",
+    "MAX_MESSAGE_BYTES",
+    "MAX_PAYLOAD",
+    "MAX_RATE",
+    "MIN_PAYLOAD",
+    "PROTOCOL_VERSION",
+    "ClientMessage",
+    "Credit",
+    "End",
+    "Error",
+    "Hello",
+    "Pause",
+    "Ping",
+    "Play",
+    "Pong",
+    "ProtocolError",
+    "Seek",
+    "ServerMessage",
+    "SliceSent",
+    "Welcome",
+    "chunk_header",
+    "decode",
+    "encode",
+]
+
+PROTOCOL_VERSION = 1
+
+MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
+MAX_HAVE = 1 << 14  # chunk ids
+MAX_BALANCE = 1 << 26  # bytes of credit
+MAX_RATE = 16.0  # scene seconds per second
+MAX_PAYLOAD = 1 << 16  # bytes in one chunk frame: a seek waits for at most one of them
+MIN_PAYLOAD = 1 << 12  # smaller pieces would spend the line on headers
+DEFAULT_RATE = 1.0
+
+CHUNK_FRAME = 0x01  # first byte of a chunk frame; no msgpack map begins with it
+_HEADER = struct.Struct("<B3xII4x32s")  # type, offset, size of the chunk, chunk id
+HEADER_BYTES = _HEADER.size
+
+
+class ProtocolError(Exception):
+    """The client broke the protocol; the connection closes with `close_code` after an `error` message."""
+
+    def __init__(self, close_code: int, code: str, detail: str) -> None:
+        """Keep the WebSocket close code, the error code and one line for people."""
+        self.close_code = close_code
+        self.code = code
+        self.detail = detail
+        super().__init__(detail)
+
+
+@dataclass(frozen=True)
+class Hello:
+    """The client's first message."""
+
+    type: ClassVar[str] = "hello"
+    protocol: int
+    credits: int  # bytes: the first grant
+    have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
+    time: float | None = None  # seconds; None is the scene's start
+    rate: float = DEFAULT_RATE  # scene seconds per second
+
+
+@dataclass(frozen=True)
+class Credit:
+    """A grant of `bytes` more of chunk frames, headers included."""
+
+    type: ClassVar[str] = "credit"
+    bytes: int
+
+
+@dataclass(frozen=True)
+class Seek:
+    """Move the playhead to `time` seconds and send what is alive there first."""
+
+    type: ClassVar[str] = "seek"
+    time: float
+
+
+@dataclass(frozen=True)
+class Play:
+    """The playhead runs from `time` seconds at `rate`."""
+
+    type: ClassVar[str] = "play"
+    time: float
+    rate: float
+
+
+@dataclass(frozen=True)
+class Pause:
+    """The playhead stands at `time` seconds."""
+
+    type: ClassVar[str] = "pause"
+    time: float
+
+
+@dataclass(frozen=True)
+class Ping:
+    """Answered at once by a `Pong` of the same id."""
+
+    type: ClassVar[str] = "ping"
+    id: int
+
+
+@dataclass(frozen=True)
+class Welcome:
+    """Answers `Hello`: the manifest's exact bytes and the sum of the sizes of the chunks to come."""
+
+    type: ClassVar[str] = "welcome"
+    protocol: int
+    scene: str
+    manifest: bytes
+    remaining: int
+
+
+@dataclass(frozen=True)
+class SliceSent:
+    """Every chunk of the slice `index`, [start, end] in seconds, has been sent or was in the have-list."""
+
+    type: ClassVar[str] = "slice"
+    index: int
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class Pong:
+    """Answers `Ping`."""
+
+    type: ClassVar[str] = "pong"
+    id: int
+
+
+@dataclass(frozen=True)
+class End:
+    """The client has the whole scene; `bytes` of chunks were sent on this connection."""
+
+    type: ClassVar[str] = "end"
+    bytes: int
+
+
+@dataclass(frozen=True)
+class Error:
+    """Why the connection is about to be closed."""
+
+    type: ClassVar[str] = "error"
+    code: str
+    detail: str
+
+
+ClientMessage = Hello | Credit | Seek | Play | Pause | Ping
+ServerMessage = Welcome | SliceSent | Pong | End | Error
+
+
+def encode(message: ServerMessage | ClientMessage) -> bytes:
+    """Return the message as msgpack; fields that are None are left out."""
+    fields = {name: value for name, value in asdict(message).items() if value is not None}
+    if isinstance(message, Hello):
+        fields["have"] = sorted(message.have)
+    packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
+    return packed
+
+
+def decode(message: bytes) -> ClientMessage:
+    """Read a client's control message.
+
+    Raises:
+        ProtocolError: too large, not a msgpack map, an unknown type, or a field that is missing or out of range.
+    """
+    if len(message) > MAX_MESSAGE_BYTES:
+        raise ProtocolError(1009, "message-too-large", f"{len(message)} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
+    try:
+        fields = msgpack.unpackb(message, raw=False, strict_map_key=True, max_ext_len=0)
+    except (ValueError, UnicodeDecodeError) as error:  # msgpack's own exceptions are ValueErrors
+        raise _malformed(f"not one msgpack value: {type(error).__name__}") from error
+    if not isinstance(fields, dict):
+        raise _malformed(f"a {type(fields).__name__} instead of a map")
+    kind = fields.get("type")
+    reader = _READERS.get(kind) if isinstance(kind, str) else None
+    if reader is None:
+        raise _malformed(f"unknown type {kind!r:.80}")
+    return reader(fields)
+
+
+def chunk_header(chunk: bytes, offset: int, size: int) -> bytes:
+    """Return the header of a frame that carries bytes from `offset` of the chunk of `size` bytes and 32-byte id."""
+    return _HEADER.pack(CHUNK_FRAME, offset, size, chunk)
+
+
+def _malformed(detail: str) -> ProtocolError:
+    return ProtocolError(4000, "malformed", detail)
+
+
+def _uint(fields: Mapping[str, Any], name: str) -> int:
+    value = _required(fields, name)
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        raise _malformed(f"{fields['type']}.{name}: {value!r:.80} is not an unsigned integer")
+    return value
+
+
+def _number(fields: Mapping[str, Any], name: str) -> float:
+    value = _required(fields, name)
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        raise _malformed(f"{fields['type']}.{name}: {value!r:.80} is not a finite number")
+    return float(value)
+
+
+def _rate(fields: Mapping[str, Any]) -> float:
+    rate = _number(fields, "rate")
+    if not 0 <= rate <= MAX_RATE:
+        raise _malformed(f"{fields['type']}.rate: {rate} is not between 0 and {MAX_RATE:g}")
+    return rate
+
+
+def _required(fields: Mapping[str, Any], name: str) -> Any:
+    if name not in fields:
+        raise _malformed(f"{fields['type']}.{name} is missing")
+    return fields[name]
+
+
+def _have(fields: Mapping[str, Any]) -> frozenset[bytes]:
+    value = fields.get("have", [])
+    if not isinstance(value, list) or len(value) > MAX_HAVE:
+        raise _malformed(f"hello.have is not a list of at most {MAX_HAVE} chunk ids")
+    if not all(isinstance(chunk, bytes) and len(chunk) == 32 for chunk in value):
+        raise _malformed("hello.have: an id is not 32 bytes of binary")
+    return frozenset(value)
+
+
+def _hello(fields: Mapping[str, Any]) -> Hello:
+    # The version comes first: another version may define the other fields differently.
+    version = _uint(fields, "protocol")
+    if version != PROTOCOL_VERSION:
+        raise ProtocolError(
+            4001, "protocol-unsupported", f"protocol {version}; this server speaks {PROTOCOL_VERSION} alone"
+        )
+    return Hello(
+        protocol=version,
+        credits=_uint(fields, "credits"),
+        have=_have(fields),
+        time=_number(fields, "time") if "time" in fields else None,
+        rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
+    )
+
+
+_READERS: dict[str, Callable[[Mapping[str, Any]], ClientMessage]] = {
+    Hello.type: _hello,
+    Credit.type: lambda fields: Credit(_uint(fields, "bytes")),
+    Seek.type: lambda fields: Seek(_number(fields, "time")),
+    Play.type: lambda fields: Play(_number(fields, "time"), _rate(fields)),
+    Pause.type: lambda fields: Pause(_number(fields, "time")),
+    Ping.type: lambda fields: Ping(_uint(fields, "id")),
+}

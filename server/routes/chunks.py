@@ -1,0 +1,29 @@
+"""`/v1/chunks`: immutable bytes, named by their SHA-256."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+
+from server.conditional import respond
+from server.problems import ProblemError
+from server.service import ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter()
+
+
+@router.api_route("/v1/chunks/{chunk_id}", methods=["GET", "HEAD"])
+async def chunk(request: Request, chunk_id: str, service: ServiceDep) -> Response:
+    """Serve a chunk, whole or in part."""
+    data = await service.chunks.get(chunk_id)
+    if data is None:
+        raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: no such chunk")
+    return respond(
+        request,
+        data,
+        "application/octet-stream",
+        etag=f'"{chunk_id}"',
+        cache_control="public, max-age=31536000, immutable",
+        ranges=True,
+    )

@@ -1,0 +1,124 @@
+"""`/v1/jobs`: submit captures, look at jobs, follow them, cancel and retry them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse, StreamingResponse
+from pydantic import BaseModel, ConfigDict, Field, StrictStr
+from starlette.concurrency import run_in_threadpool
+
+from hgs_core.errors import InputError
+from hgs_core.train.config import TrainConfig
+from jobs.client import JobConflictError, JobRequest
+from jobs.store import Job, JobState
+from server.job_events import describe_job, job_events, revision
+from server.problems import ProblemError
+from server.request_body import read_json
+from server.service import Service, ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/jobs")
+
+
+class Submission(BaseModel):
+    """The body of `POST /v1/jobs`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    capture: StrictStr = Field(min_length=1, max_length=4096)
+    title: StrictStr = Field(default="", max_length=200)
+    preset: StrictStr = "standard"
+    hold_out: list[StrictStr] = Field(default=[], max_length=1000)
+    config: dict[str, Any] = {}
+
+
+@router.post("")
+async def submit(request: Request, service: ServiceDep) -> Response:
+    """Queue a job."""
+    _require_same_site(request, service)
+    submission = await read_json(request, Submission)
+    job = await run_in_threadpool(_submit, service, submission)
+    return JSONResponse(describe_job(job), 201, {"Location": f"/v1/jobs/{job.id}"})
+
+
+@router.api_route("", methods=["GET", "HEAD"])
+def list_jobs(service: ServiceDep) -> dict[str, Any]:
+    """List the jobs, newest first."""
+    return {"jobs": [describe_job(job) for job in service.jobs.list()]}
+
+
+@router.api_route("/{job_id}", methods=["GET", "HEAD"])
+def get_job(job_id: str, service: ServiceDep) -> dict[str, Any]:
+    """Describe one job."""
+    return describe_job(_known(service, job_id))
+
+
+@router.get("/{job_id}/events")
+async def events(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Follow one job until it is finished."""
+    job = await run_in_threadpool(_known, service, job_id)
+    if job.state.finished and request.headers.get("Last-Event-ID") == revision(job):
+        return Response(status_code=204)
+    stream = job_events(service.jobs, job, service.stopping)
+    return StreamingResponse(stream, media_type="text/event-stream", headers={"Cache-Control": "no-store"})
+
+
+@router.post("/{job_id}/cancel", status_code=202)
+def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
+    """Cancel a job."""
+    _require_same_site(request, service)
+    _known(service, job_id)
+    job = service.jobs.cancel(job_id)
+    if job.state is not JobState.CANCELLED:
+        raise ProblemError(409, "job-finished", f"job {job_id}: {job.state.value}; a finished job cannot be cancelled")
+    return describe_job(job)
+
+
+@router.post("/{job_id}/retry", status_code=202)
+def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
+    """Queue a failed or cancelled job again; it goes on from its last checkpoint."""
+    _require_same_site(request, service)
+    _known(service, job_id)
+    try:
+        return describe_job(service.jobs.retry(job_id))
+    except JobConflictError as error:
+        raise ProblemError(409, "job-not-retriable", str(error)) from error
+
+
+def _submit(service: Service, submission: Submission) -> Job:
+    overrides = {**submission.config, "hold_out": submission.hold_out}
+    for name in ("preset", "hold_out"):
+        if name in submission.config:
+            raise ProblemError(
+                422, "config-invalid", f"config.{name}: give {name} beside config", field=f"config.{name}"
+            )
+    try:
+        config = TrainConfig.for_preset(submission.preset, **overrides)
+    except InputError as error:
+        field = error.where if error.where != "config.hold_out" else "hold_out"
+        raise ProblemError(422, "config-invalid", str(error), field=field) from error
+    try:
+        capture: Path = service.captures.locate(submission.capture)
+        job_id = service.jobs.submit(JobRequest(capture, config, submission.title))
+    except InputError as error:
+        code = "config-invalid" if error.where.startswith("config") else "capture-invalid"
+        raise ProblemError(422, code, str(error)) from error
+    return _known(service, job_id)
+
+
+def _known(service: Service, job_id: str) -> Job:
+    job = service.jobs.get(job_id)
+    if job is None:
+        raise ProblemError(404, "job-not-found", f"job {job_id}: no such job")
+    return job
+
+
+def _require_same_site(request: Request, service: Service) -> None:
+    if not service.same_site(request):
+        raise ProblemError(
+            403, "origin-not-allowed", f"a page of {request.headers['Origin']} may not change jobs on this server"
+        )

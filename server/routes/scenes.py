@@ -1,0 +1,45 @@
+"""`/v1/scenes`: what has been published."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from server.conditional import entity_tag, respond
+from server.problems import ProblemError
+from server.service import ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/scenes")
+
+
+@router.api_route("", methods=["GET", "HEAD"])
+def scenes(service: ServiceDep) -> dict[str, Any]:
+    """List the published scenes, newest first."""
+    return {"scenes": service.scenes()}
+
+
+@router.api_route("/{scene_id}", methods=["GET", "HEAD"])
+def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
+    """Describe one scene."""
+    return service.describe(scene_id)
+
+
+@router.api_route("/{scene_id}/manifest", methods=["GET", "HEAD"])
+def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
+    """Serve the manifest's exact bytes."""
+    body = service.artifacts.manifest(scene_id)
+    if body is None:
+        raise ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")
+    return respond(request, body, "application/json", etag=entity_tag(body), cache_control="no-cache")
+
+
+@router.api_route("/{scene_id}/thumbnail", methods=["GET", "HEAD"])
+def thumbnail(request: Request, scene_id: str, service: ServiceDep) -> Response:
+    """Serve the picture that stands for the scene."""
+    body = service.artifacts.thumbnail(scene_id)
+    if body is None:
+        raise ProblemError(404, "thumbnail-not-found", f"scene {scene_id}: no such scene, or it has no thumbnail")
+    return respond(request, body, "image/jpeg", etag=entity_tag(body), cache_control="no-cache")

@@ -1,0 +1,278 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import msgpack
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from server.protocol import (
+    HEADER_BYTES,
+    MAX_BALANCE,
+    MAX_PAYLOAD,
+    MIN_PAYLOAD,
+    Credit,
+    Hello,
+    Pause,
+    Ping,
+    Play,
+    ProtocolError,
+    Seek,
+    encode,
+)
+from server.scene_index import Chunk, SceneIndex
+from server.stream_session import ChunkPart, Playhead, StreamSession
+
+MakeScene = Callable[..., SceneIndex]
+WINDOW = 1 << 24
+THREE_SLICES = [(0.0, 1.0, [1000, 2000]), (1.5, 2.0, [3000]), (2.5, 3.0, [4000])]
+
+
+def drain(session: StreamSession, clock: float = 0.0) -> list[Any]:
+    """Take all there is: control messages as dicts, chunk frames as ChunkParts."""
+    items: list[Any] = []
+    while (item := session.take(clock)) is not None:
+        items.append(msgpack.unpackb(item) if isinstance(item, bytes) else item)
+    return items
+
+
+def start(scene: SceneIndex, **fields: Any) -> StreamSession:
+    session = StreamSession(scene)
+    session.receive(encode(Hello(**{"protocol": 1, "credits": WINDOW} | fields)), 0.0)
+    return session
+
+
+def chunks_of(items: list[Any]) -> list[Chunk]:
+    return [item.chunk for item in items if isinstance(item, ChunkPart)]
+
+
+def marks_of(items: list[Any]) -> list[int]:
+    return [item["index"] for item in items if isinstance(item, dict) and item["type"] == "slice"]
+
+
+def step(session: StreamSession, frames: int, clock: float = 0.0) -> list[ChunkPart]:
+    """Take until that many chunk frames have come."""
+    parts: list[ChunkPart] = []
+    while len(parts) < frames:
+        item = session.take(clock)
+        assert item is not None
+        if isinstance(item, ChunkPart):
+            parts.append(item)
+    return parts
+
+
+def test_nothing_is_said_before_hello(make_scene: MakeScene) -> None:
+    assert StreamSession(make_scene([10], [])).take(0.0) is None
+
+
+def test_welcome_carries_the_manifest_and_what_remains(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], THREE_SLICES)
+    welcome = drain(start(scene, have=frozenset({scene.static[1].id})))[0]
+    assert welcome == {
+        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": scene.manifest, "remaining": 10_010,
+    }  # fmt: skip
+
+
+def test_statics_in_layer_order_then_slices_with_markers_then_end(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], THREE_SLICES)
+    items = drain(start(scene))
+    assert chunks_of(items) == [*scene.static, *(chunk for piece in scene.slices for chunk in piece.chunks)]
+    assert marks_of(items) == [0, 1, 2]
+    assert items[5] == {"type": "slice", "index": 0, "start": 0.0, "end": 1.0}
+    assert items[-1] == {"type": "end", "bytes": 10_030}
+
+
+def test_slices_begin_at_the_playhead_and_wrap_around(make_scene: MakeScene) -> None:
+    assert marks_of(drain(start(make_scene([10], THREE_SLICES), time=1.6))) == [1, 2, 0]
+
+
+def test_slices_that_the_playhead_has_passed_wait_for_the_next_turn(make_scene: MakeScene) -> None:
+    session = start(make_scene([], THREE_SLICES))
+    step(session, 1)
+    # Slice 0 has begun and is finished; the playhead is then in slice 2.
+    assert marks_of(drain(session, clock=2.6)) == [0, 2, 1]
+
+
+def test_paused_playhead_passes_nothing(make_scene: MakeScene) -> None:
+    session = start(make_scene([], THREE_SLICES))
+    session.receive(encode(Pause(0.5)), 0.0)
+    assert marks_of(drain(session, clock=2.6)) == [0, 1, 2]
+
+
+def test_play_moves_the_playhead_and_drops_nothing(make_scene: MakeScene) -> None:
+    scene = make_scene([], THREE_SLICES)
+    session = start(scene, rate=0.0)
+    first = step(session, 1)
+    session.receive(encode(Play(2.5, 1.0)), 0.0)
+    rest = drain(session)
+    assert marks_of(rest) == [0, 2, 1]
+    assert len({part.chunk.id for part in [*first, *rest] if isinstance(part, ChunkPart)}) == len(scene.sizes)
+
+
+def test_seek_sends_what_is_alive_first_then_statics_and_slices_in_turn(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20, 30], [(0.0, 1.0, [1000]), (1.0, 2.0, [2000, 2100]), (2.0, 3.0, [3000])])
+    session = start(scene)
+    step(session, 1)
+    session.receive(encode(Seek(1.5)), 0.0)
+    order = [chunk.size for chunk in chunks_of(drain(session))]
+    assert order == [2000, 2100, 20, 3000, 30, 1000]
+
+
+def test_seek_resumes_a_chunk_that_was_sent_in_part(make_scene: MakeScene) -> None:
+    scene = make_scene([3 * MAX_PAYLOAD], THREE_SLICES)
+    session = start(scene)
+    assert step(session, 1)[0].offset == 0
+    session.receive(encode(Seek(2.7)), 0.0)
+    rest = [item for item in drain(session) if isinstance(item, ChunkPart)]
+    assert rest[0].chunk == scene.slices[2].chunks[0]
+    assert [part.offset for part in rest if part.chunk == scene.static[0]] == [MAX_PAYLOAD, 2 * MAX_PAYLOAD]
+
+
+def test_seek_into_a_complete_slice_marks_it_again(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], THREE_SLICES))
+    drain(session)
+    session.receive(encode(Seek(0.5)), 0.0)
+    assert drain(session) == [{"type": "slice", "index": 0, "start": 0.0, "end": 1.0}]
+
+
+def test_seek_is_clamped_to_the_scene(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], THREE_SLICES), credits=0)
+    session.receive(encode(Seek(1e9)), 0.0)
+    session.receive(encode(Credit(WINDOW)), 0.0)
+    assert marks_of(drain(session))[0] == 2
+
+
+def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], THREE_SLICES)
+    have = frozenset({scene.static[0].id, scene.slices[1].chunks[0].id, b"\0" * 32})
+    items = drain(start(scene, have=have))
+    assert not {chunk.id for chunk in chunks_of(items)} & have
+    assert marks_of(items) == [0, 1, 2]
+
+
+def test_full_have_list_gets_markers_and_end_without_credit(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], THREE_SLICES)
+    items = drain(start(scene, have=frozenset(scene.sizes), credits=0))
+    assert [item["type"] for item in items] == ["welcome", "slice", "slice", "slice", "end"]
+
+
+def test_still_scene_ends_after_its_statics(make_scene: MakeScene) -> None:
+    items = drain(start(make_scene([10], [])))
+    assert items[-1] == {"type": "end", "bytes": 10}
+
+
+def test_chunk_of_two_slices_is_sent_once(make_scene: MakeScene) -> None:
+    scene = make_scene([], [(0.0, 1.0, [1000]), (1.0, 2.0, [2000])])
+    shared = scene.slices[0].chunks[0]
+    twice = type(scene)("studio", b"{}", 0.0, 2.0, (), (scene.slices[0], type(scene.slices[1])(1.0, 2.0, (shared,))))
+    items = drain(start(twice))
+    assert chunks_of(items) == [shared]
+    assert marks_of(items) == [0, 1]
+
+
+def test_ping_is_answered_before_the_next_frame(make_scene: MakeScene) -> None:
+    session = start(make_scene([10, 20], []))
+    step(session, 1)
+    session.receive(encode(Ping(7)), 0.0)
+    assert drain(session)[0] == {"type": "pong", "id": 7}
+
+
+def test_no_credit_no_frames(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], []), credits=0)
+    assert [item["type"] for item in drain(session)] == ["welcome"]
+
+
+def test_least_balance_that_always_lets_a_frame_through(make_scene: MakeScene) -> None:
+    session = start(make_scene([10_000], []), credits=MIN_PAYLOAD + HEADER_BYTES - 1)
+    assert len(drain(session)) == 1
+    session.receive(encode(Credit(1)), 0.0)
+    (part,) = drain(session)
+    assert (part.offset, part.length) == (0, MIN_PAYLOAD)
+
+
+def test_credit_overflow_is_refused(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], []), credits=MAX_BALANCE)
+    with pytest.raises(ProtocolError) as caught:
+        session.receive(encode(Credit(1)), 0.0)
+    assert (caught.value.close_code, caught.value.code) == (4009, "credit-overflow")
+
+
+@pytest.mark.parametrize("first", [Credit(1), Seek(0.0), Ping(1), Play(0.0, 1.0), Pause(0.0)])
+def test_hello_comes_first(make_scene: MakeScene, first: Any) -> None:
+    with pytest.raises(ProtocolError, match="hello"):
+        StreamSession(make_scene([10], [])).receive(encode(first), 0.0)
+
+
+def test_hello_comes_once(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], []))
+    with pytest.raises(ProtocolError, match="hello"):
+        session.receive(encode(Hello(1, 0)), 0.0)
+
+
+def test_playhead_wraps_as_a_looping_player_does() -> None:
+    playhead = Playhead(start=10.0, end=14.0, time=10.0)
+    playhead.set(13.0, clock=100.0, rate=2.0)
+    assert playhead.at(100.5) == 14.0
+    assert playhead.at(101.0) == 11.0
+    playhead.set(99.0, clock=101.0)
+    assert playhead.at(101.0) == 14.0
+
+
+def test_playhead_of_a_moment_stands() -> None:
+    assert Playhead(start=1.0, end=1.0, time=1.0).at(5.0) == 1.0
+
+
+ACTIONS = st.one_of(
+    st.builds(Credit, st.integers(0, 200_000)),
+    st.builds(Seek, st.floats(-1, 4)),
+    st.builds(Play, st.floats(-1, 4), st.floats(0, 16)),
+    st.builds(Pause, st.floats(-1, 4)),
+    st.just(None),  # time passes and a frame is taken
+)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    static=st.lists(st.integers(1, 200_000), max_size=4),
+    sizes=st.lists(st.lists(st.integers(1, 100_000), max_size=3), min_size=1, max_size=4),
+    credit=st.integers(0, 100_000),
+    actions=st.lists(ACTIONS, max_size=40),
+)
+def test_credits_are_never_exceeded_and_every_byte_comes_once(
+    make_scene: MakeScene, static: list[int], sizes: list[list[int]], credit: int, actions: list[Any]
+) -> None:
+    scene = make_scene(static, [(k * 0.75, k * 0.75 + 1.0, chunk_sizes) for k, chunk_sizes in enumerate(sizes)])
+    session = start(scene, credits=credit)
+    granted, sent, clock = credit, 0, 0.0
+    received: dict[bytes, int] = {}
+
+    def take() -> Any:
+        nonlocal sent
+        item = session.take(clock)
+        if isinstance(item, ChunkPart):
+            sent += HEADER_BYTES + item.length
+            assert item.offset == received.get(item.chunk.id, 0)
+            assert 1 <= item.length <= MAX_PAYLOAD
+            received[item.chunk.id] = item.offset + item.length
+            assert received[item.chunk.id] <= item.chunk.size
+        elif item is not None and (message := msgpack.unpackb(item))["type"] == "slice":
+            assert all(received[chunk.id] == chunk.size for chunk in scene.slices[message["index"]].chunks)
+        assert sent <= granted
+        assert session.balance == granted - sent
+        return item
+
+    for action in actions:
+        if isinstance(action, Credit):
+            granted += action.bytes
+        if action is not None:
+            session.receive(encode(action), clock)
+        clock += 0.1
+        take()
+    while granted - sent < MAX_BALANCE // 2:
+        session.receive(encode(Credit(1 << 20)), clock)
+        granted += 1 << 20
+    while take() is not None:
+        pass
+    assert received == dict(scene.sizes)
