@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core import native
 from hgs_core.camera import Camera
 from hgs_core.errors import InputError
+from hgs_core.native import library
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import Render, ScreenStatistics
@@ -55,7 +55,7 @@ def rasterize(
         InputError: an unknown backend.
     """
     if backend == "auto":
-        backend = "cpu" if native.available() and _fits_cpu(static, dynamic) else "reference"
+        backend = "cpu" if library.available() and _fits_cpu(static, dynamic) else "reference"
     if backend not in ("cpu", "reference"):
         raise InputError("backend", f"unknown backend {backend!r}", "use auto, cpu or reference")
     draw = rasterize_cpu if backend == "cpu" else rasterize_reference

@@ -60,12 +60,10 @@ def _tracked(splats: S, wanted: bool) -> S:
     return splats if wanted else splats.map(Tensor.detach)
 
 
-def _collect(
-    statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gradients: str, statics: int
-) -> None:
+def _collect(statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gradients: str, statics: int) -> None:
     """Add to the statistics when the gradient of the screen positions passes by."""
     wanted = (rows < statics) if gradients == "static" else (rows >= statics) if gradients == "dynamic" else rows >= 0
-    radius = ellipses.half_sizes.amax(1).detach().cpu()
+    radius = 3 * ellipses.sigmas.cpu()
 
     def add(gradient: Tensor) -> None:
         kept, norms = rows[wanted].numpy(), gradient.detach().cpu().norm(dim=1)[wanted].numpy()

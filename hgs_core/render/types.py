@@ -35,3 +35,7 @@ class ScreenStatistics:
     def zeros(n: int) -> ScreenStatistics:
         """Return statistics of `n` splats that no pass has seen."""
         return ScreenStatistics(np.zeros(n, np.float32), np.zeros(n, np.int32), np.zeros(n, np.float32))
+
+    def rows(self, selection: slice) -> ScreenStatistics:
+        """Return the statistics of some splats, as views."""
+        return ScreenStatistics(self.grad_norm_sum[selection], self.count[selection], self.max_radius[selection])

@@ -46,12 +46,13 @@ class TrainConfig:
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
     densify_every: int = 100  # cycles
-    grow_gradient: float = 2e-4  # screen-gradient norm, in half image widths, above which a splat is cloned or split
+    grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
     checkpoint_every: int = 500  # cycles
+    frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
     learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)
 
@@ -64,6 +65,7 @@ class TrainConfig:
         for name, low in (
             ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0), ("init_frames", 1),
             ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
+            ("frame_memory_mib", 1),
         ):  # fmt: skip
             value = getattr(self, name)
             if value < low:

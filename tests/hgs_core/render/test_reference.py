@@ -31,9 +31,7 @@ def draw_pixel_by_pixel(
         motion, rotation, log_scale, logit, center, precision, rgb = row
         d = time - center
         opacity = math.exp(-math.exp(precision) * d * d) / (1 + math.exp(-logit))
-        splats.append(
-            (sum(motion[k] * d**k for k in range(4)), log_scale, rotation[0] + d * rotation[1], opacity, rgb)
-        )
+        splats.append((sum(motion[k] * d**k for k in range(4)), log_scale, rotation[0] + d * rotation[1], opacity, rgb))
     W, t = view.world_to_camera[:3, :3], view.world_to_camera[:3, 3]
     ellipses = []
     for mean, log_scale, quat, opacity, rgb in splats:

@@ -1,0 +1,73 @@
+"""Scores of a finished run: what a viewer would see of the encoded scene, against the cameras held out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import torch
+
+from hgs_core.atomic import write_bytes
+from hgs_core.capture.open import open_capture
+from hgs_core.codec.decode import decode_scene
+from hgs_core.codec.manifest import load_manifest
+from hgs_core.errors import InputError
+from hgs_core.evaluate.psnr import psnr
+from hgs_core.evaluate.ssim import ssim
+from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.render.rasterize import rasterize
+from hgs_core.run_folder import RunFolder
+from hgs_core.train.targets import target_picture
+
+__all__ = ["evaluate_run"]
+
+
+def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
+    """Render the decoded scene at every frame of every held-out camera and compare; writes eval.json.
+
+    Returns:
+        psnr (dB, mean over frames and cameras), ssim (data range 1), bytes_total, bytes_static, bytes_dynamic,
+        splats_static, splats_dynamic, train_seconds, frames (per camera), cameras (the names scored). Without held-out
+        cameras psnr and ssim are None.
+
+    Raises:
+        InputError: the run is not finished or its capture is gone or has changed.
+    """
+    folder = RunFolder(run)
+    spec = folder.read_spec()
+    if not folder.train_summary.exists() or not (folder.scene / "manifest.json").exists():
+        raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
+    capture = open_capture(spec.capture)
+    spec.check_unchanged(capture)
+    manifest = load_manifest(folder.scene / "manifest.json")
+    scene = decode_scene(folder.scene).map(torch.from_numpy)
+    cameras = [capture.camera_index(name) for name in spec.config.hold_out]
+    scores: list[tuple[float, float]] = []
+    total = len(cameras) * len(capture.times)
+    for index in cameras:
+        for frame, seconds in enumerate(capture.times):
+            segment = scene.segment_at(float(seconds))
+            picture = rasterize(
+                scene.static, segment.dynamic, capture.cameras[index], segment.normalised(float(seconds)),
+                background=manifest.background, gradients="none",
+            ).rgb.clamp(0, 1)  # fmt: skip
+            truth = target_picture(capture, index, frame, capture.cameras[index])
+            scores.append((psnr(picture, truth), ssim(picture, truth)))
+            progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
+    result = {
+        "psnr": _mean([score[0] for score in scores]),
+        "ssim": _mean([score[1] for score in scores]),
+        **folder.sizes(),
+        "splats_static": len(scene.static),
+        "splats_dynamic": sum(len(segment.dynamic) for segment in scene.segments),
+        "train_seconds": json.loads(folder.train_summary.read_text())["seconds"],
+        "frames": len(capture.times),
+        "cameras": list(spec.config.hold_out),
+    }
+    write_bytes(folder.evaluation, json.dumps(result, indent=1).encode())
+    return result
+
+
+def _mean(values: list[float]) -> float | None:
+    return sum(values) / len(values) if values else None

@@ -1,0 +1,114 @@
+"""The stages from a capture to an encoded scene; each is idempotent, resumable and reports its progress.
+
+This module is light: every stage imports what it needs when it runs, so that the API process can create runs without
+loading torch.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from hgs_core.atomic import write_bytes
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
+from hgs_core.errors import InputError
+from hgs_core.progress import ProgressCallback
+from hgs_core.run_folder import RunFolder, RunSpec
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["STAGES", "create_run", "encode", "initialise", "train"]
+
+_MIN_CAMERAS = 2
+
+
+def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+    """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
+
+    Raises:
+        InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
+    """
+    opened = open_capture(capture)
+    held_out = {opened.camera_index(name) for name in config.hold_out}
+    left = len(opened.cameras) - len(held_out)
+    if left < _MIN_CAMERAS:
+        raise InputError(
+            "config.hold_out",
+            f"leaves {left} of {len(opened.cameras)} cameras to train on",
+            f"keep at least {_MIN_CAMERAS}",
+        )
+    RunFolder(run).write_spec(RunSpec(capture.resolve(), opened.fingerprint(), config))
+
+
+def initialise(run: Path, progress: ProgressCallback) -> None:
+    """Find what moves and where the first points are: masks.npz and points.npz."""
+    from hgs_core.capture.initialise import initial_points
+    from hgs_core.decompose.masks import motion_masks
+
+    folder = RunFolder(run)
+    if folder.points.exists():
+        return
+    capture, config = _open(folder)
+    cameras = _training_cameras(capture, config)
+    masks = motion_masks(capture, cameras, progress=progress)
+    masks.save(folder.masks)
+    points = initial_points(
+        capture, cameras, masks, every=_init_step(capture, config), static_target=config.static_points,
+        dynamic_target=config.dynamic_points, seed=config.seed, progress=progress,
+    )  # fmt: skip
+    points.save(folder.points)
+
+
+def train(run: Path, progress: ProgressCallback) -> None:
+    """Train from the last checkpoint, or from the points, to scene.npz and train.json."""
+    from hgs_core.capture.points import PointCloud
+    from hgs_core.scene.files import save_scene
+    from hgs_core.train.initialise import initial_splats
+    from hgs_core.train.trainer import Trainer, clock_of
+
+    folder = RunFolder(run)
+    if folder.train_summary.exists():
+        return
+    capture, config = _open(folder)
+    sampled = -(-len(capture.times) // _init_step(capture, config))
+    start = initial_splats(PointCloud.load(folder.points), clock_of(capture), sampled)
+    trainer = Trainer(capture, config, start, folder.checkpoint)
+    save_scene(folder.trained, trainer.run(progress))
+    summary = {"seconds": trainer.state.seconds, "cycles": config.cycles, **trainer.figures()}
+    write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
+
+
+def encode(run: Path, progress: ProgressCallback) -> None:
+    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    from hgs_core.encode_run import encode_run
+
+    folder = RunFolder(run)
+    if (folder.scene / "manifest.json").exists():
+        return
+    capture, config = _open(folder)
+    encode_run(folder, capture, config, progress)
+
+
+STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
+    "initialise": initialise,
+    "train": train,
+    "encode": encode,
+}
+"""The stages in order, by name."""
+
+
+def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
+    spec = folder.read_spec()
+    capture = open_capture(spec.capture, cache_bytes=spec.config.frame_memory_mib << 20)
+    spec.check_unchanged(capture)
+    return capture, spec.config
+
+
+def _training_cameras(capture: Capture, config: TrainConfig) -> list[int]:
+    held_out = {capture.camera_index(name) for name in config.hold_out}
+    return [i for i in range(len(capture.cameras)) if i not in held_out]
+
+
+def _init_step(capture: Capture, config: TrainConfig) -> int:
+    return max(1, len(capture.times) // config.init_frames)

@@ -1,0 +1,78 @@
+"""A run on disk: where its files are, and the specification it was started with."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hgs_core.atomic import write_bytes
+from hgs_core.capture.capture import Capture
+from hgs_core.errors import InputError
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["RunFolder", "RunSpec"]
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """What a run was asked to do."""
+
+    capture: Path
+    fingerprint: str  # of the capture when the run was created
+    config: TrainConfig
+
+    def check_unchanged(self, capture: Capture) -> None:
+        """Refuse a capture whose files are not those the run began with.
+
+        Raises:
+            InputError: the fingerprints differ.
+        """
+        if capture.fingerprint() != self.fingerprint:
+            raise InputError(self.capture, "the capture has changed since the run was created", "start a new run")
+
+
+class RunFolder:
+    """The files of a run (docs/architecture.md, "Folders")."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.spec = path / "run.json"
+        self.points = path / "points.npz"
+        self.masks = path / "masks.npz"
+        self.checkpoint = path / "checkpoint.pt"
+        self.trained = path / "scene.npz"
+        self.train_summary = path / "train.json"
+        self.scene = path / "scene"
+        self.evaluation = path / "eval.json"
+
+    def write_spec(self, spec: RunSpec) -> None:
+        """Create the folder and its run.json.
+
+        Raises:
+            InputError: the folder holds another run or other files.
+        """
+        value = {"capture": str(spec.capture), "fingerprint": spec.fingerprint, "config": spec.config.to_json()}
+        if self.spec.exists():
+            if self.read_spec() != spec:
+                raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
+            return
+        if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
+            raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
+        write_bytes(self.spec, json.dumps(value, indent=1).encode())
+
+    def read_spec(self) -> RunSpec:
+        """Read run.json.
+
+        Raises:
+            InputError: there is none, or it is damaged.
+        """
+        try:
+            value: dict[str, Any] = json.loads(self.spec.read_text())
+            config = TrainConfig.from_json(value["config"])
+            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config)
+        except FileNotFoundError as error:
+            raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
+        except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+            raise InputError(self.spec, f"unreadable ({error!r})", "start a new run") from error

@@ -1,0 +1,78 @@
+"""Adam over a struct of arrays whose rows come and go (Kingma and Ba, 2015)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import torch
+from torch import Tensor
+
+from hgs_core.native import library
+from hgs_core.native.adam import adam_step
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+__all__ = ["Adam"]
+
+S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
+
+BETA1, BETA2, EPSILON = 0.9, 0.999, 1e-15
+
+
+@dataclass
+class Adam(Generic[S]):
+    """The moments of one set of splats and the number of steps taken."""
+
+    first: S
+    second: S
+    steps: int = 0
+
+    @staticmethod
+    def of(splats: S) -> Adam[S]:
+        """Return an optimiser that has seen no gradient of `splats` yet."""
+        return Adam(splats.map(torch.zeros_like), splats.map(torch.zeros_like))
+
+    def step(self, splats: S, rates: Mapping[str, float | Tensor]) -> None:
+        """Update `splats` in place from their `.grad`; arrays without a gradient stay.
+
+        Args:
+            splats: the parameters.
+            rates: a step size per field, or a tensor that broadcasts over the field's rows.
+        """
+        self.steps += 1
+        with torch.no_grad():
+            for name, parameter in splats.items():
+                if parameter.grad is None or len(parameter) == 0:
+                    continue
+                first, second, rate = getattr(self.first, name), getattr(self.second, name), rates[name]
+                if isinstance(rate, float):
+                    self._update(parameter, parameter.grad, first, second, rate)
+                else:  # different rates within a row: take a unit step and scale it
+                    delta = torch.zeros_like(parameter)
+                    self._update(delta, parameter.grad, first, second, 1.0)
+                    parameter += delta * rate
+                parameter.grad = None
+
+    def _update(self, parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float) -> None:
+        if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
+            arrays = [tensor.detach().numpy() for tensor in (parameter, gradient.contiguous(), first, second)]
+            adam_step(*arrays, rate, self.steps, beta1=BETA1, beta2=BETA2, epsilon=EPSILON)
+            return
+        first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)
+        second.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
+        scale = (second / (1 - BETA2**self.steps)).sqrt_().add_(EPSILON)
+        parameter.addcdiv_(first, scale, value=-rate / (1 - BETA1**self.steps))
+
+    def select(self, rows: Tensor, added: int) -> None:
+        """Keep the moments of `rows` and append `added` rows of zeros."""
+        self.first = _with_zeros(self.first, rows, added)
+        self.second = _with_zeros(self.second, rows, added)
+
+    def state(self) -> dict[str, Any]:
+        """Return plain tensors for a checkpoint."""
+        return {"first": dict(self.first.items()), "second": dict(self.second.items()), "steps": self.steps}
+
+
+def _with_zeros(splats: S, rows: Tensor, added: int) -> S:
+    return splats.map(lambda array: torch.cat([array[rows], array.new_zeros((added, *array.shape[1:]))]))

@@ -1,0 +1,113 @@
+"""Adaptive density control: clone, split and prune, with labels inherited and budgets kept.
+
+After 3D Gaussian Splatting (Kerbl et al., 2023, section 5.2), without opacity resets: the budget grows linearly over
+the densification rounds, and within it the splats with the largest screen gradients are refined first. A clone's and
+its parent's opacities are lowered so that the pair covers as much as the parent did (Rota Bulo et al., 2024).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import TypeVar
+
+import torch
+from torch import Tensor
+
+from hgs_core.render.projection import rotation_matrices
+from hgs_core.render.types import ScreenStatistics
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.adam import Adam
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["DensityRound", "refine"]
+
+S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
+
+_SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
+
+
+@dataclasses.dataclass(frozen=True)
+class DensityRound:
+    """What one round may do to one set of splats."""
+
+    budget: int  # splats allowed afterwards
+    split_scale: float  # world units; larger splats are split, smaller ones cloned
+    half_width: float  # pixels; half the image's longer side, turns gradients per pixel into gradients per half image
+    config: TrainConfig
+    generator: torch.Generator
+
+
+def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityRound) -> S:
+    """Prune what cannot be seen, then clone or split what the loss pulls at most; `adam` follows.
+
+    Args:
+        splats: the set, float32 on the CPU.
+        adam: its optimiser; new splats start with zero moments.
+        statistics: of this set's rows alone, since the last round.
+        plan: budgets and thresholds.
+
+    Returns:
+        The new set: survivors that were not split, in order, then clones, then the halves of split splats.
+    """
+    with torch.no_grad():
+        keep = _worth_keeping(splats, plan.config.prune_opacity)
+        pull = torch.from_numpy(statistics.grad_norm_sum / statistics.count.clip(1)) * plan.half_width
+        pull = torch.where(keep, pull, torch.zeros_like(pull))
+        room = max(0, plan.budget - int(keep.sum()))
+        wanted = pull > plan.config.grow_gradient
+        if int(wanted.sum()) > room:
+            chosen = torch.zeros_like(wanted)
+            chosen[torch.sort(pull, descending=True, stable=True).indices[:room]] = True
+            wanted &= chosen
+        large = splats.log_scales.amax(1) > math.log(plan.split_scale)
+        split, clone = wanted & large, wanted & ~large
+        survivors = torch.nonzero(keep & ~split)[:, 0]
+        faded = dataclasses.replace(
+            splats, opacity_logits=torch.where(clone, _halved(splats.opacity_logits), splats.opacity_logits)
+        )
+        halves = _halves(splats.take(torch.nonzero(split)[:, 0]), plan.generator)
+        added = _joined(faded.take(torch.nonzero(clone)[:, 0]), halves)
+        result = _joined(faded.take(survivors), added)
+        adam.select(survivors, len(added))
+        return result
+
+
+def _worth_keeping(splats: S, opacity: float) -> Tensor:
+    """Opaque enough at some moment of the segment, and finite."""
+    peak = torch.sigmoid(splats.opacity_logits)
+    if isinstance(splats, DynamicSplats):
+        away = (splats.time_centers - splats.time_centers.clamp(0, 1)).square()
+        peak = peak * torch.exp(-torch.exp(splats.time_log_precisions) * away)
+    finite = torch.ones_like(peak, dtype=torch.bool)
+    for _, array in splats.items():
+        finite &= torch.isfinite(array).flatten(1).all(1) if array.dim() > 1 else torch.isfinite(array)
+    return finite & (peak >= opacity)
+
+
+def _halved(logits: Tensor) -> Tensor:
+    """The opacity that, composited twice, covers as much as before: 1 - sqrt(1 - o)."""
+    halved = 1 - torch.sqrt(1 - torch.sigmoid(logits).clamp_max(0.999))
+    return torch.logit(halved)
+
+
+def _halves(parents: S, generator: torch.Generator) -> S:
+    """Two smaller splats per parent, drawn from its Gaussian."""
+    quats = parents.rotation[:, 0] if isinstance(parents, DynamicSplats) else parents.quats
+    axes = rotation_matrices(quats) * torch.exp(parents.log_scales)[:, None, :]
+    pieces = []
+    for _ in range(2):
+        offset = (axes @ torch.randn((len(parents), 3, 1), generator=generator))[..., 0]
+        smaller = parents.log_scales - math.log(_SPLIT_SHRINK)
+        if isinstance(parents, DynamicSplats):
+            motion = parents.motion.clone()
+            motion[:, 0] += offset
+            pieces.append(dataclasses.replace(parents, motion=motion, log_scales=smaller))
+        else:
+            pieces.append(dataclasses.replace(parents, means=parents.means + offset, log_scales=smaller))
+    return _joined(*pieces)
+
+
+def _joined(*sets: S) -> S:
+    kind = type(sets[0])
+    return kind(*(torch.cat(arrays) for arrays in zip(*((a for _, a in s.items()) for s in sets), strict=True)))

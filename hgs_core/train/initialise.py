@@ -1,0 +1,71 @@
+"""From labelled points to the first splats."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from hgs_core.capture.points import PointCloud
+from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
+
+__all__ = ["initial_splats", "scene_extent"]
+
+_OPACITY = 0.1  # as 3D Gaussian Splatting starts: low enough that wrong points can fade
+_DYNAMIC = 0.5  # share of a point's views that must see it move
+_HALF_LIFE = 0.75  # of the gap between initialised frames: opacity halves there, so that neighbours take over
+
+
+def scene_extent(positions: npt.NDArray[np.float64]) -> float:
+    """Return the radius of the camera positions [C, 3], the length that step sizes are measured in.
+
+    1.1 times the largest distance from their mean, as in 3D Gaussian Splatting; 1 if they coincide.
+    """
+    radius = float(np.linalg.norm(positions - positions.mean(0), axis=1).max()) * 1.1
+    return radius if radius > 1e-6 else 1.0
+
+
+def initial_splats(
+    points: PointCloud, clock: Segment[Any], sampled_frames: int
+) -> tuple[StaticSplats[Tensor], DynamicSplats[Tensor]]:
+    """Make one round splat of every point: static, or dynamic around the moment the point was seen.
+
+    Args:
+        points: labelled points.
+        clock: the segment whose normalised time the splats live in.
+        sampled_frames: how many moments the dynamic points were taken at, evenly over the segment.
+    """
+    moving = points.dynamic >= _DYNAMIC
+    size = np.log(np.maximum(points.spacing, 1e-7)).astype(np.float32)
+    logit = float(np.log(_OPACITY / (1 - _OPACITY)))
+
+    def quats(count: int) -> npt.NDArray[np.float32]:
+        return np.tile(np.array([1, 0, 0, 0], np.float32), (count, 1))
+
+    def scales(rows: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
+        return np.repeat(size[rows, None], 3, 1)
+
+    still, moved = int((~moving).sum()), int(moving.sum())
+    static = StaticSplats(
+        points.xyz[~moving], scales(~moving), quats(still), np.full(still, logit, np.float32), points.rgb[~moving]
+    )
+    motion = np.zeros((moved, 4, 3), np.float32)
+    motion[:, 0] = points.xyz[moving]
+    gap = _HALF_LIFE / max(1, sampled_frames - 1)
+    dynamic = DynamicSplats(
+        motion,
+        np.stack([quats(moved), np.zeros((moved, 4), np.float32)], 1),
+        scales(moving),
+        np.full(moved, logit, np.float32),
+        np.array([clock.normalised(float(t)) for t in points.times[moving]], np.float32),
+        np.full(moved, np.log(np.log(2) / gap**2), np.float32),
+        points.rgb[moving],
+    )
+    return static.map(_parameter), dynamic.map(_parameter)
+
+
+def _parameter(array: npt.NDArray[np.float32]) -> Tensor:
+    return torch.tensor(array, dtype=torch.float32)

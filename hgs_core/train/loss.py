@@ -1,0 +1,38 @@
+"""The training loss: L1 and structural dissimilarity (docs/numerics.md, "Loss")."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from hgs_core.evaluate.ssim import ssim_map
+from hgs_core.native import library
+from hgs_core.native.loss import l1_dssim
+
+__all__ = ["photometric_loss"]
+
+
+def photometric_loss(image: Tensor, target: Tensor, dssim: float) -> Tensor:
+    """Return (1 - dssim) mean|image - target| + dssim (1 - SSIM) of two pictures [3, H, W] in [0, 1].
+
+    Float32 pictures on the CPU use the compiled kernel where there is one.
+    """
+    if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
+        return _NativeLoss.apply(image, target, dssim)  # type: ignore[no-any-return, no-untyped-call]
+    return (1 - dssim) * (image - target).abs().mean() + dssim * (1 - ssim_map(image, target).mean())
+
+
+class _NativeLoss(torch.autograd.Function):
+    """The compiled loss; its gradient is computed together with its value."""
+
+    @staticmethod
+    def forward(ctx: Any, image: Tensor, target: Tensor, dssim: float) -> Tensor:
+        value, gradient = l1_dssim(image.detach().contiguous().numpy(), target.contiguous().numpy(), dssim)
+        ctx.gradient = torch.from_numpy(gradient)
+        return torch.tensor(value, dtype=torch.float32)
+
+    @staticmethod
+    def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:  # type: ignore[override]
+        return ctx.gradient * upstream, None, None

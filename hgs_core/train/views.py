@@ -1,0 +1,48 @@
+"""Which view each cycle trains on: a pure function of the seed and the cycle, so that resuming needs no state."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+__all__ = ["ViewSchedule"]
+
+_VISITS = 2  # passes over the frames of a block before the next block is loaded
+
+
+@dataclass(frozen=True)
+class ViewSchedule:
+    """Random views, drawn so that the frames in use fit in memory.
+
+    When all frames of the training cameras fit, every cycle draws a camera and a frame at random. Otherwise the
+    capture is cut into blocks of consecutive frames that fit (all cameras of a block together), blocks are visited in
+    a random order that changes with every pass, and cycles draw within the current block: a long video is decoded
+    forwards, block by block, instead of being sought all over.
+    """
+
+    cameras: tuple[int, ...]  # indices into the capture's cameras
+    frames: int
+    block: int  # frames of all cameras that fit in memory at once
+    seed: int
+
+    @staticmethod
+    def fitting(cameras: tuple[int, ...], frames: int, frame_bytes: int, memory: int, seed: int) -> ViewSchedule:
+        """Choose the block for frames of `frame_bytes` each and `memory` bytes of cache."""
+        block = max(1, min(frames, memory // max(1, frame_bytes * len(cameras))))
+        return ViewSchedule(cameras, frames, int(block), seed)
+
+    def view(self, cycle: int) -> tuple[int, int]:
+        """Return (camera, frame) of a cycle."""
+        random = np.random.default_rng((self.seed, 1, cycle))
+        first, last = self._block(cycle)
+        return int(random.choice(self.cameras)), int(random.integers(first, last))
+
+    def _block(self, cycle: int) -> tuple[int, int]:
+        if self.block >= self.frames:
+            return 0, self.frames
+        blocks = -(-self.frames // self.block)
+        stay = self.block * len(self.cameras) * _VISITS
+        turn, place = divmod(cycle // stay, blocks)
+        first = int(np.random.default_rng((self.seed, 2, turn)).permutation(blocks)[place]) * self.block
+        return first, min(first + self.block, self.frames)
