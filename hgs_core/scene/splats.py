@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Generic, TypeVar, cast
+from typing import Any, Generic, Self, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +33,7 @@ class _Arrays(Generic[A]):
         """Return the number of splats."""
         return int(next(self.items())[1].shape[0])  # type: ignore[attr-defined]
 
-    def take(self, index: Any) -> Any:
+    def take(self, index: Any) -> Self:
         """Return the rows that `index` (mask, slice or indices) selects, as the same kind of container."""
         return type(self)(*(array[index] for _, array in self.items()))  # type: ignore[index]
 
