@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fcntl
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -45,6 +46,7 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> No
     On SQLite this also switches the file to write-ahead logging, which the file then remembers: readers no longer wait
     for writers.
     """
+    logging.getLogger("dbos").setLevel(logging.WARNING)
     home.runs.mkdir(parents=True, exist_ok=True)
     with _one_at_a_time(home, engine):
         if engine.dialect.name == "sqlite":

@@ -1,0 +1,129 @@
+"""One stage of one run, in a process of its own: `python -m jobs.stage STAGE RUN`.
+
+A process of its own frees its memory (also on the GPU) when it ends and can be killed. It speaks with the worker that
+started it by plain means:
+
+- stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second, `{"error"}` before it fails;
+- stderr: whatever the libraries print, and the traceback of a failure;
+- stdin: nothing is read, but when it closes the worker is gone, and the process ends at once;
+- SIGTERM: the stage saves what it can resume from and stops.
+
+Exit status: 0 done, 1 failed, 2 bad input, 70 the worker is gone, 75 stopped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import fcntl
+import importlib
+import json
+import os
+import signal
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+from typing import IO, Any
+
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, ProgressCallback, StageStopped
+from jobs.artifacts import ArtifactStore
+from jobs.home import Home
+
+__all__ = ["STAGES", "main"]
+
+STAGES = ("initialise", "train", "encode", "publish")
+
+DONE, FAILED, BAD_INPUT, ORPHANED, STOPPED = 0, 1, 2, 70, 75  # exit status; 70 and 75 as in sysexits.h
+REPORT_INTERVAL = 0.5  # seconds between two progress lines
+LOCK_WAIT = 60.0  # seconds to wait for an earlier process of the same run to end
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the stage that the command line names and return the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m jobs.stage", description="Run one stage of one run.")
+    parser.add_argument("stage", choices=STAGES)
+    parser.add_argument("run", type=Path)
+    options = parser.parse_args(arguments)
+
+    stop = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: stop.set())
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    report = _claim_stdout()
+    try:
+        with (options.run / "run.lock").open("w") as lock:
+            _hold(lock, options.run)
+            _run(options.stage, options.run, Home.from_environment(), _throttled(report, stop))
+    except StageStopped:
+        return STOPPED
+    except InputError as error:
+        _send(report, {"error": str(error)})
+        return BAD_INPUT
+    except Exception as error:
+        traceback.print_exc()
+        summary = " ".join(str(error).split()) or "no message"
+        _send(report, {"error": f"{type(error).__name__}: {summary}"})
+        return FAILED
+    return DONE
+
+
+def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
+    if stage == "publish":
+        ArtifactStore(home.store_url).put_scene(run / "scene", run.name, progress)
+    else:
+        getattr(importlib.import_module(home.pipeline), stage)(run, progress)
+
+
+def _end_with_parent() -> None:
+    """End the process when stdin closes: the kernel closes it even if the worker was killed with -9."""
+    # os.read and not sys.stdin: a daemon thread inside a buffered read would abort the interpreter's shutdown.
+    while os.read(0, 4096):
+        pass
+    os._exit(ORPHANED)
+
+
+def _claim_stdout() -> IO[str]:
+    """Return the real stdout for our lines, and send what anything else prints there to stderr."""
+    ours = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)
+    return ours
+
+
+def _hold(lock: IO[Any], run: Path) -> None:
+    """Take the run's file lock, so that no two processes ever work on one run; the kernel frees it when we end."""
+    deadline = time.monotonic() + LOCK_WAIT
+    while True:
+        try:
+            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() > deadline:
+                raise RuntimeError(f"{run}: another process still works on this run") from None
+            time.sleep(0.1)
+
+
+def _throttled(report: IO[str], stop: threading.Event) -> ProgressCallback:
+    """Return a callback that stops the stage on demand and passes on the first, the last and timely reports."""
+    next_report = 0.0
+
+    def progress(update: Progress) -> None:
+        nonlocal next_report
+        if stop.is_set():
+            raise StageStopped
+        now = time.monotonic()
+        if now < next_report and update.done < update.total:
+            return
+        next_report = now + REPORT_INTERVAL
+        figures = {name: float(value) for name, value in update.figures.items()}
+        _send(report, {"stage": update.stage, "done": update.done, "total": update.total, "figures": figures})
+
+    return progress
+
+
+def _send(report: IO[str], message: dict[str, Any]) -> None:
+    report.write(json.dumps(message) + "\n")
+    report.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,106 @@
+"""A home of its own for every test, a pipeline that only counts, and workers that are real processes."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from hgs_core.train.config import TrainConfig
+from jobs.client import JobClient, JobRequest
+from jobs.home import Home
+from jobs.store import Job
+
+MODULES = Path(__file__).parent / "modules"
+REPOSITORY = Path(__file__).resolve().parent.parent.parent
+
+
+def poll(condition: Callable[[], bool], what: str) -> None:
+    """Wait until a condition holds; the limit only turns a hang into a failure."""
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def wait_until() -> Callable[[Callable[[], bool], str], None]:
+    return poll
+
+
+@pytest.fixture
+def counting_pipeline(monkeypatch: pytest.MonkeyPatch) -> str:
+    """Return the name of the pipeline that counts, importable here and in child processes."""
+    monkeypatch.syspath_prepend(MODULES)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(MODULES), str(REPOSITORY))))
+    return "counting_pipeline"
+
+
+@pytest.fixture
+def home(tmp_path: Path, counting_pipeline: str) -> Home:
+    return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=counting_pipeline)
+
+
+@pytest.fixture
+def client(home: Home) -> Iterator[JobClient]:
+    with JobClient(home) as client:
+        yield client
+
+
+@pytest.fixture
+def submit(client: JobClient, tmp_path: Path) -> Callable[..., str]:
+    """Return a function that submits a job of so many cycles that behaves in the given way."""
+
+    def submit(cycles: int = 10, behaviour: str = "count") -> str:
+        capture = tmp_path / "capture"
+        capture.mkdir(exist_ok=True)
+        (capture / "behaviour").write_text(behaviour)
+        return client.submit(JobRequest(capture, TrainConfig(cycles=cycles)))
+
+    return submit
+
+
+@pytest.fixture
+def wait_for(client: JobClient) -> Callable[[str, Callable[[Job], bool], str], Job]:
+    """Return a function that polls a job until a condition holds, and returns the job."""
+
+    def wait_for(job_id: str, condition: Callable[[Job], bool], what: str) -> Job:
+        def holds() -> bool:
+            nonlocal job
+            job = client.get(job_id)
+            assert job is not None
+            return condition(job)
+
+        job: Job | None = None
+        try:
+            poll(holds, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}; the job is {job}") from None
+        assert job is not None
+        return job
+
+    return wait_for
+
+
+@pytest.fixture
+def worker(home: Home) -> Iterator[Callable[[], subprocess.Popen[bytes]]]:
+    """Return a function that starts a worker process on the test's home; all are killed at the end."""
+    processes: list[subprocess.Popen[bytes]] = []
+
+    def start() -> subprocess.Popen[bytes]:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "jobs.worker"], stdin=subprocess.DEVNULL, env={**os.environ, **home.environment()}
+        )
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.wait()

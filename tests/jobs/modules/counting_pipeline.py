@@ -1,0 +1,87 @@
+"""A pipeline whose training counts to `config.cycles`: it checkpoints, resumes, stops and fails like the real one.
+
+The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input",
+"die once" (SIGKILL at half-time, the first time), "die" or "deaf" (ignores SIGTERM).
+Every cycle appends its process id and number to `cycles.log` in the run folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import signal
+import time
+from pathlib import Path
+
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.train.config import TrainConfig
+
+CHECKPOINT_EVERY = 5
+SECONDS_PER_CYCLE = 0.02
+
+
+def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+    if not (capture / "behaviour").is_file():
+        raise InputError(capture, "has no file `behaviour`")
+    run.mkdir(parents=True)
+    _replace(run / "run.json", json.dumps({"capture": str(capture), "cycles": config.cycles}))
+
+
+def initialise(run: Path, progress: ProgressCallback) -> None:
+    print("a library that prints to stdout")
+    progress(Progress("initialise", 1, 1))
+    (run / "points.npz").touch()
+
+
+def train(run: Path, progress: ProgressCallback) -> None:
+    settings = json.loads((run / "run.json").read_text())
+    behaviour = (Path(settings["capture"]) / "behaviour").read_text()
+    cycles = settings["cycles"]
+    checkpoint = run / "checkpoint.pt"
+    done = int(checkpoint.read_text()) if checkpoint.exists() else 0
+    if behaviour == "deaf":
+        progress(Progress("train", 0, cycles))
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    for cycle in range(done, cycles):
+        try:
+            progress(Progress("train", cycle, cycles, {"loss": 1 / (cycle + 1)}))
+        except StageStopped:
+            _replace(checkpoint, str(cycle))
+            raise
+        time.sleep(SECONDS_PER_CYCLE)
+        with (run / "cycles.log").open("a") as log:
+            log.write(f"{os.getpid()} {cycle}\n")
+        if (cycle + 1) % CHECKPOINT_EVERY == 0:
+            _replace(checkpoint, str(cycle + 1))
+        if cycle == cycles // 2:
+            _misbehave(behaviour, run)
+    progress(Progress("train", cycles, cycles, {"loss": 0.0}))
+    _replace(run / "train.json", "{}")
+
+
+def encode(run: Path, progress: ProgressCallback) -> None:
+    chunk = (run / "cycles.log").read_bytes()
+    name = hashlib.sha256(chunk).hexdigest()
+    (run / "scene" / "chunks").mkdir(parents=True, exist_ok=True)
+    (run / "scene" / "chunks" / name).write_bytes(chunk)
+    (run / "scene" / "thumbnail.jpg").write_bytes(b"a picture")
+    _replace(run / "scene" / "manifest.json", json.dumps({"chunks": [name]}))
+    progress(Progress("encode", 1, 1))
+
+
+def _misbehave(behaviour: str, run: Path) -> None:
+    if behaviour == "raise":
+        raise RuntimeError("the loss is\nnot a number")
+    if behaviour == "bad input":
+        raise InputError(run, "frame 3 of camera cam01 is missing", "add it")
+    if behaviour == "die" or (behaviour == "die once" and not (run / "died").exists()):
+        (run / "died").touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _replace(path: Path, text: str) -> None:
+    temporary = path.with_suffix(".tmp")
+    temporary.write_text(text)
+    temporary.replace(path)

@@ -1,0 +1,126 @@
+from __future__ import annotations
+
+import hashlib
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress
+from jobs.artifacts import ArtifactStore
+
+
+def write_scene(folder: Path, manifest: bytes = b"{}", chunks: tuple[bytes, ...] = (b"one", b"two")) -> Path:
+    (folder / "chunks").mkdir(parents=True)
+    for data in chunks:
+        (folder / "chunks" / name_of(data)).write_bytes(data)
+    (folder / "thumbnail.jpg").write_bytes(b"a picture")
+    (folder / "manifest.json").write_bytes(manifest)
+    return folder
+
+
+def name_of(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> ArtifactStore:
+    return ArtifactStore((tmp_path / "store").as_uri())
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    return write_scene(tmp_path / "scene")
+
+
+def test_a_published_scene_can_be_read(store: ArtifactStore, scene: Path) -> None:
+    store.put_scene(scene, "studio-1")
+    assert store.manifest("studio-1") == b"{}"
+    assert store.thumbnail("studio-1") == b"a picture"
+    assert [store.chunk(name_of(data)) for data in (b"one", b"two")] == [b"one", b"two"]
+
+
+def test_scenes_are_listed_newest_first(store: ArtifactStore, scene: Path, tmp_path: Path) -> None:
+    assert store.list_scenes() == []
+    store.put_scene(scene, "b")
+    store.put_scene(scene, "a")
+    (tmp_path / "store" / "scenes" / "c").mkdir()  # not complete: no manifest
+    entries = store.list_scenes()
+    assert sorted(entry.id for entry in entries) == ["a", "b"]
+    assert entries[0].published >= entries[1].published
+    assert abs(datetime.now(UTC) - entries[0].published) < timedelta(minutes=10)
+
+
+def test_publishing_again_changes_nothing(store: ArtifactStore, scene: Path, tmp_path: Path) -> None:
+    store.put_scene(scene, "a")
+    store.put_scene(scene, "a")
+    store.put_scene(write_scene(tmp_path / "other", manifest=b"[]"), "a")
+    assert store.manifest("a") == b"{}"
+
+
+def test_a_scene_without_a_thumbnail_is_a_scene(store: ArtifactStore, scene: Path) -> None:
+    (scene / "thumbnail.jpg").unlink()
+    store.put_scene(scene, "a")
+    assert store.thumbnail("a") is None
+    assert store.manifest("a") is not None
+
+
+def test_a_damaged_chunk_is_refused_and_the_scene_stays_unseen(store: ArtifactStore, scene: Path) -> None:
+    path = scene / "chunks" / name_of(b"two")
+    path.write_bytes(b"tw0")
+    with pytest.raises(InputError, match=f"{path.name}: its SHA-256"):
+        store.put_scene(scene, "a")
+    assert store.list_scenes() == []
+    assert store.chunk(path.name) is None
+
+
+def test_a_folder_without_a_manifest_is_refused(store: ArtifactStore, scene: Path) -> None:
+    (scene / "manifest.json").unlink()
+    with pytest.raises(InputError, match=r"manifest\.json: is missing"):
+        store.put_scene(scene, "a")
+
+
+def test_the_manifest_is_the_last_thing_published(store: ArtifactStore, scene: Path) -> None:
+    seen: list[tuple[int, bool]] = []
+
+    def progress(update: Progress) -> None:
+        seen.append((update.done, store.manifest("a") is not None))
+        assert (update.stage, update.total) == ("publish", 3)
+
+    store.put_scene(scene, "a", progress)
+    assert seen == [(0, False), (1, False), (2, False), (3, True)]
+
+
+@pytest.mark.parametrize("scene_id", ["", "../a", "a/b", "A", ".a", "a" * 65, "a\n", "é"])
+def test_a_malformed_scene_id_is_refused_and_unknown(store: ArtifactStore, scene: Path, scene_id: str) -> None:
+    with pytest.raises(InputError, match="scene id"):
+        store.put_scene(scene, scene_id)
+    assert store.manifest(scene_id) is None
+    assert store.thumbnail(scene_id) is None
+    store.remove_scene(scene_id)
+
+
+@pytest.mark.parametrize("chunk_id", ["", "0" * 63, "0" * 64, "G" * 64, "../scenes/a/manifest.json", "0" * 64 + "\n"])
+def test_an_unknown_chunk_is_none(store: ArtifactStore, scene: Path, chunk_id: str) -> None:
+    store.put_scene(scene, "a")
+    assert store.chunk(chunk_id) is None
+
+
+def test_a_removed_scene_is_gone_and_its_chunks_stay(store: ArtifactStore, scene: Path) -> None:
+    store.put_scene(scene, "a")
+    store.remove_scene("a")
+    store.remove_scene("a")
+    assert store.list_scenes() == []
+    assert store.thumbnail("a") is None
+    assert store.chunk(name_of(b"one")) == b"one"
+
+
+def test_a_store_on_a_path_with_spaces_and_umlauts(tmp_path: Path, scene: Path) -> None:
+    folder = tmp_path / "my störe"
+    ArtifactStore(folder.as_uri()).put_scene(scene, "a")
+    assert (folder / "scenes" / "a" / "manifest.json").is_file()
+
+
+def test_an_s3_url_opens_without_a_connection() -> None:
+    ArtifactStore("s3://bucket/prefix")

@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from jobs.home import Home
+
+
+def test_everything_lies_in_the_home_folder_by_default(tmp_path: Path) -> None:
+    home = Home.from_environment({"HGS_HOME": str(tmp_path)})
+    assert home == Home.at(tmp_path)
+    assert home.database_url == f"sqlite:///{tmp_path}/jobs.sqlite"
+    assert home.store_url == f"file://{tmp_path}/store"
+    assert home.run("a") == tmp_path / "runs" / "a"
+
+
+def test_urls_replace_the_database_and_the_store(tmp_path: Path) -> None:
+    home = Home.from_environment(
+        {"HGS_HOME": str(tmp_path), "HGS_DATABASE_URL": "postgresql://db/hgs", "HGS_STORE_URL": "s3://bucket/hgs"}
+    )
+    assert (home.database_url, home.store_url) == ("postgresql://db/hgs", "s3://bucket/hgs")
+
+
+def test_a_store_given_as_a_path_becomes_a_file_url(tmp_path: Path) -> None:
+    assert Home.from_environment({"HGS_STORE_URL": str(tmp_path)}).store_url == f"file://{tmp_path}"
+
+
+def test_empty_variables_count_as_absent(tmp_path: Path) -> None:
+    assert Home.from_environment({"HGS_HOME": "", "HGS_STORE_URL": ""}) == Home.at(Path("~/.hgs"))
+
+
+def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline")
+    assert Home.from_environment(home.environment()) == home

@@ -1,0 +1,151 @@
+"""The stage process by itself: what it says, how it ends."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from hgs_core.train.config import TrainConfig
+from jobs.home import Home
+
+Stage = subprocess.Popen[bytes]
+Poll = Callable[[Callable[[], bool], str], None]
+
+
+@pytest.fixture
+def run(tmp_path: Path, counting_pipeline: str) -> Path:
+    return make_run(tmp_path, "count")
+
+
+@pytest.fixture
+def start(home: Home) -> Iterator[Callable[[str, Path], Stage]]:
+    """Return a function that starts a stage process with pipes on all three standard streams."""
+    processes: list[Stage] = []
+
+    def start(stage: str, run: Path) -> Stage:
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(
+            [sys.executable, "-m", "jobs.stage", stage, str(run)],
+            stdin=pipe,
+            stdout=pipe,
+            stderr=pipe,
+            env={**os.environ, **home.environment()},
+        )
+        processes.append(process)
+        return process
+
+    yield start
+    for process in processes:
+        process.kill()
+        for stream in (process.stdin, process.stdout, process.stderr):
+            assert stream is not None
+            stream.close()
+        process.wait()
+
+
+def make_run(folder: Path, behaviour: str, cycles: int = 20) -> Path:
+    import counting_pipeline
+
+    (folder / "behaviour").write_text(behaviour)
+    counting_pipeline.create_run(folder / "run", folder, TrainConfig(cycles=cycles))
+    return folder / "run"
+
+
+def finish(process: Stage) -> tuple[int, list[dict[str, object]], str]:
+    """Wait for the end with stdin open; return the exit status, the messages and stderr."""
+    assert process.stdout is not None
+    assert process.stderr is not None
+    messages = [json.loads(line) for line in process.stdout]
+    return process.wait(), messages, process.stderr.read().decode()
+
+
+def cycles(run: Path) -> list[int]:
+    log = run / "cycles.log"
+    return [int(line.split()[1]) for line in log.read_text().splitlines()] if log.exists() else []
+
+
+def test_progress_comes_as_json_lines(start: Callable[[str, Path], Stage], run: Path) -> None:
+    status, messages, _ = finish(start("train", run))
+    assert status == 0
+    assert messages[0] == {"stage": "train", "done": 0, "total": 20, "figures": {"loss": 1.0}}
+    assert messages[-1] == {"stage": "train", "done": 20, "total": 20, "figures": {"loss": 0.0}}
+    assert len(messages) < 20
+
+
+def test_what_libraries_print_does_not_mix_with_the_messages(start: Callable[[str, Path], Stage], run: Path) -> None:
+    status, messages, errors = finish(start("initialise", run))
+    assert status == 0
+    assert messages == [{"stage": "initialise", "done": 1, "total": 1, "figures": {}}]
+    assert "a library that prints to stdout" in errors
+
+
+def test_bad_input_is_one_line_and_status_2(start: Callable[[str, Path], Stage], tmp_path: Path, home: Home) -> None:
+    run = make_run(tmp_path, "bad input")
+    status, messages, errors = finish(start("train", run))
+    assert status == 2
+    assert messages[-1] == {"error": f"{run}: frame 3 of camera cam01 is missing; add it"}
+    assert errors == ""
+
+
+def test_a_failure_is_one_line_a_traceback_and_status_1(
+    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home
+) -> None:
+    status, messages, errors = finish(start("train", make_run(tmp_path, "raise")))
+    assert status == 1
+    assert messages[-1] == {"error": "RuntimeError: the loss is not a number"}
+    assert "Traceback" in errors
+
+
+def test_sigterm_saves_a_checkpoint_and_the_next_process_goes_on_from_there(
+    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
+) -> None:
+    run = make_run(tmp_path, "count", cycles=60)
+    process = start("train", run)
+    wait_until(lambda: len(cycles(run)) >= 3, "three cycles")
+    process.send_signal(signal.SIGTERM)
+    assert finish(process)[0] == 75
+    assert (run / "checkpoint.pt").read_text() == str(len(cycles(run)))
+    assert len(cycles(run)) < 60
+
+    assert finish(start("train", run))[0] == 0
+    assert cycles(run) == list(range(60))
+
+
+def test_it_ends_when_its_parent_is_gone(
+    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
+) -> None:
+    run = make_run(tmp_path, "count", cycles=100_000)
+    process = start("train", run)
+    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    assert process.stdin is not None
+    process.stdin.close()
+    assert process.wait(60) == 70
+
+
+def test_two_processes_never_work_on_one_run(
+    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
+) -> None:
+    run = make_run(tmp_path, "count", cycles=40)
+    first = start("train", run)
+    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    second = start("train", run)
+    assert finish(first)[0] == 0
+    assert finish(second)[0] == 0
+    assert cycles(run) == list(range(40))
+
+
+def test_publish_puts_the_scene_under_the_name_of_the_run(
+    start: Callable[[str, Path], Stage], home: Home, run: Path
+) -> None:
+    from jobs.artifacts import ArtifactStore
+
+    for stage in ("initialise", "train", "encode", "publish"):
+        assert finish(start(stage, run))[0] == 0
+    assert ArtifactStore(home.store_url).manifest("run") == (run / "scene" / "manifest.json").read_bytes()

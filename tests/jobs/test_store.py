@@ -1,0 +1,124 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from hgs_core.progress import Progress
+from jobs.database import create_engine, prepare_database
+from jobs.home import Home
+from jobs.store import Job, JobState, JobTable, metadata
+
+
+@pytest.fixture
+def engine(tmp_path: Path) -> Iterator[sa.Engine]:
+    home = Home.at(tmp_path)
+    engine = create_engine(home)
+    prepare_database(home, engine, metadata)
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture
+def table(engine: sa.Engine) -> JobTable:
+    table = JobTable(engine)
+    with engine.begin() as connection:
+        table.insert(connection, Job(id="a", title="A", capture="/captures/a", config={"seed": 0}))
+    return table
+
+
+def state(table: JobTable) -> JobState:
+    job = table.get("a")
+    assert job is not None
+    return job.state
+
+
+def test_a_new_job_is_queued(table: JobTable) -> None:
+    job = table.get("a")
+    assert job is not None
+    assert (job.title, job.config, job.state, job.attempt) == ("A", {"seed": 0}, JobState.QUEUED, 1)
+    assert job.created == job.updated > 0
+
+
+def test_an_unknown_job_is_none(table: JobTable) -> None:
+    assert table.get("b") is None
+
+
+def test_the_newest_jobs_come_first(engine: sa.Engine, table: JobTable) -> None:
+    with engine.begin() as connection:
+        table.insert(connection, Job(id="b", title="B", capture="", config={}))
+    assert [job.id for job in table.newest(10)] == ["b", "a"]
+    assert [job.id for job in table.newest(1)] == ["b"]
+
+
+def test_progress_is_kept_with_its_figures(table: JobTable) -> None:
+    assert table.start("a", 1)
+    assert table.progress("a", 1, Progress("train", 3, 10, {"psnr": 26.5}))
+    job = table.get("a")
+    assert job is not None
+    assert (job.stage, job.done, job.total, job.figures) == ("train", 3, 10, {"psnr": 26.5})
+
+
+@pytest.mark.parametrize("finish", ["succeed", "fail", "cancel"])
+def test_a_finished_job_does_not_change(table: JobTable, finish: str) -> None:
+    end = {
+        "succeed": lambda: table.succeed("a", 1, "scene"),
+        "fail": lambda: table.fail("a", 1, "broken"),
+        "cancel": lambda: table.cancel("a", 1),
+    }
+    assert end[finish]()
+    before = table.get("a")
+    assert before is not None
+    assert before.state.finished
+    assert not table.start("a", 1)
+    assert not table.progress("a", 1, Progress("train", 1, 2))
+    assert not any(change() for change in end.values())
+    assert table.get("a") == before
+
+
+def test_a_retry_begins_the_next_attempt_and_silences_the_old_one(engine: sa.Engine, table: JobTable) -> None:
+    table.progress("a", 1, Progress("train", 5, 10))
+    table.fail("a", 1, "broken")
+    with engine.begin() as connection:
+        assert table.requeue(connection, "a", 1)
+    job = table.get("a")
+    assert job is not None
+    assert (job.state, job.attempt, job.error, job.stage, job.done) == (JobState.QUEUED, 2, "", "", 0)
+    assert not table.fail("a", 1, "late news of the old attempt")
+    assert table.succeed("a", 2, "scene")
+
+
+@pytest.mark.parametrize("finish", [None, "succeed"])
+def test_only_failed_and_cancelled_jobs_can_be_queued_again(
+    engine: sa.Engine, table: JobTable, finish: str | None
+) -> None:
+    if finish:
+        table.succeed("a", 1, "scene")
+    with engine.begin() as connection:
+        assert not table.requeue(connection, "a", 1)
+
+
+def test_active_jobs_are_the_unfinished_ones(table: JobTable) -> None:
+    assert [job.id for job in table.active()] == ["a"]
+    table.cancel("a", 1)
+    assert table.active() == []
+
+
+def test_a_job_is_plain_json(table: JobTable) -> None:
+    job = table.get("a")
+    assert job is not None
+    assert json.loads(json.dumps(job.to_json()))["state"] == "queued"
+
+
+def test_preparing_twice_keeps_what_is_there(tmp_path: Path, engine: sa.Engine, table: JobTable) -> None:
+    prepare_database(Home.at(tmp_path), engine, metadata)
+    assert state(table) is JobState.QUEUED
+
+
+def test_sqlite_logs_ahead_and_waits_for_other_writers(engine: sa.Engine) -> None:
+    with engine.connect() as connection:
+        assert connection.exec_driver_sql("PRAGMA journal_mode").scalar() == "wal"
+        assert connection.exec_driver_sql("PRAGMA busy_timeout").scalar() == 30_000

@@ -1,0 +1,129 @@
+"""How a worker starts, hears and ends its stages."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hgs_core.progress import Progress
+from hgs_core.train.config import TrainConfig
+from jobs import subprocesses
+from jobs.home import Home
+from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
+
+
+@pytest.fixture
+def make_run(tmp_path: Path, counting_pipeline: str) -> Callable[..., Path]:
+    def make_run(behaviour: str, cycles: int = 100_000) -> Path:
+        import counting_pipeline
+
+        (tmp_path / "behaviour").write_text(behaviour)
+        counting_pipeline.create_run(tmp_path / "run", tmp_path, TrainConfig(cycles=cycles))
+        return tmp_path / "run"
+
+    return make_run
+
+
+class Stage:
+    """A stage that runs inside a test's event loop."""
+
+    def __init__(self, home: Home, run: Path) -> None:
+        self.runner = StageRunner(home)
+        self.reports: list[Progress] = []
+        self.first_report = asyncio.Event()
+        self.task = asyncio.create_task(self.runner.run("workflow", "train", run, self._on_progress))
+
+    async def _on_progress(self, progress: Progress) -> None:
+        self.reports.append(progress)
+        self.first_report.set()
+
+
+def test_progress_is_relayed(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        stage = Stage(home, make_run("count", 10))
+        assert await stage.task == StageOutcome()
+        assert stage.reports[0] == Progress("train", 0, 10, {"loss": 1.0})
+        assert stage.reports[-1].done == 10
+        assert stage.runner.workflows() == []
+
+    asyncio.run(body())
+
+
+def test_a_failure_has_its_reason_and_its_traceback_in_the_log(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        run = make_run("raise", 10)
+        assert await Stage(home, run).task == StageOutcome("RuntimeError: the loss is not a number")
+        assert "Traceback" in (run / "stage.log").read_text()
+
+    asyncio.run(body())
+
+
+def test_an_outcome_by_signal_says_so(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        outcome = await Stage(home, make_run("die", 10)).task
+        assert outcome == StageOutcome("train: ended by SIGKILL (out of memory?)", killed=True)
+
+    asyncio.run(body())
+
+
+@pytest.mark.parametrize(("behaviour", "saved"), [("count", True), ("deaf", False)])
+def test_cancelling_lets_the_stage_save_or_kills_it(
+    home: Home,
+    make_run: Callable[..., Path],
+    monkeypatch: pytest.MonkeyPatch,
+    behaviour: str,
+    saved: bool,
+) -> None:
+    monkeypatch.setattr(subprocesses, "GRACE", 30.0 if saved else 0.2)
+
+    async def body() -> None:
+        run = make_run(behaviour)
+        stage = Stage(home, run)
+        await stage.first_report.wait()
+        await asyncio.sleep(0.06)
+        stage.task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await stage.task
+        assert stage.runner.workflows() == []
+        cycles = len((run / "cycles.log").read_text().splitlines())
+        assert ((run / "checkpoint.pt").exists() and int((run / "checkpoint.pt").read_text()) == cycles) is saved
+
+    asyncio.run(body())
+
+
+def test_an_abandoned_stage_is_killed_and_reports_the_loss(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        stage = Stage(home, make_run("deaf"))
+        await stage.first_report.wait()
+        stage.runner.abandon("workflow")
+        with pytest.raises(OwnershipLost):
+            await stage.task
+
+    asyncio.run(body())
+
+
+def test_a_stopping_worker_records_no_outcome(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        run = make_run("count")
+        stage = Stage(home, run)
+        await stage.first_report.wait()
+        stage.runner.stop()
+        while stage.runner.workflows():
+            await asyncio.sleep(0.02)
+        assert (run / "checkpoint.pt").exists()
+        _, pending = await asyncio.wait({stage.task}, timeout=0.1)
+        assert pending
+        stage.task.cancel()
+
+    asyncio.run(body())
+
+
+def test_a_job_without_a_run_folder_fails(home: Home, tmp_path: Path) -> None:
+    async def body() -> None:
+        with pytest.raises(FileNotFoundError):
+            await Stage(home, tmp_path / "absent").task
+
+    asyncio.run(body())

@@ -1,0 +1,177 @@
+"""Whole jobs, run by real worker processes on SQLite."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from jobs.artifacts import ArtifactStore
+from jobs.client import JobClient
+from jobs.store import Job, JobState
+from jobs.worker import start_worker
+
+Worker = subprocess.Popen[bytes]
+WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
+
+
+def finished(job: Job) -> bool:
+    return job.state.finished
+
+
+def training(job: Job) -> bool:
+    return job.stage == "train" and job.done > 0
+
+
+def cycles(client: JobClient, job_id: str) -> list[int]:
+    lines = (client.home.run(job_id) / "cycles.log").read_text().splitlines()
+    return [int(line.split()[1]) for line in lines]
+
+
+def test_a_job_becomes_a_published_scene(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    worker()
+    job = wait_for(submit(), finished, "the end of the job")
+    assert (job.state, job.error, job.stage, job.done) == (JobState.SUCCEEDED, "", "publish", job.total)
+    assert job.scene_id == job.id
+    store = ArtifactStore(client.home.store_url)
+    assert [scene.id for scene in store.list_scenes()] == [job.scene_id]
+    assert cycles(client, job.id) == list(range(10))
+
+
+def test_a_worker_runs_one_job_after_the_other(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    first, second = submit(cycles=60), submit(cycles=5)
+    worker()
+    wait_for(first, training, "the first job's training")
+    seen = client.get(second)
+    assert seen is not None
+    assert seen.state is JobState.QUEUED
+    assert wait_for(second, finished, "the end of the second job").state is JobState.SUCCEEDED
+    ended = client.get(first)
+    assert ended is not None
+    assert ended.state is JobState.SUCCEEDED
+
+
+def test_a_failed_job_says_why_and_a_retry_resumes_it(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, tmp_path: Path
+) -> None:
+    worker()
+    job_id = submit(cycles=20, behaviour="raise")
+    job = wait_for(job_id, finished, "the failure")
+    assert (job.state, job.error) == (JobState.FAILED, "RuntimeError: the loss is not a number")
+    assert ArtifactStore(client.home.store_url).list_scenes() == []
+
+    (tmp_path / "capture" / "behaviour").write_text("count")
+    client.retry(job_id)
+    assert wait_for(job_id, finished, "the end of the retry").state is JobState.SUCCEEDED
+    assert cycles(client, job_id) == [*range(11), *range(10, 20)]  # the last checkpoint before the failure was 10
+
+
+def test_a_stage_that_was_killed_is_tried_again(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    worker()
+    job = wait_for(submit(cycles=20, behaviour="die once"), finished, "the end of the job")
+    assert job.state is JobState.SUCCEEDED
+    assert cycles(client, job.id) == [*range(11), *range(10, 20)]
+
+
+def test_a_stage_that_is_always_killed_fails_the_job(
+    submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    worker()
+    job = wait_for(submit(cycles=4, behaviour="die"), finished, "the failure")
+    assert (job.state, job.error) == (JobState.FAILED, "train: ended by SIGKILL (out of memory?)")
+
+
+def test_a_cancelled_job_stops_and_frees_the_worker(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    worker()
+    job_id = submit(cycles=100_000)
+    wait_for(job_id, training, "training")
+    assert client.cancel(job_id).state is JobState.CANCELLED
+    assert wait_for(submit(cycles=5), finished, "the end of the next job").state is JobState.SUCCEEDED
+    assert int((client.home.run(job_id) / "checkpoint.pt").read_text()) == len(cycles(client, job_id))
+    job = client.get(job_id)
+    assert job is not None
+    assert job.state is JobState.CANCELLED
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_stopped_worker_saves_and_another_goes_on_without_losing_a_cycle(
+    client: JobClient,
+    submit: Callable[..., str],
+    worker: Callable[[], Worker],
+    wait_for: WaitFor,
+    number: signal.Signals,
+) -> None:
+    first = worker()
+    job_id = submit(cycles=100)
+    wait_for(job_id, training, "training")
+    first.send_signal(number)
+    assert first.wait(60) == 0
+    assert 0 < len(cycles(client, job_id)) < 100
+
+    worker()
+    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
+    assert cycles(client, job_id) == list(range(100))
+
+
+def test_a_started_worker_ends_with_its_parent(
+    client: JobClient, submit: Callable[..., str], wait_for: WaitFor
+) -> None:
+    process = start_worker(client.home)
+    try:
+        assert wait_for(submit(cycles=3), finished, "the end of the job").state is JobState.SUCCEEDED
+        assert process.stdin is not None
+        process.stdin.close()
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_job_whose_workflow_broke_is_failed(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    job_id = submit()
+    client.home.run(job_id).rename(client.home.folder / "moved")
+    worker()
+    job = wait_for(job_id, finished, "the failure")
+    assert job.state is JobState.FAILED
+    assert "stage.log" in job.error
+
+
+def test_a_cancel_that_was_cut_off_is_completed(
+    client: JobClient,
+    submit: Callable[..., str],
+    worker: Callable[[], Worker],
+    wait_for: WaitFor,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    job_id = submit()
+    with monkeypatch.context() as patch:
+        patch.setattr(client._table, "cancel", lambda *_: False)  # as if the process had died between the two writes
+        client.cancel(job_id)
+    worker()
+    assert wait_for(job_id, finished, "the cancellation").state is JobState.CANCELLED
+
+
+def test_progress_that_cannot_be_written_fails_nothing(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    with client._engine.begin() as connection:
+        connection.exec_driver_sql(
+            "CREATE TRIGGER refuse BEFORE UPDATE OF done ON hgs_job BEGIN SELECT RAISE(ABORT, 'refused'); END"
+        )
+    worker()
+    job = wait_for(submit(), finished, "the end of the job")
+    assert (job.state, job.done) == (JobState.SUCCEEDED, 0)
+    assert (client.home.run(job.id) / "train.json").exists()
