@@ -1,0 +1,119 @@
+"""A worker killed with -9 in the middle of training costs no job, and nothing is trained twice."""
+
+from __future__ import annotations
+
+import fcntl
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from jobs.client import JobClient
+from jobs.store import Job, JobState
+
+Worker = subprocess.Popen[bytes]
+WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
+Poll = Callable[[Callable[[], bool], str], None]
+
+
+def finished(job: Job) -> bool:
+    return job.state.finished
+
+
+def cycles(run: Path) -> list[tuple[int, int]]:
+    """Return the process id and the number of every cycle that was trained, in the order they were trained in."""
+    log = run / "cycles.log"
+    lines = log.read_text().splitlines() if log.exists() else []
+    return [(int(pid), int(cycle)) for pid, cycle in (line.split() for line in lines)]
+
+
+def is_worked_on(run: Path) -> bool:
+    with (run / "run.lock").open() as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        return False
+
+
+@pytest.mark.parametrize("standby", [True, False])
+def test_another_worker_resumes_from_the_checkpoint(
+    client: JobClient,
+    submit: Callable[..., str],
+    worker: Callable[[], Worker],
+    wait_for: WaitFor,
+    wait_until: Poll,
+    standby: bool,
+) -> None:
+    job_id = submit(cycles=150)
+    run = client.home.run(job_id)
+    first = worker()
+    wait_until(lambda: len(cycles(run)) >= 12, "twelve cycles")
+    other = worker() if standby else None
+    first.send_signal(signal.SIGKILL)
+    first.wait()
+    if other is None:
+        worker()
+
+    job = wait_for(job_id, finished, "the end of the job")
+    assert (job.state, job.error, job.attempt) == (JobState.SUCCEEDED, "", 1)
+    trained = cycles(run)
+    pids = list(dict.fromkeys(pid for pid, _ in trained))
+    before, after = ([cycle for pid, cycle in trained if pid == own] for own in pids)  # exactly two processes trained
+    assert trained == [(pids[0], cycle) for cycle in before] + [(pids[1], cycle) for cycle in after]  # never at once
+    assert before == list(range(len(before)))
+    assert after == list(range(after[0], 150))
+    assert after[0] % 5 == 0  # a checkpoint,
+    assert 10 <= after[0] <= len(before) < after[0] + 5  # the last one
+
+
+def test_a_killed_worker_leaves_no_orphan(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_until: Poll
+) -> None:
+    job_id = submit(cycles=100_000, behaviour="deaf")
+    run = client.home.run(job_id)
+    process = worker()
+    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    assert is_worked_on(run)
+    process.kill()
+    process.wait()
+    wait_until(lambda: not is_worked_on(run), "the end of the stage")
+
+
+def test_a_paused_worker_is_not_taken_for_dead(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    job_id = submit(cycles=100)
+    run = client.home.run(job_id)
+    first = worker()
+    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    first.send_signal(signal.SIGSTOP)
+    worker()
+    wait_until(lambda: len(cycles(run)) == 100, "the stage's end, which nobody hears of yet")
+    job = client.get(job_id)
+    assert job is not None
+    assert job.state is JobState.RUNNING
+    first.send_signal(signal.SIGCONT)
+    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
+    assert [cycle for _, cycle in cycles(run)] == list(range(100))
+
+
+def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    job_id = submit(cycles=100_000)
+    run = client.home.run(job_id)
+    first = worker()
+    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    first.kill()
+    first.wait()
+    client.cancel(job_id)
+    trained = cycles(run)
+    worker()
+    assert wait_for(submit(cycles=3), finished, "the end of the next job").state is JobState.SUCCEEDED
+    job = client.get(job_id)
+    assert job is not None
+    assert job.state is JobState.CANCELLED
+    assert len(cycles(run)) <= len(trained) + 1
