@@ -1,0 +1,1 @@
+"""A capture on disk becomes cameras, a clock, frames on demand, and the first points of the scene."""

@@ -1,0 +1,131 @@
+"""What every loader returns: fixed cameras, a clock, and pictures on demand."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.camera import Camera
+from hgs_core.capture.cache import FrameCache, Neighbour
+from hgs_core.errors import InputError
+
+__all__ = ["Capture", "FrameSource", "files_fingerprint"]
+
+
+class FrameSource(Protocol):
+    """Where the pictures of a layout come from. Calls for the same camera never overlap; others may."""
+
+    def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
+        """Return the picture [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
+
+    def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
+        """Return the given mask [H, W] of what moves, or None if the capture has none for this camera."""
+
+
+class Capture:
+    """A multi-view video: synchronised cameras that never move.
+
+    Pictures are decoded on demand into a cache of bounded size. All methods are safe to call from several threads.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        cameras: Sequence[Camera],
+        times: npt.NDArray[np.float64],  # [F] seconds, increasing
+        source: FrameSource,
+        fingerprint: str,
+        *,
+        cache_bytes: int,
+    ) -> None:
+        """Loaders call this; everybody else calls `open_capture`.
+
+        Raises:
+            InputError: no camera, no frame, or two cameras of one name.
+        """
+        if not cameras:
+            raise InputError(path, "the capture has no camera")
+        if len(times) == 0:
+            raise InputError(path, "the capture has no frame")
+        names = [camera.name for camera in cameras]
+        for name in names:
+            if names.count(name) > 1:
+                raise InputError(path, f"two cameras are called {name}", "give each camera its own name")
+        self.path = path
+        self.name = path.resolve().name
+        self.cameras = tuple(cameras)
+        self.times = np.array(times, np.float64)
+        self.times.flags.writeable = False
+        self._source = source
+        self._fingerprint = fingerprint
+        self._cache = FrameCache(cache_bytes)
+        self._locks = tuple(threading.Lock() for _ in cameras)
+        # Each camera may fill its share of the cache with frames that were decoded only on the way to another.
+        largest = max(camera.width * camera.height * 3 for camera in cameras)
+        self._neighbours = max(0, cache_bytes // largest // len(cameras) - 1)
+
+    def frame(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        """Return one picture [H, W, 3], sRGB, read-only.
+
+        Raises:
+            InputError: the picture is missing, unreadable or of another size than its camera's.
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        picture = self._cache.get(camera, frame)
+        if picture is not None:
+            return picture
+        with self._locks[camera]:
+            picture = self._cache.get(camera, frame)  # another thread may have decoded it while this one waited
+            if picture is None:
+                picture, passed = self._source.read(camera, frame, self._neighbours)
+                for index, neighbour in passed:
+                    self._cache.put(camera, index, neighbour)
+                picture.flags.writeable = False
+                self._cache.put(camera, frame, picture)
+        return picture
+
+    def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
+        """Return the given mask [H, W], True = moves, or None if the capture gives none for this camera.
+
+        Raises:
+            InputError: the mask is unreadable or of another size than its camera's.
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        return self._source.read_mask(camera, frame)
+
+    def camera_index(self, name: str) -> int:
+        """Return the index of the camera of that name.
+
+        Raises:
+            InputError: there is none; the message lists those there are.
+        """
+        names = [camera.name for camera in self.cameras]
+        if name not in names:
+            raise InputError(self.path, f"there is no camera {name!r}", f"the cameras are {', '.join(names)}")
+        return names.index(name)
+
+    def fingerprint(self) -> str:
+        """Return a hexadecimal digest that changes when the capture's files change in name, size or pose."""
+        return self._fingerprint
+
+    def _check(self, camera: int, frame: int) -> None:
+        if not 0 <= camera < len(self.cameras):
+            raise IndexError(f"camera {camera} is not in 0..{len(self.cameras) - 1}")
+        if not 0 <= frame < len(self.times):
+            raise IndexError(f"frame {frame} is not in 0..{len(self.times) - 1}")
+
+
+def files_fingerprint(root: Path, files: Iterable[tuple[Path, int]], poses: Path) -> str:
+    """Return the SHA-256 of the names and sizes of `files` and of the content of the file `poses`."""
+    digest = hashlib.sha256(poses.read_bytes())
+    for name, size in sorted((path.relative_to(root).as_posix(), size) for path, size in files):
+        digest.update(f"\n{name} {size}".encode())
+    return digest.hexdigest()

@@ -1,0 +1,77 @@
+"""Pictures and masks in image files, read with every check that a loader needs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image, UnidentifiedImageError
+
+from hgs_core.camera import Camera
+from hgs_core.errors import InputError
+
+__all__ = ["check_size", "list_folder", "read_mask", "read_picture"]
+
+
+def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
+    """Return the picture [H, W, 3].
+
+    Raises:
+        InputError: the file is missing, unreadable, or not of the camera's size.
+    """
+    return np.array(_open(path, camera).convert("RGB"))
+
+
+def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
+    """Return the mask [H, W]; every value above 0 is True.
+
+    Raises:
+        InputError: the file is missing, unreadable, or not of the camera's size.
+    """
+    values = np.asarray(_open(path, camera))
+    return np.asarray(values.any(axis=2) if values.ndim == 3 else values > 0, bool)
+
+
+def check_size(path: Path, camera: Camera) -> None:
+    """Read the header alone.
+
+    Raises:
+        InputError: as `read_picture`, as far as the header tells.
+    """
+    try:
+        with Image.open(path) as image:
+            _check_size(path, image.size, camera)
+    except (OSError, UnidentifiedImageError) as error:
+        raise _unreadable(path, error) from error
+
+
+def list_folder(folder: Path) -> dict[str, int]:
+    """Return the names and sizes in bytes of the files in a folder; of none if the folder does not exist."""
+    if not folder.is_dir():
+        return {}
+    with os.scandir(folder) as entries:
+        return {entry.name: entry.stat().st_size for entry in entries if entry.is_file()}
+
+
+def _open(path: Path, camera: Camera) -> Image.Image:
+    try:
+        image = Image.open(path)
+        _check_size(path, image.size, camera)
+        image.load()
+    except (OSError, UnidentifiedImageError, SyntaxError) as error:
+        raise _unreadable(path, error) from error
+    return image
+
+
+def _check_size(path: Path, size: tuple[int, int], camera: Camera) -> None:
+    if size != (camera.width, camera.height):
+        expected = f"{camera.width}x{camera.height}"
+        raise InputError(path, f"the picture is {size[0]}x{size[1]}", f"camera {camera.name} needs {expected}")
+
+
+def _unreadable(path: Path, error: Exception) -> InputError:
+    if isinstance(error, FileNotFoundError):
+        return InputError(path, "the picture is missing", "restore the file")
+    return InputError(path, f"the picture is unreadable ({error})", "restore the file from its source")

@@ -1,0 +1,144 @@
+"""Frames of one video file by number, decoded with PyAV (FFmpeg)."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.capture.cache import Neighbour
+from hgs_core.errors import InputError
+
+if TYPE_CHECKING:
+    import av
+
+__all__ = ["VideoReader"]
+
+
+class VideoReader:
+    """Random access to the frames of a video.
+
+    The decoder stays open and runs forward while that is the shortest way to the next frame asked for; otherwise it
+    seeks to the key frame before it. Not safe for several threads at once.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Read the packets' time stamps, without decoding.
+
+        Raises:
+            InputError: the file is missing, no video, truncated, or its frames cannot be told apart.
+        """
+        import av
+
+        self.path = path
+        if not path.is_file():
+            raise InputError(path, "the video is missing", "restore the file")
+        stamps: list[int] = []
+        keys: list[int] = []
+        try:
+            with av.open(str(path)) as container:
+                if not container.streams.video:
+                    raise InputError(path, "the file has no video stream", "export the camera's video again")
+                stream = container.streams.video[0]
+                self.width, self.height = stream.codec_context.width, stream.codec_context.height
+                self.rate: Fraction = Fraction(stream.average_rate or 0)
+                announced = stream.frames
+                for packet in container.demux(stream):
+                    if packet.pts is None or packet.is_discard:
+                        continue
+                    stamps.append(packet.pts)
+                    if packet.is_keyframe:
+                        keys.append(packet.pts)
+                    if packet.is_corrupt:
+                        raise InputError(path, f"packet {len(stamps) - 1} is damaged", "export the video again")
+        except av.FFmpegError as error:
+            raise self._unreadable(error) from error
+        if not stamps:
+            raise InputError(path, "the video has no frame", "export the camera's video again")
+        if announced and len(stamps) < announced:
+            problem = f"the video is truncated: {len(stamps)} of {announced} frames are there"
+            raise InputError(path, problem, "copy the file again")
+        if len(set(stamps)) < len(stamps):
+            raise InputError(path, "two frames have the same time stamp", "export the camera's video again")
+        if self.rate <= 0:
+            raise InputError(path, "the video does not state its frame rate", "export the camera's video again")
+        self._stamps = sorted(stamps)  # of the frames in the order shown
+        self._keys = sorted(keys) or [self._stamps[0]]
+        self._container: av.container.InputContainer | None = None
+        self._frames: Iterator[av.VideoFrame] | None = None
+        self._next = 0  # the frame that the open decoder will give next
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self._stamps)
+
+    def read(self, index: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], list[Neighbour]]:
+        """Return frame `index` [H, W, 3], and the last `neighbours` frames that were decoded on the way to it.
+
+        Raises:
+            InputError: the video is damaged.
+        """
+        import av
+
+        key = self._stamps.index(self._keys[max(0, bisect_right(self._keys, self._stamps[index]) - 1)])
+        passed: list[Neighbour] = []
+        try:
+            if self._frames is None or not max(key, self._next) <= index or key > self._next:
+                self._seek(key)
+            assert self._frames is not None
+            for frame in self._frames:
+                shown = self._index(frame)
+                if shown is None or shown < key:
+                    continue  # a leading frame after a seek may refer to pictures before the key frame
+                if frame.is_corrupt:
+                    raise InputError(self.path, f"frame {shown} is damaged", "export the camera's video again")
+                self._next = shown + 1
+                if shown == index:
+                    return self._picture(frame), passed
+                if shown > index:
+                    break
+                if index - shown <= neighbours:
+                    passed.append((shown, self._picture(frame)))
+        except av.FFmpegError as error:
+            self._close()
+            raise self._unreadable(error, index) from error
+        self._close()
+        raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
+
+    def _seek(self, key: int) -> None:
+        import av
+
+        if self._container is None:
+            self._container = av.open(str(self.path))
+            context = self._container.streams.video[0].codec_context
+            context.thread_count = 1  # frame threads would hold several pictures for each of many cameras
+            context.options = {"err_detect": "explode"}  # damage is an error, never a guessed picture
+        stream = self._container.streams.video[0]
+        self._container.seek(self._stamps[key], stream=stream, backward=True)
+        self._frames = self._container.decode(stream)
+        self._next = key
+
+    def _close(self) -> None:
+        if self._container is not None:
+            self._container.close()
+        self._container = self._frames = None
+
+    def _index(self, frame: av.VideoFrame) -> int | None:
+        """Return the number of a decoded frame."""
+        if frame.pts is None:
+            return None
+        index = bisect_left(self._stamps, frame.pts)
+        return index if index < len(self._stamps) and self._stamps[index] == frame.pts else None
+
+    def _picture(self, frame: av.VideoFrame) -> npt.NDArray[np.uint8]:
+        return np.ascontiguousarray(frame.to_ndarray(format="rgb24"))
+
+    def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
+        what = "the video" if index is None else f"frame {index}"
+        reason = getattr(error, "strerror", None) or error
+        return InputError(self.path, f"{what} is unreadable ({reason})", "copy or export the camera's video again")
