@@ -1,0 +1,75 @@
+/**
+ * Orbit camera. It starts from any pose, turns about a target, and keeps the horizon: dragging sideways turns about the
+ * scene's up vector, dragging up and down about the camera's own right axis.
+ */
+
+import { eyeOf, type Pose, poseAt } from "./pinhole";
+import { add, dot, fromRows, type Mat3, normalise, rotateAbout, row, scale, subtract, type Vec3 } from "./vector";
+
+const POLE_MARGIN = 0.02; // radians; looking exactly along the up vector has no horizon
+const CLOSEST = 0.02; // share of the first distance
+const FARTHEST = 50;
+
+export class OrbitCamera {
+  #rotation: Mat3;
+  #target: Vec3;
+  #distance: number;
+  #first: number;
+
+  /** `target` is what the camera turns about; it is moved onto the view axis so that the first picture is exactly `pose`. */
+  constructor(
+    pose: Pose,
+    target: Vec3,
+    readonly up: Vec3,
+  ) {
+    const eye = eyeOf(pose);
+    const forward = row(pose.rotation, 2);
+    const along = dot(subtract(target, eye), forward);
+    this.#rotation = pose.rotation;
+    this.#distance = along > 1e-3 ? along : 1;
+    this.#first = this.#distance;
+    this.#target = add(eye, scale(forward, this.#distance));
+  }
+
+  get pose(): Pose {
+    return poseAt(this.eye, this.#rotation);
+  }
+
+  get eye(): Vec3 {
+    return subtract(this.#target, scale(row(this.#rotation, 2), this.#distance));
+  }
+
+  get distance(): number {
+    return this.#distance;
+  }
+
+  /** Turn the camera about the target: positive `yaw` moves it to its left, positive `pitch` upwards. Radians. */
+  turn(yaw: number, pitch: number): void {
+    const right = row(this.#rotation, 0);
+    const forward = row(this.#rotation, 2);
+    const elevation = Math.asin(Math.max(-1, Math.min(1, -dot(forward, this.up))));
+    const limit = Math.PI / 2 - POLE_MARGIN;
+    // Never past a pole, but a first pose beyond the limit may come back.
+    const allowed = Math.max(Math.min(elevation, -limit), Math.min(Math.max(elevation, limit), elevation + pitch));
+    const tilt = (v: Vec3): Vec3 => rotateAbout(v, right, elevation - allowed);
+    const swing = (v: Vec3): Vec3 => rotateAbout(v, this.up, -yaw);
+    const z = normalise(swing(tilt(forward)));
+    const down = swing(tilt(row(this.#rotation, 1)));
+    const y = normalise(subtract(down, scale(z, dot(down, z))));
+    const x: Vec3 = [y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]];
+    this.#rotation = fromRows(x, y, z);
+  }
+
+  /** Multiply the distance to the target. */
+  zoom(factor: number): void {
+    const distance = this.#distance * factor;
+    this.#distance = Math.max(this.#first * CLOSEST, Math.min(this.#first * FARTHEST, distance));
+  }
+
+  /** Move camera and target across the picture so that the target follows a drag of (dx, dy) pixels. */
+  pan(dx: number, dy: number, focal: number): void {
+    const s = this.#distance / focal;
+    const shift = add(scale(row(this.#rotation, 0), -dx * s), scale(row(this.#rotation, 1), -dy * s));
+    this.#target = add(this.#target, shift);
+  }
+}

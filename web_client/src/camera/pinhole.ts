@@ -1,0 +1,80 @@
+/**
+ * Pinhole cameras in the OpenCV convention (x right, y down, z forward; pixel centres at +0.5), and the one place where
+ * they meet WebGL's clip space (y up).
+ */
+
+import { add, apply, type Mat3, row, scale, type Vec3 } from "./vector";
+
+/** A camera-space point is `rotation` p + `translation`; rotation is world-to-camera, row-major. */
+export interface Pose {
+  readonly rotation: Mat3;
+  readonly translation: Vec3;
+}
+
+/** Everything in pixels; (cx, cy) is the principal point, from the top left corner. */
+export interface Intrinsics {
+  readonly width: number;
+  readonly height: number;
+  readonly fx: number;
+  readonly fy: number;
+  readonly cx: number;
+  readonly cy: number;
+}
+
+/** The pose of a capture camera, from the rows of its 4x4 world-to-camera matrix. */
+export function poseOf(worldToCamera: readonly (readonly number[])[]): Pose {
+  const [a, b, c] = worldToCamera as [number[], number[], number[]];
+  return {
+    rotation: [a[0], a[1], a[2], b[0], b[1], b[2], c[0], c[1], c[2]],
+    translation: [a[3], b[3], c[3]],
+  };
+}
+
+/** The camera's centre in the world: -R^T t. */
+export function eyeOf(pose: Pose): Vec3 {
+  const { rotation: r, translation: t } = pose;
+  return scale(add(add(scale(row(r, 0), t[0]), scale(row(r, 1), t[1])), scale(row(r, 2), t[2])), -1);
+}
+
+/** The pose that looks from `eye` along the given world-to-camera rotation. */
+export function poseAt(eye: Vec3, rotation: Mat3): Pose {
+  return { rotation, translation: scale(apply(rotation, eye), -1) };
+}
+
+/** The same camera on a picture of another size; the axes scale apart, as `Camera.scaled` does on the server. */
+export function resized(camera: Intrinsics, width: number, height: number): Intrinsics {
+  const sx = width / camera.width;
+  const sy = height / camera.height;
+  return {
+    width,
+    height,
+    fx: camera.fx * sx,
+    fy: camera.fy * sy,
+    cx: camera.cx * sx,
+    cy: camera.cy * sy,
+  };
+}
+
+/** The camera on a canvas of any shape: the whole capture picture stays in view, and more is seen around it. */
+export function fitted(camera: Intrinsics, width: number, height: number): Intrinsics {
+  const s = Math.min(width / camera.width, height / camera.height);
+  return {
+    width,
+    height,
+    fx: camera.fx * s,
+    fy: camera.fy * s,
+    cx: width / 2 + (camera.cx - camera.width / 2) * s,
+    cy: height / 2 + (camera.cy - camera.height / 2) * s,
+  };
+}
+
+/** Clip-space x, y in [-1, 1] of a pixel position. */
+export function pixelToClip(x: number, y: number, size: { width: number; height: number }): [number, number] {
+  return [(2 * x) / size.width - 1, 1 - (2 * y) / size.height];
+}
+
+/** Project a world point; returns [pixel x, pixel y, depth]. */
+export function project(point: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
+  const [x, y, z] = add(apply(pose.rotation, point), pose.translation);
+  return [(camera.fx * x) / z + camera.cx, (camera.fy * y) / z + camera.cy, z];
+}

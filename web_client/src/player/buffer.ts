@@ -1,0 +1,58 @@
+/** Which chunks are here, and which moments can be shown with them. */
+
+import type { Manifest, SliceEntry } from "../codec/types";
+
+/** The index of the slice that is shown at `time`: the last that has started, or the first; -1 if there is none. */
+export function sliceAt(slices: readonly SliceEntry[], time: number): number {
+  let low = 0;
+  let high = slices.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (slices[middle].start <= time) low = middle + 1;
+    else high = middle;
+  }
+  return slices.length === 0 ? -1 : Math.max(0, low - 1);
+}
+
+/** The ids of all chunks that hold splats alive in a slice. */
+export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((chunk) => chunk.id), ...slice.needs];
+
+export class SceneBuffer {
+  readonly #arrived = new Set<string>();
+
+  constructor(readonly manifest: Manifest) {}
+
+  /** Note that a chunk can be drawn from now on. */
+  arrived(id: string): void {
+    this.#arrived.add(id);
+  }
+
+  /** True if every dynamic splat alive at `time` is here. */
+  ready(time: number): boolean {
+    const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
+    return slice === undefined || this.#complete(slice);
+  }
+
+  get staticComplete(): boolean {
+    return this.manifest.static.every((chunk) => this.#arrived.has(chunk.id));
+  }
+
+  /** The stretches of time that are ready, as disjoint [start, end] in order. */
+  ranges(): [number, number][] {
+    const { slices, start, end } = this.manifest;
+    if (slices.length === 0) return [[start, end]];
+    const ranges: [number, number][] = [];
+    for (const [i, slice] of slices.entries()) {
+      if (!this.#complete(slice)) continue;
+      const until = slices[i + 1]?.start ?? end;
+      const last = ranges.at(-1);
+      if (last && last[1] >= slice.start) last[1] = until;
+      else ranges.push([slice.start, until]);
+    }
+    return ranges;
+  }
+
+  #complete(slice: SliceEntry): boolean {
+    return chunksOf(slice).every((id) => this.#arrived.has(id));
+  }
+}

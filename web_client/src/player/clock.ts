@@ -1,0 +1,88 @@
+/** The playhead: play, pause, seek, rate, loop, and waiting for data. It is told the time and owns no timer. */
+
+/** Longest step taken at once, seconds: a tab that was hidden goes on where it stopped. */
+const LONGEST_STEP = 0.25;
+
+export class PlayerClock {
+  loop = true;
+  #time: number;
+  #rate = 1;
+  #playing = false;
+  #stalled = false;
+  #last: number | null = null;
+
+  /** A clock over [start, end] seconds of the scene, standing at the start. */
+  constructor(
+    readonly start: number,
+    readonly end: number,
+  ) {
+    this.#time = start;
+  }
+
+  /** Seconds on the scene's clock. */
+  get time(): number {
+    return this.#time;
+  }
+
+  get playing(): boolean {
+    return this.#playing;
+  }
+
+  /** True while playing waits for data. */
+  get stalled(): boolean {
+    return this.#stalled;
+  }
+
+  /** Scene seconds per second. */
+  get rate(): number {
+    return this.#rate;
+  }
+
+  set rate(value: number) {
+    if (!(value > 0 && value <= 16)) throw new RangeError(`rate ${value} is not in (0, 16]`);
+    this.#rate = value;
+  }
+
+  /** Go on; from the start if the end has been reached. */
+  play(): void {
+    if (this.#playing) return;
+    if (this.#time >= this.end) this.#time = this.start;
+    this.#playing = true;
+    this.#last = null;
+  }
+
+  pause(): void {
+    this.#playing = false;
+    this.#stalled = false;
+  }
+
+  /** Move the playhead; clamped to the scene. */
+  seek(time: number): void {
+    this.#time = Math.min(this.end, Math.max(this.start, time));
+    this.#stalled = false;
+    this.#last = null;
+  }
+
+  /**
+   * Advance to `now` (seconds of any steady clock) and return the scene's time.
+   *
+   * The playhead enters no moment for which `ready` is false: it stalls, and starts anew when the data is there.
+   */
+  tick(now: number, ready: (time: number) => boolean): number {
+    const step = this.#last === null ? 0 : Math.min(LONGEST_STEP, Math.max(0, now - this.#last));
+    this.#last = now;
+    if (!this.#playing) return this.#time;
+    let next = this.#time + step * this.#rate;
+    let ended = false;
+    if (next >= this.end) {
+      const duration = this.end - this.start;
+      ended = !this.loop || duration <= 0;
+      next = ended ? this.end : this.start + ((next - this.start) % duration);
+    }
+    this.#stalled = !ready(next);
+    if (this.#stalled) return this.#time;
+    this.#time = next;
+    if (ended) this.#playing = false;
+    return this.#time;
+  }
+}

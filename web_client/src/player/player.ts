@@ -1,0 +1,298 @@
+/** Plays one scene on a canvas: joins the stream, the worker, the buffer, the clock and the renderer. */
+
+import { parseManifest } from "../codec/manifest";
+import type { Manifest } from "../codec/types";
+import { SceneStream, type StreamState } from "../protocol/stream";
+import { type Pixels, SplatRenderer } from "../renderer/renderer";
+import type { FromWorker, ToWorker } from "../worker/messages";
+import { placeChunks } from "../worker/placement";
+import type { DepthAxis } from "../worker/splat_order";
+import { SceneBuffer } from "./buffer";
+import { PlayerClock } from "./clock";
+import { FrameRate } from "./frame_rate";
+import { sameView, type View } from "./view";
+
+export interface PlayerOptions {
+  readonly canvas: HTMLCanvasElement;
+  readonly streamUrl: string;
+  /** Seconds from which to show and load first. */
+  readonly time: number | null;
+  readonly playing: boolean;
+  /** From where the scene is seen now; asked at every frame. Null while that is not known. */
+  readonly view: () => View | null;
+  readonly onManifest: (manifest: Manifest) => void;
+  /** One line for people; playing may go on. */
+  readonly onError: (message: string) => void;
+}
+
+export interface PlayerStats {
+  readonly stream: StreamState;
+  readonly bytes: number;
+  readonly bytesTotal: number;
+  readonly splats: number;
+  readonly dynamicSplats: number;
+  readonly framesPerSecond: number;
+  /** Milliseconds from opening the page to the first picture; null before. */
+  readonly firstFrame: number | null;
+}
+
+/** What the worker was last asked for, and what the renderer last drew. */
+interface OrderKey {
+  readonly axis: DepthAxis;
+  readonly time: number;
+  readonly version: number;
+}
+
+export class ScenePlayer {
+  readonly #options: PlayerOptions;
+  readonly #renderer: SplatRenderer;
+  readonly #worker: Worker;
+  readonly #stream: SceneStream;
+  readonly #abort = new AbortController();
+  readonly #sizes = new Map<string, number>(); // of chunks at the worker
+  readonly #frames = new FrameRate();
+  readonly #waiting: (() => void)[] = [];
+  #scene: { manifest: Manifest; buffer: SceneBuffer; clock: PlayerClock } | null = null;
+  #animation = 0;
+  #version = 0; // of what the worker has decoded
+  #pending: OrderKey | null = null;
+  #ordered: OrderKey | null = null;
+  #normalisedTime = 0;
+  #recycled: Uint32Array<ArrayBuffer> | undefined;
+  #current: Uint32Array<ArrayBuffer> | undefined;
+  #drawn: View | null = null; // null when the picture is out of date
+  #stalled = false;
+  #streamState: StreamState = "connecting";
+  #bytes = 0;
+  #dynamicSplats = 0;
+  #firstFrame: number | null = null;
+
+  /** @throws Error if the browser has no WebGL2. */
+  constructor(options: PlayerOptions) {
+    this.#options = options;
+    this.#renderer = new SplatRenderer(options.canvas, () => {
+      this.#ordered = null;
+      this.#drawn = null;
+    });
+    this.#worker = new Worker(new URL("../worker/worker.ts", import.meta.url), { type: "module" });
+    this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#fromWorker(data);
+    this.#worker.onerror = (event) => options.onError(`the decoder stopped: ${event.message || "it did not load"}`);
+    this.#stream = new SceneStream(
+      options.streamUrl,
+      {
+        manifest: (bytes) => this.#begin(bytes),
+        chunk: (id, bytes) => {
+          this.#sizes.set(id, bytes.length);
+          this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]);
+        },
+        progress: (bytes) => {
+          this.#bytes += bytes;
+        },
+        state: (state) => {
+          this.#streamState = state;
+        },
+        end: () => {},
+        failed: options.onError,
+      },
+      { time: options.time, rate: options.playing ? 1 : 0 },
+    );
+    document.addEventListener("visibilitychange", () => this.#visibility(), { signal: this.#abort.signal });
+    this.#animation = requestAnimationFrame((now) => this.#frame(now));
+  }
+
+  get clock(): PlayerClock | null {
+    return this.#scene?.clock ?? null;
+  }
+
+  get buffer(): SceneBuffer | null {
+    return this.#scene?.buffer ?? null;
+  }
+
+  get stats(): PlayerStats {
+    const totals = this.#scene?.manifest.totals;
+    return {
+      stream: this.#streamState,
+      bytes: this.#bytes,
+      bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
+      splats: this.#renderer.count,
+      dynamicSplats: this.#dynamicSplats,
+      framesPerSecond: this.#frames.value,
+      firstFrame: this.#firstFrame,
+    };
+  }
+
+  play(): void {
+    const clock = this.#scene?.clock;
+    if (!clock) return;
+    clock.play();
+    this.#stream.play(clock.time, clock.rate);
+  }
+
+  pause(): void {
+    const clock = this.#scene?.clock;
+    if (!clock) return;
+    clock.pause();
+    this.#stalled = false;
+    this.#stream.pause(clock.time);
+  }
+
+  setRate(rate: number): void {
+    const clock = this.#scene?.clock;
+    if (!clock) return;
+    clock.rate = rate;
+    if (clock.playing) this.#stream.play(clock.time, rate);
+  }
+
+  /** Move the playhead; what is missing there comes before everything else. */
+  seek(time: number): void {
+    const scene = this.#scene;
+    if (!scene) return;
+    scene.clock.seek(time);
+    const at = scene.clock.time;
+    if (!scene.buffer.ready(at)) this.#stream.seek(at);
+    else if (scene.clock.playing) this.#stream.play(at, scene.clock.rate);
+    else this.#stream.pause(at);
+  }
+
+  /** Resolves when everything that is alive at the (standing) playhead has arrived, has been sorted, and is drawn. */
+  settled(): Promise<void> {
+    return new Promise((resolve) => {
+      this.#waiting.push(resolve);
+    });
+  }
+
+  /** The picture as it is on the canvas, or in floats without the canvas's rounding; null before there is one. */
+  readPixels(float = false): Pixels | null {
+    const view = this.#options.view();
+    if (!view || !this.#ordered) return null;
+    const shot = { ...view, time: this.#normalisedTime };
+    return float ? this.#renderer.readFloatPixels(shot) : this.#renderer.readPixels(shot);
+  }
+
+  /** Stop and give everything back. */
+  dispose(): void {
+    cancelAnimationFrame(this.#animation);
+    this.#abort.abort();
+    this.#stream.close();
+    this.#worker.terminate();
+    this.#renderer.dispose();
+  }
+
+  #begin(bytes: Uint8Array): void {
+    try {
+      const manifest = parseManifest(new TextDecoder().decode(bytes));
+      const { staticRows, dynamicRows } = placeChunks(manifest);
+      this.#renderer.allocate(staticRows, dynamicRows);
+      this.#tell({ type: "scene", manifest });
+      const clock = new PlayerClock(manifest.start, manifest.end);
+      clock.seek(this.#options.time ?? manifest.start);
+      this.#scene = { manifest, buffer: new SceneBuffer(manifest), clock };
+      this.#renderer.background = manifest.background;
+      this.#stream.playheadAt(clock.time);
+      this.#options.onManifest(manifest);
+      if (this.#options.playing) this.play();
+    } catch (error) {
+      this.#stream.close();
+      this.#options.onError(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  #tell(message: ToWorker, transfer: Transferable[] = []): void {
+    this.#worker.postMessage(message, transfer);
+  }
+
+  #fromWorker(message: FromWorker): void {
+    switch (message.type) {
+      case "decoded":
+        if (message.kind === "static") this.#renderer.writeStatics(message.first, message.texels);
+        else this.#renderer.writeDynamics(message.first, message.texels);
+        this.#scene?.buffer.arrived(message.id);
+        this.#version++;
+        this.#consumed(message.id);
+        break;
+      case "failed":
+        this.#consumed(message.id);
+        this.#options.onError(message.message);
+        break;
+      case "ordered":
+        this.#recycled = this.#current;
+        this.#current = message.ids;
+        this.#renderer.setOrder(message.ids, message.count);
+        this.#normalisedTime = message.normalisedTime;
+        this.#dynamicSplats = message.dynamic;
+        this.#ordered = this.#pending;
+        this.#pending = null;
+        this.#drawn = null;
+        break;
+    }
+  }
+
+  #consumed(id: string): void {
+    this.#stream.consumed(this.#sizes.get(id) ?? 0);
+    this.#sizes.delete(id);
+  }
+
+  #frame(now: number): void {
+    this.#animation = requestAnimationFrame((next) => this.#frame(next));
+    const view = this.#options.view();
+    const scene = this.#scene;
+    if (!scene || !view) return;
+    const { clock, buffer } = scene;
+    const time = clock.tick(now / 1000, (moment) => buffer.ready(moment));
+    this.#stream.playheadAt(time);
+    this.#reportStall(clock);
+    const r = view.pose.rotation;
+    const wanted: OrderKey = {
+      axis: { x: r[6], y: r[7], z: r[8], offset: view.pose.translation[2] },
+      time,
+      version: this.#version,
+    };
+    if (!this.#pending && !sameOrder(this.#ordered, wanted)) this.#requestOrder(wanted);
+    if (this.#ordered && !sameView(this.#drawn, view)) {
+      // Drawn at the time of the order, so that what is drawn and what is alive always agree.
+      this.#renderer.draw({ ...view, time: this.#normalisedTime });
+      this.#drawn = view;
+      this.#frames.count(now);
+      if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
+    }
+    const settled = sameOrder(this.#ordered, wanted) && buffer.staticComplete && buffer.ready(time);
+    if (settled && !this.#renderer.lost) for (const resolve of this.#waiting.splice(0)) resolve();
+  }
+
+  #requestOrder(key: OrderKey): void {
+    this.#pending = key;
+    const { axis, time } = key;
+    const recycled = this.#recycled;
+    this.#recycled = undefined;
+    if (recycled) this.#tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
+    else this.#tell({ type: "order", axis, time });
+  }
+
+  /** The server's playhead runs ahead while this one waits; tell it. */
+  #reportStall(clock: PlayerClock): void {
+    if (clock.stalled === this.#stalled) return;
+    this.#stalled = clock.stalled;
+    if (clock.stalled) this.#stream.pause(clock.time);
+    else if (clock.playing) this.#stream.play(clock.time, clock.rate);
+  }
+
+  /** A hidden page gets no frames: its playhead stands. */
+  #visibility(): void {
+    const clock = this.#scene?.clock;
+    if (!clock?.playing) return;
+    if (document.hidden) this.#stream.pause(clock.time);
+    else this.#stream.play(clock.time, clock.rate);
+  }
+}
+
+function sameOrder(a: OrderKey | null, b: OrderKey): boolean {
+  return (
+    a !== null &&
+    a.version === b.version &&
+    a.time === b.time &&
+    a.axis.x === b.axis.x &&
+    a.axis.y === b.axis.y &&
+    a.axis.z === b.axis.z &&
+    a.axis.offset === b.axis.offset
+  );
+}

@@ -1,0 +1,97 @@
+/** The messages of docs/protocol.md, version 1: one encoder, one decoder, and the chunk frame. */
+
+import { decode, encode } from "@msgpack/msgpack";
+
+export const PROTOCOL = 1;
+export const CHUNK_FRAME = 0x01;
+export const CHUNK_HEADER_BYTES = 48;
+
+export type ClientMessage =
+  | { type: "hello"; protocol: number; credits: number; have: Uint8Array[]; time?: number; rate: number }
+  | { type: "credit"; bytes: number }
+  | { type: "seek"; time: number }
+  | { type: "play"; time: number; rate: number }
+  | { type: "pause"; time: number }
+  | { type: "ping"; id: number };
+
+export type ServerMessage =
+  | { type: "welcome"; protocol: number; scene: string; manifest: Uint8Array; remaining: number }
+  | { type: "slice"; index: number; start: number; end: number }
+  | { type: "pong"; id: number }
+  | { type: "end"; bytes: number }
+  | { type: "error"; code: string; detail: string };
+
+/** A piece of a chunk; the payload is a view into the message. */
+export interface ChunkFrame {
+  readonly id: string; // SHA-256, hex
+  readonly offset: number;
+  readonly size: number; // of the whole chunk
+  readonly payload: Uint8Array<ArrayBuffer>;
+}
+
+/** What the server sent is not what the protocol says. */
+export class ProtocolError extends Error {}
+
+export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
+  return encode(message) as Uint8Array<ArrayBuffer>;
+}
+
+const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "number" | "string" | "bytes">>>> = {
+  welcome: { protocol: "number", scene: "string", manifest: "bytes", remaining: "number" },
+  slice: { index: "number", start: "number", end: "number" },
+  pong: { id: "number" },
+  end: { bytes: "number" },
+  error: { code: "string", detail: "string" },
+};
+
+/**
+ * Decode a control message; null for a type that this version does not know, which is to be ignored.
+ *
+ * @throws ProtocolError if the bytes are no message or a field is missing or of the wrong type.
+ */
+export function decodeMessage(bytes: Uint8Array): ServerMessage | null {
+  let value: unknown;
+  try {
+    value = decode(bytes);
+  } catch (error) {
+    throw new ProtocolError(`a message is not msgpack: ${error instanceof Error ? error.message : error}`);
+  }
+  if (typeof value !== "object" || value === null || Array.isArray(value)) {
+    throw new ProtocolError("a message is not a map");
+  }
+  const message = value as Record<string, unknown>;
+  if (typeof message.type !== "string") throw new ProtocolError("a message has no type");
+  if (!Object.hasOwn(FIELDS, message.type)) return null;
+  const fields = FIELDS[message.type as ServerMessage["type"]];
+  for (const [name, kind] of Object.entries(fields)) {
+    const field = message[name];
+    const right = kind === "bytes" ? field instanceof Uint8Array : typeof field === kind;
+    if (!right) throw new ProtocolError(`message ${message.type}: field ${name} is not ${kind}`);
+  }
+  return message as ServerMessage;
+}
+
+/**
+ * Decode a chunk frame.
+ *
+ * @throws ProtocolError if it is cut off or lies outside its chunk.
+ */
+export function decodeChunkFrame(bytes: Uint8Array<ArrayBuffer>): ChunkFrame {
+  if (bytes.length <= CHUNK_HEADER_BYTES) throw new ProtocolError(`a chunk frame of ${bytes.length} bytes is cut off`);
+  const header = new DataView(bytes.buffer, bytes.byteOffset, CHUNK_HEADER_BYTES);
+  const offset = header.getUint32(4, true);
+  const size = header.getUint32(8, true);
+  const payload = bytes.subarray(CHUNK_HEADER_BYTES);
+  if (offset + payload.length > size) {
+    throw new ProtocolError(`a chunk frame ends at byte ${offset + payload.length} of ${size}`);
+  }
+  return { id: toHex(bytes.subarray(16, CHUNK_HEADER_BYTES)), offset, size, payload };
+}
+
+export function toHex(bytes: Uint8Array): string {
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+export function fromHex(hex: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16));
+}

@@ -1,0 +1,31 @@
+/** Compiling and linking, with errors that say what the driver said. */
+
+function compile(gl: WebGL2RenderingContext, type: number, source: string): WebGLShader {
+  const shader = gl.createShader(type);
+  if (!shader) throw new Error("the graphics context is lost");
+  gl.shaderSource(shader, source);
+  gl.compileShader(shader);
+  return shader;
+}
+
+export class Program<Name extends string> {
+  readonly handle: WebGLProgram;
+  readonly uniforms: Readonly<Record<Name, WebGLUniformLocation | null>>;
+
+  constructor(gl: WebGL2RenderingContext, vertexSource: string, fragmentSource: string, names: readonly Name[]) {
+    const vertex = compile(gl, gl.VERTEX_SHADER, vertexSource);
+    const fragment = compile(gl, gl.FRAGMENT_SHADER, fragmentSource);
+    this.handle = gl.createProgram();
+    gl.attachShader(this.handle, vertex);
+    gl.attachShader(this.handle, fragment);
+    gl.linkProgram(this.handle);
+    if (!gl.getProgramParameter(this.handle, gl.LINK_STATUS) && !gl.isContextLost()) {
+      const logs = [gl.getShaderInfoLog(vertex), gl.getShaderInfoLog(fragment), gl.getProgramInfoLog(this.handle)];
+      throw new Error(`the shaders do not compile on this device: ${logs.filter(Boolean).join(" ").trim()}`);
+    }
+    gl.deleteShader(vertex);
+    gl.deleteShader(fragment);
+    const uniforms = names.map((name) => [name, gl.getUniformLocation(this.handle, name)]);
+    this.uniforms = Object.fromEntries(uniforms) as Record<Name, WebGLUniformLocation | null>;
+  }
+}

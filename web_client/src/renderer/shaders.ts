@@ -1,0 +1,140 @@
+/**
+ * The function of docs/numerics.md as shaders.
+ *
+ * The vertex shader evaluates time, projects the splat and spans its ellipse; the fragment shader evaluates the Gaussian
+ * at the pixel's centre from the exact screen mean, not from interpolated corners, which snap to a subpixel grid.
+ */
+
+import { DYNAMIC_BIT, DYNAMIC_TEXELS, QUADS_PER_INSTANCE, STATIC_TEXELS, TEXTURE_WIDTH } from "./layout";
+
+export const VERTEX_SHADER = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp usampler2D;
+
+uniform sampler2D statics;    // ${STATIC_TEXELS} texels per splat
+uniform sampler2D dynamics;   // ${DYNAMIC_TEXELS} texels per splat
+uniform usampler2D order;     // splat ids, farthest first
+uniform uint count;           // of ids
+uniform mat3 rotation;        // world to camera
+uniform vec3 translation;
+uniform vec2 focal;           // pixels
+uniform vec2 centre;          // principal point, pixels from the top left
+uniform vec2 size;            // picture, pixels
+uniform float time;           // normalised time of the segment
+
+flat out vec2 mean2d;         // pixels from the top left
+flat out vec3 conic;          // xx, xy, yy
+flat out vec4 colour;         // rgb, opacity
+
+const float NEAR = 0.01;
+const float LOW_PASS = 0.3;
+const float VISIBLE = 1.0 / 255.0;
+const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
+const int WIDTH_BITS = ${Math.log2(TEXTURE_WIDTH)};
+
+ivec2 place(int i) { return ivec2(i & WIDTH_MASK, i >> WIDTH_BITS); }
+
+mat3 rotationOf(vec4 q) {     // w, x, y, z
+  float squared = dot(q, q);
+  q = squared < 1e-24 ? vec4(1.0, 0.0, 0.0, 0.0) : q * inversesqrt(squared);
+  float w = q.x, x = q.y, y = q.z, z = q.w;
+  return mat3(
+    1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y),
+    2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x),
+    2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y));
+}
+
+void main() {
+  gl_Position = vec4(0.0, 0.0, 2.0, 1.0);   // outside: drawn nowhere
+  mean2d = vec2(0.0);
+  conic = vec3(0.0);
+  colour = vec4(0.0);
+
+  uint rank = uint(gl_InstanceID) * ${QUADS_PER_INSTANCE}u + uint(gl_VertexID >> 2);
+  if (rank >= count) return;
+  uint id = texelFetch(order, place(int(rank)), 0).r;
+
+  vec3 position;
+  vec4 quaternion;
+  vec3 sigma;
+  vec4 paint;
+  if (id >= ${DYNAMIC_BIT}u) {
+    int base = int(id - ${DYNAMIC_BIT}u) * ${DYNAMIC_TEXELS};
+    ivec2 at = place(base);
+    vec4 a = texelFetch(dynamics, at, 0);
+    vec4 b = texelFetch(dynamics, at + ivec2(1, 0), 0);
+    vec4 c = texelFetch(dynamics, at + ivec2(2, 0), 0);
+    vec4 turn0 = texelFetch(dynamics, at + ivec2(3, 0), 0);
+    vec4 turn1 = texelFetch(dynamics, at + ivec2(4, 0), 0);
+    vec4 e = texelFetch(dynamics, at + ivec2(5, 0), 0);
+    vec4 f = texelFetch(dynamics, at + ivec2(6, 0), 0);
+    float precision_ = texelFetch(dynamics, at + ivec2(7, 0), 0).x;
+    float d = time - f.w;
+    position = a.xyz + d * (vec3(a.w, b.xy) + d * (vec3(b.zw, c.x) + d * c.yzw));
+    quaternion = turn0 + d * turn1;
+    sigma = e.xyz;
+    paint = vec4(f.xyz, e.w * exp(-precision_ * d * d));
+  } else {
+    ivec2 at = place(int(id) * ${STATIC_TEXELS});
+    vec4 a = texelFetch(statics, at, 0);
+    position = a.xyz;
+    quaternion = texelFetch(statics, at + ivec2(1, 0), 0);
+    sigma = texelFetch(statics, at + ivec2(2, 0), 0).xyz;
+    paint = vec4(texelFetch(statics, at + ivec2(3, 0), 0).xyz, a.w);
+  }
+
+  vec3 p = rotation * position + translation;
+  if (p.z < NEAR || !(paint.a >= VISIBLE)) return;
+  vec2 uv = p.xy / p.z;
+  vec2 margin = 0.15 * size / focal;        // 0.3 tan of half the field of view
+  vec2 w = clamp(uv, -centre / focal - margin, (size - centre) / focal + margin);
+  mat3 m = rotation * rotationOf(quaternion);
+  m = mat3(m[0] * sigma.x, m[1] * sigma.y, m[2] * sigma.z);
+  vec3 rowZ = vec3(m[0].z, m[1].z, m[2].z);
+  vec3 jx = (focal.x / p.z) * (vec3(m[0].x, m[1].x, m[2].x) - w.x * rowZ);
+  vec3 jy = (focal.y / p.z) * (vec3(m[0].y, m[1].y, m[2].y) - w.y * rowZ);
+  float xx = dot(jx, jx) + LOW_PASS;
+  float xy = dot(jx, jy);
+  float yy = dot(jy, jy) + LOW_PASS;
+  float determinant = xx * yy - xy * xy;
+  if (!(determinant > 0.0)) return;
+
+  // The ellipse on which alpha falls to 1/255, spanned along its own axes: fewer pixels than its upright box.
+  float reach = sqrt(2.0 * log(255.0 * paint.a));
+  float half_ = 0.5 * (xx - yy);
+  float radius = length(vec2(half_, xy));
+  float major = 0.5 * (xx + yy) + radius;
+  float minor = determinant / major;
+  vec2 axis = half_ >= 0.0 ? vec2(half_ + radius, xy) : vec2(xy, radius - half_);
+  float norm = length(axis);
+  axis = norm > 0.0 ? axis / norm : vec2(1.0, 0.0);
+  vec2 corner = vec2(float(gl_VertexID & 1), float((gl_VertexID >> 1) & 1)) * 2.0 - 1.0;
+  vec2 offset = reach * (corner.x * sqrt(major) * axis + corner.y * sqrt(minor) * vec2(-axis.y, axis.x));
+
+  mean2d = focal * uv + centre;
+  conic = vec3(yy, -xy, xx) / determinant;
+  colour = paint;
+  vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
+  gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
+}
+`;
+
+export const FRAGMENT_SHADER = `#version 300 es
+precision highp float;
+
+uniform vec2 size;
+flat in vec2 mean2d;
+flat in vec3 conic;
+flat in vec4 colour;
+out vec4 result;
+
+void main() {
+  vec2 delta = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - mean2d;
+  float power = -0.5 * (conic.x * delta.x * delta.x + conic.z * delta.y * delta.y) - conic.y * delta.x * delta.y;
+  float alpha = min(0.99, colour.a * exp(power));
+  if (alpha < 1.0 / 255.0) discard;
+  result = vec4(colour.rgb * alpha, alpha);
+}
+`;

@@ -1,0 +1,162 @@
+/**
+ * Which splats are drawn, and in which order: the statics before the camera, and the dynamics alive at the time, where
+ * they have moved to by then.
+ */
+
+import type { DecodedChunk, Manifest, StaticChunk } from "../codec/types";
+import { chunksOf, sliceAt } from "../player/buffer";
+import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
+import type { Placement } from "./placement";
+import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
+
+const NEAR = 0.01;
+
+/** Depth along the view axis: z = x p.x + y p.y + z p.z + offset. */
+export interface DepthAxis {
+  readonly x: number;
+  readonly y: number;
+  readonly z: number;
+  readonly offset: number;
+}
+
+export interface SplatOrder {
+  /** Ids, farthest first, in whole rows of the order texture. */
+  readonly ids: Uint32Array<ArrayBuffer>;
+  readonly count: number;
+  /** Living dynamic splats among them. */
+  readonly dynamic: number;
+  /** The segment's time at which the dynamics are to be drawn. */
+  readonly normalisedTime: number;
+}
+
+interface Statics {
+  readonly first: number;
+  readonly means: Float32Array;
+}
+
+interface Dynamics {
+  readonly count: number;
+  readonly first: number;
+  readonly motion: Float32Array;
+  readonly centers: Float32Array;
+  /** ln(255 sigma) / s: the square of how far from its centre in time a splat can be seen. */
+  readonly reach: Float32Array;
+}
+
+/** A list of (depth, id) that grows and sorts itself. */
+class DepthList implements SortedSplats {
+  count = 0;
+  keys = new Uint32Array(0);
+  ids = new Uint32Array(0);
+  depths = new Float32Array(0);
+
+  reset(capacity: number): void {
+    this.count = 0;
+    if (this.keys.length >= capacity) return;
+    this.keys = new Uint32Array(Math.ceil(capacity * 1.25));
+    this.ids = new Uint32Array(this.keys.length);
+    this.depths = new Float32Array(this.keys.buffer);
+  }
+}
+
+export class SplatOrderer {
+  readonly #sorter = new RadixSorter();
+  readonly #statics: Statics[] = []; // by id
+  readonly #dynamics = new Map<string, Dynamics>();
+  readonly #staticList = new DepthList();
+  readonly #dynamicList = new DepthList();
+  #sortedAxis: DepthAxis | null = null; // of the static list; null when it is out of date
+
+  constructor(
+    readonly manifest: Manifest,
+    readonly placement: Placement,
+  ) {}
+
+  add(id: string, chunk: DecodedChunk): void {
+    const first = this.placement.first.get(id);
+    if (first === undefined) return;
+    if (chunk.kind === "static") {
+      this.#addStatics(first, chunk);
+      return;
+    }
+    const reach = new Float32Array(chunk.count);
+    for (let i = 0; i < chunk.count; i++) {
+      reach[i] = Math.log(255 * chunk.opacities[i]) / Math.exp(chunk.timeLogPrecisions[i]);
+    }
+    const { count, motion, timeCenters: centers } = chunk;
+    this.#dynamics.set(id, { count, first, motion, centers, reach });
+  }
+
+  /** Order what is seen at `time` (seconds). `recycled` is an earlier array of ids that may be written again. */
+  order(axis: DepthAxis, time: number, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
+    this.#sortStatics(axis);
+    const normalisedTime = this.#sortDynamics(axis, time);
+    const count = this.#staticList.count + this.#dynamicList.count;
+    const length = Math.ceil(count / TEXTURE_WIDTH) * TEXTURE_WIDTH;
+    const ids = recycled && recycled.length >= length ? recycled : new Uint32Array(length);
+    mergeBackToFront(this.#staticList, this.#dynamicList, ids);
+    return { ids, count, dynamic: this.#dynamicList.count, normalisedTime };
+  }
+
+  #addStatics(first: number, chunk: StaticChunk): void {
+    this.#statics.push({ first, means: chunk.means });
+    this.#statics.sort((a, b) => a.first - b.first);
+    this.#sortedAxis = null;
+  }
+
+  #sortStatics(axis: DepthAxis): void {
+    const last = this.#sortedAxis;
+    if (last && last.x === axis.x && last.y === axis.y && last.z === axis.z && last.offset === axis.offset) return;
+    this.#sortedAxis = axis;
+    const list = this.#staticList;
+    list.reset(this.#statics.reduce((sum, { means }) => sum + means.length / 3, 0));
+    const { depths, ids } = list;
+    let n = 0;
+    for (const { first, means } of this.#statics) {
+      for (let i = 0, at = 0; at < means.length; i++, at += 3) {
+        const depth = axis.x * means[at] + axis.y * means[at + 1] + axis.z * means[at + 2] + axis.offset;
+        if (!(depth >= NEAR)) continue;
+        depths[n] = depth;
+        ids[n++] = first + i;
+      }
+    }
+    list.count = n;
+    this.#sorter.sort(list.keys, ids, n);
+  }
+
+  /** Returns the normalised time. */
+  #sortDynamics(axis: DepthAxis, time: number): number {
+    const list = this.#dynamicList;
+    const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
+    const segment = slice && this.manifest.segments[slice.segment];
+    if (!slice || !segment) {
+      list.count = 0;
+      return 0;
+    }
+    const duration = segment.end - segment.start;
+    const t = duration > 0 ? (time - segment.start) / duration : 0;
+    const chunks = chunksOf(slice)
+      .flatMap((id) => this.#dynamics.get(id) ?? [])
+      .sort((a, b) => a.first - b.first);
+    list.reset(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
+    const { depths, ids } = list;
+    let n = 0;
+    for (const { count, first, motion, centers, reach } of chunks) {
+      for (let i = 0; i < count; i++) {
+        const d = t - centers[i];
+        if (!(d * d <= reach[i])) continue;
+        const m = 12 * i;
+        const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * motion[m + 9]));
+        const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * motion[m + 10]));
+        const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * motion[m + 11]));
+        const depth = axis.x * x + axis.y * y + axis.z * z + axis.offset;
+        if (!(depth >= NEAR)) continue;
+        depths[n] = depth;
+        ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
+      }
+    }
+    list.count = n;
+    this.#sorter.sort(list.keys, ids, n);
+    return t;
+  }
+}

@@ -1,0 +1,55 @@
+/** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never waits for either. */
+
+import { decodeChunk } from "../codec/chunk";
+import { toHex } from "../protocol/messages";
+import type { FromWorker, ToWorker } from "./messages";
+import { packDynamics, packStatics } from "./pack";
+import { placeChunks } from "./placement";
+import { SplatOrderer } from "./splat_order";
+
+// The page's library types describe `self` as a window; of the worker's scope only this much is used.
+const scope = self as unknown as {
+  postMessage(message: FromWorker, transfer?: Transferable[]): void;
+  onmessage: ((event: MessageEvent<ToWorker>) => void) | null;
+};
+
+let orderer: SplatOrderer | null = null;
+
+/** Check that the bytes are those that the id names, where the browser offers SHA-256 (secure pages only). */
+async function verify(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
+  if (!globalThis.crypto?.subtle) return;
+  const digest = toHex(new Uint8Array(await crypto.subtle.digest("SHA-256", bytes)));
+  if (digest !== id) throw new Error(`chunk ${id.slice(0, 12)}: the bytes have hash ${digest.slice(0, 12)}`);
+}
+
+async function addChunk(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<void> {
+  try {
+    await verify(id, bytes);
+    const chunk = await decodeChunk(bytes);
+    if (!orderer) return;
+    orderer.add(id, chunk);
+    const texels = chunk.kind === "static" ? packStatics(chunk) : packDynamics(chunk);
+    const first = orderer.placement.first.get(id) ?? 0;
+    scope.postMessage({ type: "decoded", id, kind: chunk.kind, first, texels }, [texels.buffer]);
+  } catch (error) {
+    scope.postMessage({ type: "failed", id, message: error instanceof Error ? error.message : String(error) });
+  }
+}
+
+scope.onmessage = ({ data }) => {
+  switch (data.type) {
+    case "scene":
+      orderer = new SplatOrderer(data.manifest, placeChunks(data.manifest));
+      break;
+    case "chunk":
+      void addChunk(data.id, data.bytes);
+      break;
+    case "order": {
+      if (!orderer) return;
+      const { axis, time, recycled } = data;
+      const order = orderer.order(axis, time, recycled);
+      scope.postMessage({ type: "ordered", ...order }, [order.ids.buffer]);
+      break;
+    }
+  }
+};

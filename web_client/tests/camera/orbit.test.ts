@@ -1,0 +1,69 @@
+import { describe, expect, it } from "vitest";
+import { OrbitCamera } from "../../src/camera/orbit";
+import { poseAt } from "../../src/camera/pinhole";
+import { cross, dot, length, row, type Vec3 } from "../../src/camera/vector";
+
+const UP: Vec3 = [0, -1, 0]; // OpenCV world: y points down
+const START = poseAt([0, 0, -4], [1, 0, 0, 0, 1, 0, 0, 0, 1]);
+const orbit = () => new OrbitCamera(START, [0, 0, 0], UP);
+
+describe("OrbitCamera", () => {
+  it("starts exactly at the given pose, even off the target", () => {
+    const camera = new OrbitCamera(START, [1, 2, 3], UP);
+    expect(camera.pose.rotation).toEqual(START.rotation);
+    camera.pose.translation.forEach((v, i) => {
+      expect(v).toBeCloseTo(START.translation[i]);
+    });
+  });
+
+  it("moves to its left with positive yaw and keeps looking at the target", () => {
+    const camera = orbit();
+    camera.turn(Math.PI / 2, 0);
+    const [x, y, z] = camera.eye;
+    expect(x).toBeCloseTo(-4);
+    expect(y).toBeCloseTo(0);
+    expect(z).toBeCloseTo(0);
+    expect(row(camera.pose.rotation, 2)[0]).toBeCloseTo(1);
+  });
+
+  it("moves up with positive pitch", () => {
+    const camera = orbit();
+    camera.turn(0, 0.5);
+    expect(dot(camera.eye, UP)).toBeCloseTo(4 * Math.sin(0.5));
+  });
+
+  it("never turns past a pole", () => {
+    const camera = orbit();
+    for (let i = 0; i < 20; i++) camera.turn(0, 0.5);
+    expect(dot(camera.eye, UP)).toBeLessThan(4);
+    expect(dot(row(camera.pose.rotation, 1), UP)).toBeLessThan(0);
+  });
+
+  it("stays a right-handed rotation after many turns", () => {
+    const camera = orbit();
+    for (let i = 0; i < 1000; i++) camera.turn(0.1, i % 2 ? 0.05 : -0.05);
+    const r = camera.pose.rotation;
+    expect(length(row(r, 0))).toBeCloseTo(1);
+    expect(dot(row(r, 0), row(r, 1))).toBeCloseTo(0);
+    cross(row(r, 0), row(r, 1)).forEach((v, i) => {
+      expect(v).toBeCloseTo(row(r, 2)[i]);
+    });
+    expect(dot(row(r, 0), UP)).toBeCloseTo(0); // level
+  });
+
+  it("zooms within limits", () => {
+    const camera = orbit();
+    camera.zoom(0.5);
+    expect(camera.distance).toBeCloseTo(2);
+    camera.zoom(1e-9);
+    expect(camera.distance).toBeGreaterThan(0);
+  });
+
+  it("pans so that the target follows the drag", () => {
+    const camera = orbit();
+    camera.pan(100, 50, 400);
+    // 100 px to the right at focal 400 and distance 4 is 1 unit: the camera moves left and up.
+    expect(camera.eye[0]).toBeCloseTo(-1);
+    expect(camera.eye[1]).toBeCloseTo(-0.5);
+  });
+});

@@ -1,0 +1,79 @@
+import { describe, expect, it } from "vitest";
+import { eyeOf, fitted, pixelToClip, poseAt, poseOf, project, resized } from "../../src/camera/pinhole";
+import { apply, type Vec3 } from "../../src/camera/vector";
+
+const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170 };
+const FRONT = poseOf([
+  [1, 0, 0, 0],
+  [0, 1, 0, 0],
+  [0, 0, 1, 0],
+]);
+
+/** World point -> clip space, as the vertex shader does it. */
+const clip = (point: Vec3) => {
+  const [x, y] = project(point, FRONT, CAMERA);
+  return pixelToClip(x, y, CAMERA);
+};
+
+describe("OpenCV world to clip space", () => {
+  it("puts a point to the right of the axis on the right", () => {
+    expect(clip([1, 0, 5])[0]).toBeGreaterThan(clip([0, 0, 5])[0]);
+  });
+
+  it("puts a point below the axis (y down) lower, which is smaller y in clip space", () => {
+    expect(clip([0, 1, 5])[1]).toBeLessThan(clip([0, 0, 5])[1]);
+  });
+
+  it("puts the picture's corners at the corners of clip space", () => {
+    expect(pixelToClip(0, 0, CAMERA)).toEqual([-1, 1]);
+    expect(pixelToClip(640, 360, CAMERA)).toEqual([1, -1]);
+  });
+
+  it("projects the axis to the principal point", () => {
+    expect(project([0, 0, 7], FRONT, CAMERA)).toEqual([330, 170, 7]);
+  });
+});
+
+describe("poses", () => {
+  // Looks along +x with the world's +z up: x right = -y, y down = -z, z forward = x.
+  const pose = poseOf([
+    [0, -1, 0, 2],
+    [0, 0, -1, 3],
+    [1, 0, 0, 4],
+  ]);
+
+  it("has its eye where the camera's coordinates are zero", () => {
+    const eye = eyeOf(pose);
+    const local = apply(pose.rotation, eye).map((v, i) => v + pose.translation[i]);
+    expect(local).toEqual([0, 0, 0]);
+  });
+
+  it("is made again from its eye and rotation", () => {
+    const again = poseAt(eyeOf(pose), pose.rotation);
+    expect(again.translation).toEqual(pose.translation);
+  });
+});
+
+describe("picture sizes", () => {
+  it("scales each axis alone, as Camera.scaled does", () => {
+    expect(resized(CAMERA, 320, 90)).toEqual({ width: 320, height: 90, fx: 250, fy: 127.5, cx: 165, cy: 42.5 });
+  });
+
+  it.each([
+    [1920, 1080],
+    [390, 844],
+    [1000, 300],
+  ])("keeps the whole capture picture in view on %s x %s", (width, height) => {
+    const view = fitted(CAMERA, width, height);
+    const left = ((0 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx;
+    const right = ((640 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx;
+    const top = ((0 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy;
+    const bottom = ((360 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy;
+    expect(left).toBeGreaterThanOrEqual(-1e-9);
+    expect(top).toBeGreaterThanOrEqual(-1e-9);
+    expect(right).toBeLessThanOrEqual(width + 1e-9);
+    expect(bottom).toBeLessThanOrEqual(height + 1e-9);
+    expect(Math.min(left + width - right, top + height - bottom)).toBeCloseTo(0);
+    expect(view.fx / view.fy).toBeCloseTo(500 / 510);
+  });
+});

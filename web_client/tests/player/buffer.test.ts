@@ -1,0 +1,68 @@
+import { describe, expect, it } from "vitest";
+import { SceneBuffer, sliceAt } from "../../src/player/buffer";
+import { entry, manifest, slice } from "../scene";
+
+const slices = [slice(0, 0.5, ["a"]), slice(0.5, 1, ["b"], ["a"]), slice(1, 2, ["c", "d"])];
+
+describe("sliceAt", () => {
+  it.each([
+    [-1, 0],
+    [0, 0],
+    [0.49, 0],
+    [0.5, 1],
+    [1.5, 2],
+    [2, 2],
+    [9, 2],
+  ])("at %s shows slice %s", (time, index) => {
+    expect(sliceAt(slices, time)).toBe(index);
+  });
+
+  it("finds none in a still scene", () => {
+    expect(sliceAt([], 0)).toBe(-1);
+  });
+});
+
+describe("SceneBuffer", () => {
+  it("is ready only where every chunk of the slice is here", () => {
+    const buffer = new SceneBuffer(manifest({ slices }));
+    buffer.arrived("c");
+    expect(buffer.ready(1.5)).toBe(false);
+    buffer.arrived("d");
+    expect(buffer.ready(1.5)).toBe(true);
+  });
+
+  it("waits for the chunks of earlier slices that are still alive", () => {
+    const buffer = new SceneBuffer(manifest({ slices }));
+    buffer.arrived("b");
+    expect(buffer.ready(0.7)).toBe(false);
+    buffer.arrived("a");
+    expect(buffer.ready(0.7)).toBe(true);
+  });
+
+  it("joins neighbouring slices to one range", () => {
+    const buffer = new SceneBuffer(manifest({ slices }));
+    expect(buffer.ranges()).toEqual([]);
+    buffer.arrived("a");
+    expect(buffer.ranges()).toEqual([[0, 0.5]]);
+    buffer.arrived("b");
+    expect(buffer.ranges()).toEqual([[0, 1]]);
+  });
+
+  it("keeps ranges apart where something is missing between", () => {
+    const buffer = new SceneBuffer(manifest({ slices }));
+    for (const id of ["a", "c", "d"]) buffer.arrived(id);
+    expect(buffer.ranges()).toEqual([
+      [0, 0.5],
+      [1, 2],
+    ]);
+  });
+
+  it("is always ready in a still scene", () => {
+    const buffer = new SceneBuffer(manifest({ static: [entry("s")] }));
+    expect(buffer.ready(1)).toBe(true);
+    expect(buffer.ranges()).toEqual([[0, 2]]);
+    expect(buffer.staticComplete).toBe(false);
+    buffer.arrived("s");
+    expect(buffer.staticComplete).toBe(true);
+  });
+});

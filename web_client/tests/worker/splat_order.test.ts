@@ -1,0 +1,89 @@
+import { describe, expect, it } from "vitest";
+import { DYNAMIC_BIT } from "../../src/renderer/layout";
+import { placeChunks } from "../../src/worker/placement";
+import { SplatOrderer } from "../../src/worker/splat_order";
+import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";
+
+const AXIS = { x: 0, y: 0, z: 1, offset: 0 };
+const dynamic = (i: number) => (DYNAMIC_BIT | i) >>> 0;
+
+function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatOrderer {
+  const m = manifest({ static: [entry("s", statics.length / 3)], slices: [slice(0, 2, ["d"])] });
+  const made = new SplatOrderer(m, placeChunks(m));
+  made.add("s", staticChunk(statics));
+  made.add("d", chunk);
+  return made;
+}
+
+const drawn = (o: SplatOrderer, time = 0, axis = AXIS) => {
+  const { ids, count } = o.order(axis, time);
+  return Array.from(ids.subarray(0, count));
+};
+
+describe("SplatOrderer", () => {
+  it("draws the farthest static first", () => {
+    expect(drawn(orderer([0, 0, 1, 0, 0, 3, 0, 0, 2]))).toEqual([1, 2, 0]);
+  });
+
+  it("leaves out what lies before the near plane", () => {
+    expect(drawn(orderer([0, 0, 1, 0, 0, 0.009, 0, 0, -2]))).toEqual([0]);
+  });
+
+  it("sorts dynamics where they have moved to, with a camera that stands still", () => {
+    const o = orderer([0, 0, 2], dynamicChunk([1], [4], [0], 0));
+    expect(drawn(o, 0)).toEqual([0, dynamic(0)]); // at z = 1
+    expect(drawn(o, 1)).toEqual([dynamic(0), 0]); // t = 0.5: at z = 3
+  });
+
+  it("leaves out dynamics that are not alive", () => {
+    // sigma = 0.5, s = e^4: visible for |d| <= sqrt(ln(127.5) / e^4) = 0.298
+    const o = orderer([], dynamicChunk([1, 1], [0, 0], [0, 0.5], 4));
+    expect(drawn(o, 0)).toEqual([dynamic(0)]);
+    expect(drawn(o, 0.595)).toEqual([dynamic(1), dynamic(0)]);
+    expect(drawn(o, 0.597)).toEqual([dynamic(1)]);
+  });
+
+  it("puts statics in front of dynamics, and low ids before high ones, at equal depth", () => {
+    const o = orderer([0, 0, 1, 0, 0, 1], dynamicChunk([1, 1], [0, 0], [0, 0], 0));
+    expect(drawn(o)).toEqual([dynamic(1), dynamic(0), 1, 0]);
+  });
+
+  it("sorts statics anew when the camera has moved", () => {
+    const o = orderer([0, 0, 1, 0, 0, 3]);
+    drawn(o);
+    expect(drawn(o, 0, { x: 0, y: 0, z: -1, offset: 5 })).toEqual([0, 1]);
+  });
+
+  it("shows statics that came after the last sort", () => {
+    const m = manifest({ static: [entry("a"), entry("b")] });
+    const o = new SplatOrderer(m, placeChunks(m));
+    o.add("b", staticChunk([0, 0, 1]));
+    expect(drawn(o)).toEqual([512]);
+    o.add("a", staticChunk([0, 0, 1]));
+    expect(drawn(o)).toEqual([512, 0]);
+  });
+
+  it("shows the dynamics of the segment of the time alone, at its normalised time", () => {
+    const m = manifest({
+      end: 4,
+      segments: [
+        { start: 0, end: 2 },
+        { start: 2, end: 4 },
+      ],
+      slices: [slice(0, 2, ["a"], [], 0), slice(2, 4, ["b"], [], 1)],
+    });
+    const o = new SplatOrderer(m, placeChunks(m));
+    o.add("a", dynamicChunk([1], [0], [0.5], -9));
+    o.add("b", dynamicChunk([1], [0], [0.5], -9));
+    expect(drawn(o, 1)).toEqual([dynamic(0)]);
+    expect(drawn(o, 3)).toEqual([dynamic(256)]);
+    expect(o.order(AXIS, 3).normalisedTime).toBeCloseTo(0.5);
+    expect(o.order(AXIS, 2).normalisedTime).toBe(0);
+  });
+
+  it("writes into a recycled array that is long enough", () => {
+    const o = orderer([0, 0, 1]);
+    const first = o.order(AXIS, 0);
+    expect(o.order(AXIS, 0, first.ids).ids).toBe(first.ids);
+  });
+});
