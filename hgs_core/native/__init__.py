@@ -1,3 +1,5 @@
 """The C++17 CPU kernels and their bindings: rasterization, the training loss and Adam, on numpy arrays."""
 
-__all__: list[str] = []
+from hgs_core.native.library import available
+
+__all__ = ["available"]

@@ -23,13 +23,13 @@ class Render(NamedTuple):
 class ScreenStatistics:
     """What density control needs to know about every splat, accumulated in place over backward passes.
 
-    One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and
-    reaches at least one rendered tile.
+    One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and its
+    visible extent overlaps the picture.
     """
 
     grad_norm_sum: npt.NDArray[np.float32]  # [N] sum over passes of |dL / d mean2d|, the mean in pixels
     count: npt.NDArray[np.int32]  # [N] passes that saw the splat
-    max_radius: npt.NDArray[np.float32]  # [N] largest 3 sigma radius (major axis) seen, pixels
+    max_radius: npt.NDArray[np.float32]  # [N] larger half-side of the largest visible extent, pixels
 
     @staticmethod
     def zeros(n: int) -> ScreenStatistics:

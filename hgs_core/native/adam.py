@@ -1,0 +1,57 @@
+"""Adam on numpy arrays."""
+
+from __future__ import annotations
+
+import ctypes
+
+from hgs_core.native.arrays import Floats, address
+from hgs_core.native.library import check, load, thread_count
+
+__all__ = ["adam_step"]
+
+
+def adam_step(
+    parameters: Floats,
+    gradients: Floats,
+    first_moments: Floats,
+    second_moments: Floats,
+    *,
+    learning_rate: float,
+    beta1: float = 0.9,
+    beta2: float = 0.999,
+    epsilon: float = 1e-15,
+    step: int,
+    threads: int | None = None,
+) -> None:
+    """Take one step of Adam with bias correction (Kingma and Ba 2015, algorithm 1), in place.
+
+    Args:
+        parameters: any shape, float32, contiguous; changed.
+        gradients: same shape.
+        first_moments: same shape, zero before the first step; changed.
+        second_moments: same shape, zero before the first step; changed.
+        learning_rate: step size.
+        beta1: decay of the first moments.
+        beta2: decay of the second moments.
+        epsilon: added to the root of the corrected second moment.
+        step: number of this step, 1 for the first.
+        threads: default `thread_count()`.
+
+    Raises:
+        ValueError: an array of another shape or type, or a step below 1.
+        RuntimeError: no compiled library.
+    """
+    if step < 1:
+        raise ValueError(f"step counts from 1, got {step}")
+    arrays = {
+        "parameters": parameters,
+        "gradients": gradients,
+        "first_moments": first_moments,
+        "second_moments": second_moments,
+    }
+    places = [ctypes.c_void_p(address(name, array, parameters.shape)) for name, array in arrays.items()]
+    numbers = [ctypes.c_double(value) for value in (learning_rate, beta1, beta2, epsilon)]
+    status = load().hgs_adam(
+        ctypes.c_int64(parameters.size), *places, *numbers, ctypes.c_int64(step), threads or thread_count()
+    )
+    check(status)

@@ -1,0 +1,34 @@
+"""What may cross the border to the kernels: contiguous float32 arrays of the right shape."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+__all__ = ["Floats", "address", "pointers"]
+
+Floats = npt.NDArray[np.float32]
+
+
+def address(name: str, array: npt.NDArray[Any], shape: tuple[int, ...], dtype: type = np.float32) -> int:
+    """Return where the data of `array` starts, once it is known to be what the kernels expect.
+
+    Raises:
+        ValueError: another shape or type, or not contiguous.
+    """
+    if array.shape != shape or array.dtype != dtype or not array.flags.c_contiguous:
+        layout = "" if array.flags.c_contiguous else ", not contiguous"
+        raise ValueError(
+            f"{name} must be a contiguous {np.dtype(dtype).name} array of shape {shape}, "
+            f"got {array.dtype.name} {array.shape}{layout}"
+        )
+    return int(array.ctypes.data)
+
+
+def pointers(names: Iterable[str]) -> list[tuple[str, Any]]:
+    """Return the fields of a C struct that holds one pointer per name."""
+    return [(name, ctypes.c_void_p) for name in names]

@@ -1,0 +1,151 @@
+// Static and dynamic splats at one moment (docs/numerics.md, "Time"), kLanes rows at a time.
+#pragma once
+
+#include "projection.hpp"
+
+namespace hgs {
+
+// Up to kLanes rows of the parameter arrays; the last is repeated to fill the lanes.
+struct Rows {
+  uint32_t row[kLanes];
+  int count;
+
+  template <class RowAt>
+  Rows(int n, RowAt row_at) : count(n) {
+    for (int k = 0; k < kLanes; ++k) row[k] = row_at(k < n ? k : n - 1);
+  }
+};
+
+// Read rows of an array with `width` columns, one column per vector.
+template <int width>
+inline void gather(const float *array, const Rows &rows, Vec *out) {
+  alignas(64) float columns[width][kLanes];
+  for (int k = 0; k < kLanes; ++k) {
+    const float *from = array + static_cast<size_t>(rows.row[k]) * width;
+    for (int c = 0; c < width; ++c) columns[c][k] = from[c];
+  }
+  for (int c = 0; c < width; ++c) out[c] = load(columns[c]);
+}
+
+// Write rows, unless nobody wants the array.
+template <int width>
+inline void scatter(float *array, const Rows &rows, const Vec *values) {
+  if (array == nullptr) return;
+  alignas(64) float columns[width][kLanes];
+  for (int c = 0; c < width; ++c) store(columns[c], values[c]);
+  for (int k = 0; k < rows.count; ++k) {
+    float *to = array + static_cast<size_t>(rows.row[k]) * width;
+    for (int c = 0; c < width; ++c) to[c] = columns[c][k];
+  }
+}
+
+inline Vec sigmoid(Vec x) { return 1.0f / (1.0f + exp(-x)); }
+
+// Both kinds of splats offer the same to projection: `opacity` alone, because most dynamic splats are dead at any time
+// and are left out on its account, then the shape; and the way back.
+struct StaticMoment {
+  const hgs_static_splats &splats;
+
+  int64_t count() const { return splats.count; }
+  const float *rgb() const { return splats.rgb; }
+
+  Vec opacity(const Rows &rows) const {
+    Vec logit;
+    gather<1>(splats.opacity_logits, rows, &logit);
+    return sigmoid(logit);
+  }
+
+  Shape shape(const Rows &rows) const {
+    Shape s;
+    gather<3>(splats.means, rows, s.mean);
+    gather<3>(splats.log_scales, rows, s.log_scale);
+    gather<4>(splats.quats, rows, s.quat);
+    return s;
+  }
+
+  void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
+                const hgs_static_gradients &out) const {
+    const Vec sigma = opacity(rows), d_logit = d_opacity * sigma * (1.0f - sigma);
+    scatter<3>(out.means, rows, d_shape.mean);
+    scatter<3>(out.log_scales, rows, d_shape.log_scale);
+    scatter<4>(out.quats, rows, d_shape.quat);
+    scatter<1>(out.opacity_logits, rows, &d_logit);
+    scatter<3>(out.rgb, rows, d_rgb);
+  }
+};
+
+struct DynamicMoment {
+  const hgs_dynamic_splats &splats;
+  float time;
+
+  int64_t count() const { return splats.count; }
+  const float *rgb() const { return splats.rgb; }
+
+  Vec opacity(const Rows &rows) const {
+    const Fade f = fade(rows);
+    return f.sigma * f.decay;
+  }
+
+  Shape shape(const Rows &rows) const {
+    Shape s;
+    Vec motion[12], rotation[8];
+    const Vec d = offset(rows);
+    gather<12>(splats.motion, rows, motion);
+    gather<8>(splats.rotation, rows, rotation);
+    gather<3>(splats.log_scales, rows, s.log_scale);
+    for (int i = 0; i < 3; ++i) s.mean[i] = motion[i] + d * (motion[3 + i] + d * (motion[6 + i] + d * motion[9 + i]));
+    for (int i = 0; i < 4; ++i) s.quat[i] = rotation[i] + d * rotation[4 + i];
+    return s;
+  }
+
+  void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
+                const hgs_dynamic_gradients &out) const {
+    const Fade f = fade(rows);
+    const Vec d = f.offset, opacity = f.sigma * f.decay;
+    Vec motion[12], rotation[8], d_motion[12], d_rotation[8];
+    gather<12>(splats.motion, rows, motion);
+    gather<8>(splats.rotation, rows, rotation);
+    // o = sigma exp(-s d^2), so d ln o / d d = -2 s d and d ln o / d ln s = -s d^2.
+    const Vec d_log_precision = -d_opacity * opacity * f.precision * d * d;
+    Vec d_offset = -2.0f * d_opacity * opacity * f.precision * d;
+    for (int i = 0; i < 3; ++i) {
+      d_offset += d_shape.mean[i] * (motion[3 + i] + d * (2.0f * motion[6 + i] + 3.0f * d * motion[9 + i]));
+      d_motion[i] = d_shape.mean[i];
+      for (int k = 1; k < 4; ++k) d_motion[3 * k + i] = d * d_motion[3 * (k - 1) + i];
+    }
+    for (int i = 0; i < 4; ++i) {
+      d_offset += d_shape.quat[i] * rotation[4 + i];
+      d_rotation[i] = d_shape.quat[i];
+      d_rotation[4 + i] = d * d_shape.quat[i];
+    }
+    const Vec d_center = -d_offset, d_logit = d_opacity * opacity * (1.0f - f.sigma);
+    scatter<12>(out.motion, rows, d_motion);
+    scatter<8>(out.rotation, rows, d_rotation);
+    scatter<3>(out.log_scales, rows, d_shape.log_scale);
+    scatter<1>(out.opacity_logits, rows, &d_logit);
+    scatter<1>(out.time_centers, rows, &d_center);
+    scatter<1>(out.time_log_precisions, rows, &d_log_precision);
+    scatter<3>(out.rgb, rows, d_rgb);
+  }
+
+ private:
+  struct Fade {
+    Vec offset, precision, sigma, decay;
+  };
+
+  Vec offset(const Rows &rows) const {
+    Vec center;
+    gather<1>(splats.time_centers, rows, &center);
+    return time - center;
+  }
+
+  Fade fade(const Rows &rows) const {
+    Vec log_precision, logit;
+    gather<1>(splats.time_log_precisions, rows, &log_precision);
+    gather<1>(splats.opacity_logits, rows, &logit);
+    const Vec d = offset(rows), s = exp(log_precision);
+    return {d, s, sigmoid(logit), exp(-s * d * d)};
+  }
+};
+
+}  // namespace hgs

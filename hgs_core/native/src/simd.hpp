@@ -1,0 +1,191 @@
+// Vectors of floats, as wide as the instruction set this file is compiled for.
+//
+// The vector extensions of GCC and Clang give the arithmetic; what they cannot express well (masks, reductions) is
+// written with intrinsics for AVX-512 and AVX2 and in portable form for everything else.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace hgs {
+
+#if defined(__AVX512F__)
+#define HGS_AVX512 1
+constexpr int kLanes = 16;
+#elif defined(__AVX2__)
+#define HGS_AVX2 1
+constexpr int kLanes = 8;
+#else
+constexpr int kLanes = 4;
+#endif
+
+using Vec = float __attribute__((vector_size(4 * kLanes)));
+using VecBits = uint32_t __attribute__((vector_size(4 * kLanes)));
+using VecInt = int32_t __attribute__((vector_size(4 * kLanes)));
+using UnalignedVec = float __attribute__((vector_size(4 * kLanes), aligned(4)));
+
+constexpr float kLog2E = 1.44269504088896341f;
+constexpr float kLn2 = 0.693147180559945309f;
+
+// Subtracting zero is exact for every float, so the compiler removes it.
+inline Vec broadcast(float x) { return x - Vec{}; }
+inline Vec load(const float *p) { return *reinterpret_cast<const Vec *>(p); }
+inline void store(float *p, Vec v) { *reinterpret_cast<Vec *>(p) = v; }
+inline Vec load_unaligned(const float *p) { return (Vec)*reinterpret_cast<const UnalignedVec *>(p); }
+inline void store_unaligned(float *p, Vec v) { *reinterpret_cast<UnalignedVec *>(p) = (UnalignedVec)v; }
+inline VecBits bits_of(Vec v) { return (VecBits)v; }
+inline Vec from_bits(VecBits b) { return (Vec)b; }
+
+// 0, 1, 2, ... in the lanes.
+inline Vec lane_numbers() {
+  Vec v{};
+  for (int i = 0; i < kLanes; ++i) v[i] = static_cast<float>(i);
+  return v;
+}
+
+// ---- masks ----------------------------------------------------------------------------------------------------------
+
+#if HGS_AVX512
+
+using Mask = __mmask16;
+inline Mask greater_equal(Vec a, Vec b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GE_OQ); }
+inline Mask greater(Vec a, Vec b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GT_OQ); }
+inline Mask both(Mask a, Mask b) { return a & b; }
+inline Mask first_only(Mask a, Mask b) { return _kandn_mask16(b, a); }
+inline bool any(Mask m) { return m != 0; }
+inline uint32_t lane_bits(Mask m) { return m; }
+inline Vec select(Mask m, Vec yes, Vec no) { return (Vec)_mm512_mask_blend_ps(m, (__m512)no, (__m512)yes); }
+inline Vec keep(Mask m, Vec v) { return (Vec)_mm512_maskz_mov_ps(m, (__m512)v); }
+inline Vec set_sign(Mask m, Vec v) {
+  const __m512i x = _mm512_castps_si512((__m512)v);
+  return (Vec)_mm512_castsi512_ps(_mm512_mask_or_epi32(x, m, x, _mm512_set1_epi32(INT32_MIN)));
+}
+inline Vec min(Vec a, Vec b) { return (Vec)_mm512_min_ps((__m512)a, (__m512)b); }
+inline Vec max(Vec a, Vec b) { return (Vec)_mm512_max_ps((__m512)a, (__m512)b); }
+inline Vec sqrt(Vec x) { return (Vec)_mm512_sqrt_ps((__m512)x); }
+
+#else
+
+using Mask = VecInt;
+inline Mask greater_equal(Vec a, Vec b) { return a >= b; }
+inline Mask greater(Vec a, Vec b) { return a > b; }
+inline Mask both(Mask a, Mask b) { return a & b; }
+inline Mask first_only(Mask a, Mask b) { return a & ~b; }
+inline Vec select(Mask m, Vec yes, Vec no) { return m ? yes : no; }
+inline Vec keep(Mask m, Vec v) { return from_bits(bits_of(v) & (VecBits)m); }
+inline Vec set_sign(Mask m, Vec v) { return from_bits(bits_of(v) | ((VecBits)m & 0x80000000u)); }
+#if HGS_AVX2
+inline uint32_t lane_bits(Mask m) { return static_cast<uint32_t>(_mm256_movemask_ps((__m256)m)); }
+inline Vec min(Vec a, Vec b) { return (Vec)_mm256_min_ps((__m256)a, (__m256)b); }
+inline Vec max(Vec a, Vec b) { return (Vec)_mm256_max_ps((__m256)a, (__m256)b); }
+inline Vec sqrt(Vec x) { return (Vec)_mm256_sqrt_ps((__m256)x); }
+#else
+inline uint32_t lane_bits(Mask m) {
+  uint32_t bits = 0;
+  for (int i = 0; i < kLanes; ++i) bits |= (m[i] & 1u) << i;
+  return bits;
+}
+inline Vec min(Vec a, Vec b) { return a < b ? a : b; }
+inline Vec max(Vec a, Vec b) { return a > b ? a : b; }
+inline Vec sqrt(Vec x) {
+  for (int i = 0; i < kLanes; ++i) x[i] = std::sqrt(x[i]);
+  return x;
+}
+#endif
+inline bool any(Mask m) { return lane_bits(m) != 0; }
+
+#endif
+
+// Lanes set_sign(m, v): the lanes of m become negative. keep(m, v): the other lanes become zero.
+
+inline Vec clamp(Vec x, float low, float high) { return min(max(x, broadcast(low)), broadcast(high)); }
+
+// ---- functions ------------------------------------------------------------------------------------------------------
+
+// 1 / x, to about 1 unit in the last place; x normal.
+inline Vec reciprocal(Vec x) {
+#if HGS_AVX512
+  const Vec r = (Vec)_mm512_rcp14_ps((__m512)x);
+  return r * (2.0f - x * r);
+#elif HGS_AVX2
+  const Vec r = (Vec)_mm256_rcp_ps((__m256)x);
+  return r * (2.0f - x * r);
+#else
+  return 1.0f / x;
+#endif
+}
+
+// 2^x for x in [-126, 127], relative error 2e-7; garbage (but no trap) outside, which callers mask or clamp.
+// The polynomial is the minimax fit of 2^f on [-1/2, 1/2].
+inline Vec exp2(Vec x) {
+  constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer in the low bits
+  const Vec shifted = x + kRound;
+  const Vec f = x - (shifted - kRound);
+  Vec p = f * 1.327647152e-3f + 9.675541331e-3f;
+  p = p * f + 5.550713275e-2f;
+  p = p * f + 2.402211972e-1f;
+  p = p * f + 6.931469671e-1f;
+  p = p * f + 1.000000072f;
+  return from_bits(bits_of(p) + (bits_of(shifted) << 23));
+}
+
+// e^x, saturating at 2^-120 and 2^120.
+inline Vec exp(Vec x) { return exp2(clamp(x * kLog2E, -120.0f, 120.0f)); }
+
+// log2(x) for positive normal x. With x = 2^e m, m in [sqrt(1/2), sqrt(2)), ln m = 2 atanh((m - 1) / (m + 1)).
+inline Vec log2(Vec x) {
+  constexpr uint32_t kSqrtHalf = 0x3f3504f3u;
+  const VecBits bits = bits_of(x);
+  const VecInt exponent = (VecInt)(bits - kSqrtHalf) >> 23;
+  const Vec m = from_bits(bits - ((VecBits)exponent << 23));
+  const Vec s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
+  const Vec series = 1.0f + s2 * (1.0f / 3 + s2 * (1.0f / 5 + s2 * (1.0f / 7 + s2 * (1.0f / 9))));
+  Vec e{};
+  for (int i = 0; i < kLanes; ++i) e[i] = static_cast<float>(exponent[i]);
+  return e + 2.0f * kLog2E * s * series;
+}
+
+// ---- sums over the lanes --------------------------------------------------------------------------------------------
+
+inline float sum(Vec v) {
+#if HGS_AVX512
+  return _mm512_reduce_add_ps((__m512)v);
+#elif HGS_AVX2
+  __m128 x = _mm_add_ps(_mm256_castps256_ps128((__m256)v), _mm256_extractf128_ps((__m256)v, 1));
+  x = _mm_add_ps(x, _mm_movehl_ps(x, x));
+  return _mm_cvtss_f32(_mm_add_ss(x, _mm_movehdup_ps(x)));
+#else
+  return (v[0] + v[1]) + (v[2] + v[3]);
+#endif
+}
+
+#if HGS_AVX512
+// Add neighbouring pairs of 256-bit halves: 16 lanes of a and b become 8 + 8.
+inline __m256 fold(__m512 v) {
+  return _mm256_add_ps(_mm512_castps512_ps256(v), _mm512_extractf32x8_ps(v, 1));
+}
+#endif
+
+// out[k] = sum of v[k], k < 8.
+inline void sum_each_of_8(const Vec *v, float *out) {
+#if HGS_AVX512 || HGS_AVX2
+#if HGS_AVX512
+  __m256 h[8];
+  for (int k = 0; k < 8; ++k) h[k] = fold((__m512)v[k]);
+#else
+  const __m256 *h = reinterpret_cast<const __m256 *>(v);
+#endif
+  const __m256 low = _mm256_hadd_ps(_mm256_hadd_ps(h[0], h[1]), _mm256_hadd_ps(h[2], h[3]));
+  const __m256 high = _mm256_hadd_ps(_mm256_hadd_ps(h[4], h[5]), _mm256_hadd_ps(h[6], h[7]));
+  _mm256_storeu_ps(out, _mm256_add_ps(_mm256_permute2f128_ps(low, high, 0x20), _mm256_permute2f128_ps(low, high, 0x31)));
+#else
+  for (int k = 0; k < 8; ++k) out[k] = sum(v[k]);
+#endif
+}
+
+}  // namespace hgs
