@@ -41,9 +41,12 @@ class CaptureFolders:
             ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
             InputError: there is nothing at the path.
         """
-        if not capture or "\0" in capture:
-            raise InputError("capture", f"{capture!r} is not a path")
-        inside = [path for path in self._candidates(capture) if any(path.is_relative_to(f) for f in self.folders)]
+        try:
+            candidates = [(folder / capture).resolve() for folder in self.folders]
+            inside = [path for path in candidates if any(path.is_relative_to(folder) for folder in self.folders)]
+            found = next((path for path in inside if path.is_dir()), None)
+        except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, no text of the file system
+            raise InputError("capture", f"{capture[:80]!r} is not a path") from error
         if not inside:
             raise ProblemError(
                 403,
@@ -51,13 +54,6 @@ class CaptureFolders:
                 f"capture {capture!r}: lies outside the folders the server may read; add its folder to {SETTING}",
                 field="capture",
             )
-        for path in inside:
-            if path.is_dir():
-                return path
-        raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
-
-    def _candidates(self, capture: str) -> list[Path]:
-        try:
-            return [(folder / capture).resolve() for folder in self.folders]
-        except (OSError, RuntimeError) as error:  # a name that is too long, a loop of links
-            raise InputError("capture", f"{capture[:80]!r} is not a path: {error}") from error
+        if found is None:
+            raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
+        return found

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-__all__ = ["Chunk", "SceneIndex", "Slice"]
+from hgs_core.codec.manifest import Manifest
+from hgs_core.errors import InputError
+
+__all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
 
 
 @dataclass(frozen=True)
@@ -19,7 +23,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Slice:
-    """The dynamic chunks of one interval of time, [start, end] in seconds, in the order in which they are sent."""
+    """A stretch of time, shown for start <= t < end in seconds, and all chunks it needs, in the order of sending."""
 
     start: float
     end: float
@@ -28,17 +32,17 @@ class Slice:
 
 @dataclass(frozen=True)
 class SceneIndex:
-    """A published scene as the stream sees it; slices by start, then end."""
+    """A published scene as the stream and the list of scenes see it."""
 
     scene_id: str
+    title: str
     manifest: bytes  # the exact bytes of manifest.json
     start: float  # seconds
     end: float
     static: tuple[Chunk, ...]  # in layer order
-    slices: tuple[Slice, ...]
-    splats_static: int = 0
-    splats_dynamic: int = 0
-    title: str = ""
+    slices: tuple[Slice, ...]  # in order of time
+    splats_static: int
+    splats_dynamic: int
 
     @cached_property
     def sizes(self) -> Mapping[bytes, int]:
@@ -51,6 +55,39 @@ class SceneIndex:
         """The size of the whole scene: its chunks and its manifest."""
         return sum(self.sizes.values()) + len(self.manifest)
 
+    def is_over(self, index: int, time: float) -> bool:
+        """Return whether the slice is no longer shown at `time`, in seconds; the last one is, at its very end."""
+        end = self.slices[index].end
+        return time > end or (time == end and index < len(self.slices) - 1)
+
     def alive(self, time: float) -> list[int]:
         """Return the indices of the slices that are shown at `time`, in seconds."""
-        return [index for index, piece in enumerate(self.slices) if piece.start <= time <= piece.end]
+        return [k for k, piece in enumerate(self.slices) if piece.start <= time and not self.is_over(k, time)]
+
+
+def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
+    """Read what the server needs from the bytes of a manifest.
+
+    Raises:
+        InputError: the manifest is not one that this version understands.
+    """
+    try:
+        document = json.loads(manifest)
+    except ValueError as error:
+        raise InputError(f"manifest of scene {scene_id}", f"is not JSON: {error}") from error
+    described = Manifest.from_json(document, f"manifest of scene {scene_id}")
+    chunks = {entry.id: Chunk(bytes.fromhex(entry.id), entry.bytes) for entry in described.chunks}
+    return SceneIndex(
+        scene_id=scene_id,
+        title=described.title,
+        manifest=manifest,
+        start=described.start,
+        end=described.end,
+        static=tuple(chunks[entry.id] for entry in described.static),
+        slices=tuple(
+            Slice(piece.start, piece.end, tuple(chunks[name] for name in (*piece.needs, *(c.id for c in piece.chunks))))
+            for piece in described.slices
+        ),
+        splats_static=described.totals.splats_static,
+        splats_dynamic=described.totals.splats_dynamic,
+    )

@@ -62,7 +62,7 @@ class Service:
         """Return a published scene; blocks for a read of the store.
 
         Raises:
-            ProblemError: 404, no such scene.
+            ProblemError: 404, no such scene; 500, its manifest is of another version or damaged.
         """
         manifest = self.artifacts.manifest(scene_id)
         if manifest is None:
@@ -70,7 +70,10 @@ class Service:
             raise ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")
         known = self._scenes.get(scene_id)
         if known is None or known.manifest != manifest:
-            known = self._scenes[scene_id] = read_scene(scene_id, manifest)
+            try:
+                known = self._scenes[scene_id] = read_scene(scene_id, manifest)
+            except InputError as error:
+                raise ProblemError(500, "internal", str(error)) from error
         return known
 
     def scenes(self) -> list[dict[str, Any]]:
@@ -79,7 +82,7 @@ class Service:
         for entry in self.artifacts.list_scenes():
             try:
                 described.append(self._describe(self.scene(entry.id), entry.published.timestamp()))
-            except (ProblemError, InputError) as error:
+            except ProblemError as error:
                 log.warning("scene %s is left out of the list: %s", entry.id, error)
         return described
 

@@ -195,7 +195,7 @@ class StreamSession:
         if self._begun is not None:
             return self._begun
         now = self._playhead.at(clock)
-        return min(self._unmarked, key=lambda index: (self._scene.slices[index].end < now, index), default=None)
+        return min(self._unmarked, key=lambda index: (self._scene.is_over(index, now), index), default=None)
 
     def _announce(self, index: int) -> None:
         complete = self._scene.slices[index]

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from fastapi import APIRouter
 
 from server.protocol import PROTOCOL_VERSION
+from server.version import software_version
 
-__all__ = ["router", "software_version"]
+__all__ = ["router"]
 
 router = APIRouter()
-
-
-def software_version() -> str:
-    """Return the installed version of HGS; "0+unknown" in a checkout that is not installed."""
-    try:
-        return version("hgs")
-    except PackageNotFoundError:
-        return "0+unknown"
 
 
 @router.api_route("/v1/health", methods=["GET", "HEAD"])

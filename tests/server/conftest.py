@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
+import dataclasses
 import hashlib
 from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
 
+import httpx
 import pytest
+from fastapi import FastAPI
 
+from jobs.artifacts import SceneEntry
+from jobs.client import JobConflictError, JobRequest
+from jobs.home import Home
+from jobs.store import Job, JobState
+from server.app import create_app
+from server.capture_folders import CaptureFolders
 from server.scene_index import Chunk, SceneIndex, Slice
 
 SliceSpec = tuple[float, float, Sequence[int]]  # start, end, sizes of the chunks
@@ -32,11 +45,129 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
         )
         return SceneIndex(
             scene_id="studio",
+            title="Studio",
             manifest=b'{"a": "manifest"}',
             start=min((s for s, _, _ in slices), default=0.0),
             end=max((e for _, e, _ in slices), default=0.0),
             static=tuple(chunk(f"static {k}", size) for k, size in enumerate(static)),
             slices=pieces,
+            splats_static=0,
+            splats_dynamic=0,
         )
 
     return make
+
+
+class FakeJobs:
+    """A queue in memory that behaves as `jobs.client.JobClient` does."""
+
+    def __init__(self) -> None:
+        self.jobs: dict[str, Job] = {}
+        self.requests: list[JobRequest] = []
+        self.refuse: Exception | None = None
+        self.closed = False
+
+    def submit(self, request: JobRequest) -> str:
+        if self.refuse is not None:
+            raise self.refuse
+        self.requests.append(request)
+        job_id = f"job-{len(self.jobs)}"
+        title = request.title or request.capture.name
+        self.jobs[job_id] = Job(job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0)
+        return job_id
+
+    def get(self, job_id: str) -> Job | None:
+        if self.refuse is not None:
+            raise self.refuse
+        return self.jobs.get(job_id)
+
+    def list(self, limit: int = 100) -> list[Job]:
+        return list(reversed(self.jobs.values()))[:limit]
+
+    def cancel(self, job_id: str) -> Job:
+        if not self.jobs[job_id].state.finished:
+            self.change(job_id, state=JobState.CANCELLED)
+        return self.jobs[job_id]
+
+    def retry(self, job_id: str) -> Job:
+        job = self.jobs[job_id]
+        if job.state not in (JobState.FAILED, JobState.CANCELLED):
+            raise JobConflictError(f"job {job_id} is {job.state.value}")
+        self.change(job_id, state=JobState.QUEUED, attempt=job.attempt + 1)
+        return self.jobs[job_id]
+
+    def close(self) -> None:
+        self.closed = True
+
+    def change(self, job_id: str, **fields: Any) -> None:
+        """Change a job as a worker would."""
+        job = self.jobs[job_id]
+        self.jobs[job_id] = dataclasses.replace(job, **fields, updated=job.updated + 1)
+
+
+@dataclasses.dataclass
+class FakeArtifacts:
+    """A store in memory."""
+
+    chunks: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    manifests: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    thumbnails: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    reads: int = 0
+
+    def list_scenes(self) -> list[SceneEntry]:
+        return [SceneEntry(scene_id, datetime.fromtimestamp(1000, UTC)) for scene_id in sorted(self.manifests)]
+
+    def manifest(self, scene_id: str) -> bytes | None:
+        return self.manifests.get(scene_id)
+
+    def thumbnail(self, scene_id: str) -> bytes | None:
+        return self.thumbnails.get(scene_id)
+
+    def chunk(self, chunk_id: str) -> bytes | None:
+        self.reads += 1
+        return self.chunks.get(chunk_id)
+
+    def add_chunk(self, data: bytes) -> str:
+        """Store a chunk under its SHA-256."""
+        chunk_id = hashlib.sha256(data).hexdigest()
+        self.chunks[chunk_id] = data
+        return chunk_id
+
+
+@dataclasses.dataclass
+class Server:
+    """An application on fakes, and what it stands on."""
+
+    app: FastAPI
+    jobs: FakeJobs
+    artifacts: FakeArtifacts
+    captures: Path
+
+    def request(self, method: str, path: str, **arguments: Any) -> httpx.Response:
+        """Send one request without a socket."""
+
+        async def send() -> httpx.Response:
+            transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
+            async with httpx.AsyncClient(transport=transport, base_url="http://server") as client:
+                return await client.request(method, path, **arguments)
+
+        return asyncio.run(send())
+
+    def get(self, path: str, **headers: str) -> httpx.Response:
+        """GET with headers; underscores stand for hyphens."""
+        return self.request("GET", path, headers={name.replace("_", "-"): value for name, value in headers.items()})
+
+
+@pytest.fixture
+def server(tmp_path: Path) -> Server:
+    captures = tmp_path / "captures"
+    (captures / "studio").mkdir(parents=True)
+    jobs, artifacts = FakeJobs(), FakeArtifacts()
+    app = create_app(
+        Home.at(tmp_path / "home"),
+        captures=CaptureFolders((captures.resolve(),)),
+        job_client=jobs,
+        artifacts=artifacts,
+        viewer=tmp_path / "viewer",
+    )
+    return Server(app, jobs, artifacts, captures)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -166,7 +167,8 @@ def test_still_scene_ends_after_its_statics(make_scene: MakeScene) -> None:
 def test_chunk_of_two_slices_is_sent_once(make_scene: MakeScene) -> None:
     scene = make_scene([], [(0.0, 1.0, [1000]), (1.0, 2.0, [2000])])
     shared = scene.slices[0].chunks[0]
-    twice = type(scene)("studio", b"{}", 0.0, 2.0, (), (scene.slices[0], type(scene.slices[1])(1.0, 2.0, (shared,))))
+    again = dataclasses.replace(scene.slices[1], chunks=(shared,))
+    twice = dataclasses.replace(scene, slices=(scene.slices[0], again))
     items = drain(start(twice))
     assert chunks_of(items) == [shared]
     assert marks_of(items) == [0, 1]

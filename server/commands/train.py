@@ -1,0 +1,43 @@
+"""`hgs train CAPTURE --out RUN`: from a capture to an encoded scene, in this process."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from hgs_core.progress import StageStopped
+from server.commands.training_options import add_training_options, training_config
+from server.interrupts import Interrupts
+from server.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "train", help="train and encode a capture", description="Train and encode a capture. Run again to resume."
+    )
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
+    parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
+    add_training_options(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    config = training_config(options)
+    from hgs_core.pipeline import STAGES, create_run
+
+    create_run(options.out, options.capture, config)
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+        try:
+            for stage in STAGES.values():
+                stage(options.out, bars)
+        except StageStopped:
+            bars.close()
+            print("stopped; run the same command again to resume", file=sys.stderr)
+            return 130
+    print(options.out)
+    return 0

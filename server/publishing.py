@@ -1,0 +1,58 @@
+"""Putting the scene of a run into the artifact store."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from pathlib import Path
+
+from hgs_core.codec.manifest import Manifest
+from hgs_core.errors import InputError
+from hgs_core.progress import ProgressCallback, silent
+from jobs.artifacts import ArtifactStore
+
+__all__ = ["publish_run"]
+
+
+def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: ProgressCallback = silent) -> str:
+    """Publish a run's scene under `scene_id` and return the id; publishing the same scene again changes nothing.
+
+    Without an id it is the name of the run's folder; where another scene has that name, a part of the scene's hash is
+    added.
+
+    Raises:
+        InputError: the run has no encoded scene, the scene is damaged, or the id is malformed or taken.
+    """
+    folder = run / "scene"
+    manifest = _checked_manifest(run, folder)
+    if scene_id:
+        if store.manifest(scene_id) not in (None, manifest):
+            raise InputError(f"--id {scene_id}", "another scene has this id", "choose another id")
+    else:
+        slug = re.sub(r"[^a-z0-9]+", "-", run.resolve().name.lower()).strip("-")[:48].strip("-") or "scene"
+        taken = store.manifest(slug) not in (None, manifest)
+        scene_id = f"{slug}-{hashlib.sha256(manifest).hexdigest()[:8]}" if taken else slug
+    store.put_scene(folder, scene_id, progress)
+    return scene_id
+
+
+def _checked_manifest(run: Path, folder: Path) -> bytes:
+    """Return the manifest's bytes if it is sound and all its chunks are there; nothing is published of a broken scene."""
+    file = folder / "manifest.json"
+    try:
+        manifest = file.read_bytes()
+        document = json.loads(manifest)
+    except (FileNotFoundError, NotADirectoryError) as error:
+        raise InputError(run, "has no encoded scene", "give a run that hgs train has finished") from error
+    except ValueError as error:
+        raise InputError(file, f"is not JSON: {error}", "encode the scene again") from error
+    for entry in Manifest.from_json(document, file).chunks:
+        chunk = folder / "chunks" / entry.id
+        try:
+            data = chunk.read_bytes()
+        except FileNotFoundError as error:
+            raise InputError(chunk, "is missing", "encode the scene again") from error
+        if hashlib.sha256(data).hexdigest() != entry.id:
+            raise InputError(chunk, "its SHA-256 is not its name: the file is damaged", "encode the scene again")
+    return manifest

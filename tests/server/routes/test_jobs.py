@@ -1,0 +1,240 @@
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+from sqlalchemy.exc import OperationalError
+
+from hgs_core.errors import InputError
+from jobs.store import JobState
+
+PROBLEM = "application/problem+json"
+
+
+def assert_problem(response: httpx.Response, status: int, code: str, *words: str) -> dict[str, Any]:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == PROBLEM
+    problem: dict[str, Any] = response.json()
+    assert (problem["type"], problem["status"], problem["code"]) == ("about:blank", status, code)
+    assert problem["instance"] == response.request.url.path
+    assert "\n" not in problem["detail"]
+    for word in words:
+        assert word in problem["detail"]
+    return problem
+
+
+def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
+    body = {"capture": "studio", "title": "Studio", "preset": "preview", "hold_out": ["cam00"], "config": {"cycles": 7}}
+    response = server.request("POST", "/v1/jobs", json=body)
+    assert response.status_code == 201
+    assert response.headers["location"] == "/v1/jobs/job-0"
+    job = response.json()
+    assert job == server.get("/v1/jobs/job-0").json()
+    assert (job["state"], job["preset"], job["hold_out"]) == ("queued", "preview", ["cam00"])
+    assert (job["stage"], job["progress"], job["error"], job["scene"]) == (None, None, None, None)
+    (request,) = server.jobs.requests
+    assert request.capture == server.captures.resolve() / "studio"
+    assert (request.title, request.config.cycles) == ("Studio", 7)
+
+
+def test_submit_needs_the_capture_alone(server: Any) -> None:
+    response = server.request("POST", "/v1/jobs", json={"capture": str(server.captures / "studio")})
+    assert response.status_code == 201
+    assert response.json()["preset"] == "standard"
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({}, "capture"),
+        ({"capture": 3}, "capture"),
+        ({"capture": ""}, "capture"),
+        ({"capture": "studio", "colour": "red"}, "colour"),
+        ({"capture": "studio", "hold_out": "cam00"}, "hold_out"),
+        ({"capture": "studio", "hold_out": [0]}, "hold_out.0"),
+        ({"capture": "studio", "config": []}, "config"),
+    ],
+)
+def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: str) -> None:
+    problem = assert_problem(server.request("POST", "/v1/jobs", json=body), 422, "body-invalid", field)
+    assert problem["field"] == field
+    assert not server.jobs.jobs
+
+
+def test_body_that_is_no_object_is_422(server: Any) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", json=[1]), 422, "body-invalid")
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({"preset": "perfect"}, "preset"),
+        ({"config": {"cycles": 0}}, "config.cycles"),
+        ({"config": {"cycels": 9}}, "config.cycels"),
+        ({"config": {"learning_rates": {"opacity": "big"}}}, "config.learning_rates.opacity"),
+        ({"config": {"hold_out": ["cam00"]}}, "config.hold_out"),
+        ({"config": {"preset": "best"}}, "config.preset"),
+        ({"hold_out": ["a", "a"]}, "hold_out"),
+    ],
+)
+def test_bad_configs_are_422_and_named(server: Any, body: dict[str, Any], field: str) -> None:
+    problem = assert_problem(
+        server.request("POST", "/v1/jobs", json={"capture": "studio", **body}), 422, "config-invalid"
+    )
+    assert problem["field"] == field
+
+
+def test_body_that_is_not_json_is_400(server: Any) -> None:
+    response = server.request("POST", "/v1/jobs", content=b"{", headers={"Content-Type": "application/json"})
+    assert_problem(response, 400, "body-not-json")
+
+
+def test_deeply_nested_body_is_400(server: Any) -> None:
+    response = server.request("POST", "/v1/jobs", content=b"[" * 60_000, headers={"Content-Type": "application/json"})
+    assert_problem(response, 400, "body-not-json")
+
+
+def test_other_media_types_are_415(server: Any) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", data={"capture": "studio"}), 415, "body-not-json")
+
+
+def test_large_bodies_are_413(server: Any) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "x" * 70_000}), 413, "body-too-large")
+
+
+@pytest.mark.parametrize("capture", ["/etc", "../other", "studio/../../other", "~"])
+def test_captures_outside_the_folders_are_403_with_the_setting(server: Any, capture: str) -> None:
+    (server.captures.parent / "other").mkdir()
+    response = server.request("POST", "/v1/jobs", json={"capture": capture})
+    if capture == "~":  # a plain name, not a home folder
+        assert_problem(response, 422, "capture-invalid")
+    else:
+        assert_problem(response, 403, "capture-outside", "HGS_CAPTURES")
+
+
+def test_symbolic_link_out_of_the_folders_is_403(server: Any) -> None:
+    (server.captures / "link").symlink_to(Path(os.sep))
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "link"}), 403, "capture-outside")
+
+
+@pytest.mark.parametrize("capture", ["missing", "a\0b", "x" * 4000])
+def test_captures_that_are_not_there_are_422(server: Any, capture: str) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": capture}), 422, "capture-invalid", "capture")
+
+
+def test_captures_that_cannot_be_read_are_422(server: Any) -> None:
+    server.jobs.refuse = InputError("cam03.mp4", "59 frames, the others have 60", "record it again")
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    assert_problem(response, 422, "capture-invalid", "cam03.mp4: 59 frames, the others have 60; record it again")
+
+
+def test_hold_out_that_the_capture_lacks_is_a_bad_config(server: Any) -> None:
+    server.jobs.refuse = InputError("config.hold_out", "no camera 99")
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "studio"}), 422, "config-invalid")
+
+
+def test_pages_of_other_origins_may_not_submit(server: Any) -> None:
+    headers = {"Origin": "https://elsewhere.example"}
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers=headers)
+    assert_problem(response, 403, "origin-not-allowed", "elsewhere.example")
+    assert not server.jobs.jobs
+
+
+def test_pages_of_the_server_may_submit(server: Any) -> None:
+    headers = {"Origin": "http://server"}
+    assert server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers=headers).status_code == 201
+
+
+def test_database_that_does_not_answer_is_503(server: Any) -> None:
+    server.jobs.refuse = OperationalError("SELECT", {}, Exception("connection refused"))
+    response = server.get("/v1/jobs/job-0")
+    assert_problem(response, 503, "queue-unavailable")
+    assert response.headers["retry-after"] == "5"
+
+
+def test_faults_are_500_and_tell_nothing(server: Any) -> None:
+    server.jobs.refuse = RuntimeError("secret")
+    problem = assert_problem(server.get("/v1/jobs/job-0"), 500, "internal")
+    assert "secret" not in json.dumps(problem)
+
+
+def submit(server: Any) -> str:
+    job_id: str = server.request("POST", "/v1/jobs", json={"capture": "studio"}).json()["id"]
+    return job_id
+
+
+def test_jobs_are_listed_newest_first(server: Any) -> None:
+    first, second = submit(server), submit(server)
+    assert [job["id"] for job in server.get("/v1/jobs").json()["jobs"]] == [second, first]
+
+
+def test_running_job_tells_its_progress(server: Any) -> None:
+    job_id = submit(server)
+    server.jobs.change(job_id, state=JobState.RUNNING, stage="train", done=3, total=9, figures={"loss": 0.5})
+    job = server.get(f"/v1/jobs/{job_id}").json()
+    assert job["progress"] == {"stage": "train", "done": 3, "total": 9, "figures": {"loss": 0.5}}
+
+
+@pytest.mark.parametrize(
+    ("method", "suffix"), [("GET", ""), ("GET", "/events"), ("POST", "/cancel"), ("POST", "/retry")]
+)
+def test_unknown_jobs_are_404(server: Any, method: str, suffix: str) -> None:
+    assert_problem(server.request(method, f"/v1/jobs/nobody{suffix}"), 404, "job-not-found", "nobody")
+
+
+def test_cancel_answers_202_and_may_be_repeated(server: Any) -> None:
+    job_id = submit(server)
+    for _ in range(2):
+        response = server.request("POST", f"/v1/jobs/{job_id}/cancel")
+        assert (response.status_code, response.json()["state"]) == (202, "cancelled")
+
+
+@pytest.mark.parametrize("state", [JobState.SUCCEEDED, JobState.FAILED])
+def test_finished_jobs_cannot_be_cancelled(server: Any, state: JobState) -> None:
+    job_id = submit(server)
+    server.jobs.change(job_id, state=state)
+    assert_problem(server.request("POST", f"/v1/jobs/{job_id}/cancel"), 409, "job-finished", state.value)
+
+
+def test_retry_queues_a_failed_job_again(server: Any) -> None:
+    job_id = submit(server)
+    server.jobs.change(job_id, state=JobState.FAILED, error="out of memory")
+    response = server.request("POST", f"/v1/jobs/{job_id}/retry")
+    assert response.status_code == 202
+    assert (response.json()["state"], response.json()["attempt"]) == ("queued", 2)
+
+
+def test_retry_of_a_queued_job_is_409(server: Any) -> None:
+    assert_problem(server.request("POST", f"/v1/jobs/{submit(server)}/retry"), 409, "job-not-retriable")
+
+
+def test_events_of_a_finished_job_are_one_event(server: Any) -> None:
+    job_id = submit(server)
+    server.jobs.change(job_id, state=JobState.SUCCEEDED, scene_id=job_id)
+    response = server.get(f"/v1/jobs/{job_id}/events")
+    assert response.headers["content-type"].startswith("text/event-stream")
+    event, name, data, *rest = response.text.split("\n")
+    assert (event, rest) == ("event: job", ["", ""])
+    assert name.startswith("id: ")
+    assert json.loads(data.removeprefix("data: ")) == server.get(f"/v1/jobs/{job_id}").json()
+
+
+def test_events_that_the_client_has_seen_to_the_end_are_204(server: Any) -> None:
+    job_id = submit(server)
+    server.jobs.change(job_id, state=JobState.FAILED, error="no")
+    seen = server.get(f"/v1/jobs/{job_id}/events").text.split("\n")[1].removeprefix("id: ")
+    assert server.get(f"/v1/jobs/{job_id}/events", Last_Event_ID=seen).status_code == 204
+
+
+def test_wrong_methods_are_405(server: Any) -> None:
+    response = server.request("DELETE", "/v1/jobs")
+    assert_problem(response, 405, "method-not-allowed", "DELETE")
+    assert "POST" in response.headers["allow"] or "GET" in response.headers["allow"]
+
+
+def test_unknown_addresses_of_the_api_are_404(server: Any) -> None:
+    assert_problem(server.get("/v1/nonsense"), 404, "not-found", "/v1/nonsense")
