@@ -32,10 +32,12 @@ def lifetime(dynamic: DynamicSplats[NDArray[np.floating[Any]]]) -> tuple[Doubles
     return np.where(visible, center - radius, np.inf), np.where(visible, center + radius, -np.inf)
 
 
-def evaluate(dynamic: DynamicSplats[NDArray[np.floating[Any]]], time: float) -> tuple[Doubles, Doubles, Doubles]:
+def evaluate(
+    dynamic: DynamicSplats[NDArray[np.floating[Any]]], time: float | Doubles
+) -> tuple[Doubles, Doubles, Doubles]:
     """Return positions [M, 3], unit quaternions [M, 4] and opacities [M] at normalised `time`, in float64.
 
-    A rotation that passes through zero is the identity there.
+    `time` is one moment, or one per splat [M]. A rotation that passes through zero is the identity there.
     """
     d = time - np.asarray(dynamic.time_centers, np.float64)
     motion = np.asarray(dynamic.motion, np.float64)

@@ -1,0 +1,181 @@
+"""From a trained scene to a scene folder: manifest.json, chunks/<sha256>, thumbnail.jpg."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.atomic import write_bytes
+from hgs_core.camera import Camera
+from hgs_core.codec.chunk import Box
+from hgs_core.codec.decode import DecodedChunk, decode_chunk
+from hgs_core.codec.encode_chunk import SegmentTime, encode_dynamic_chunk, encode_static_chunk
+from hgs_core.codec.folder import CHUNKS, MANIFEST, THUMBNAIL
+from hgs_core.codec.layers import dynamic_layers, slice_times, static_layers
+from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.viewpoint import find_viewpoint
+from hgs_core.errors import InputError
+from hgs_core.scene.splats import HybridScene, Segment
+from hgs_core.scene.temporal import lifetime
+
+__all__ = ["encode_scene"]
+
+STILL_FRAME_RATE = 30.0  # stated for a capture of one frame, which has none
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class _Coded:
+    """A chunk's bytes with its entry in the manifest."""
+
+    entry: ChunkEntry
+    data: bytes
+
+
+def encode_scene(
+    scene: HybridScene[Floats],
+    out: Path,
+    *,
+    cameras: Sequence[Camera],
+    times: NDArray[np.float64],
+    title: str,
+    settings: EncodeSettings | None = None,
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    thumbnail: bytes | None = None,
+    training: Mapping[str, Any] | None = None,
+) -> Manifest:
+    """Write `scene` to the folder `out` and return its manifest.
+
+    `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
+    JSON can hold. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier
+    scene in the same folder are removed after that.
+
+    Raises:
+        InputError: the scene, the cameras or the times hold what cannot be encoded.
+        RuntimeError: a chunk does not decode within its declared bounds (a fault of this program).
+        OSError: the folder cannot be written.
+    """
+    settings = settings or EncodeSettings()
+    times = np.asarray(times, np.float64)
+    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
+        raise InputError("times", "are not increasing seconds", "give the capture's clock")
+    starts = [segment.start for segment in scene.segments]
+    if not starts or sorted(starts) != starts or any(s.end < s.start for s in scene.segments):
+        raise InputError("scene.segments", "are not in order of time", "train the scene again")
+    interval = float(np.median(np.diff(times))) if len(times) > 1 else 1 / STILL_FRAME_RATE
+    moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
+    points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
+    view = find_viewpoint(cameras, points)
+    bound = settings.position_error or settings.pixel_error * view.pixel
+
+    static = _static_chunks(scene, cameras, view.extent, bound, settings)
+    coded = list(static)
+    slices: list[SliceEntry] = []
+    for i, segment in enumerate(scene.segments):
+        until = scene.segments[i + 1].start if i + 1 < len(scene.segments) else segment.end
+        pieces, chunks = _segment_chunks(segment, i, until, interval, bound, settings, len(coded))
+        slices += pieces
+        coded += chunks
+    manifest = Manifest(
+        title=title,
+        start=scene.start,
+        end=scene.end,
+        frame_rate=1 / interval,
+        background=background,
+        up=view.up,
+        center=view.center,
+        extent=view.extent,
+        cameras=tuple(cameras),
+        segments=tuple(SegmentEntry(segment.start, segment.end) for segment in scene.segments),
+        static=tuple(chunk.entry for chunk in static),
+        slices=tuple(slices),
+        thumbnail=thumbnail is not None,
+        training=dict(training or {}),
+    )
+    _write(out, manifest, coded, thumbnail)
+    return manifest
+
+
+def _static_chunks(
+    scene: HybridScene[Floats], cameras: Sequence[Camera], near: float, bound: float, settings: EncodeSettings
+) -> list[_Coded]:
+    splats = prepare_static(scene.static, bound, settings)
+    chunks: list[_Coded] = []
+    for layer in static_layers(splats, cameras, near, bound, settings):
+        data = encode_static_chunk(splats.take(layer.index), layer.bound, settings, len(chunks))
+        chunks.append(_coded(data, decode_chunk(data)))
+    return chunks
+
+
+def _segment_chunks(
+    segment: Segment[Floats],
+    number: int,
+    until: float,
+    interval: float,
+    bound: float,
+    settings: EncodeSettings,
+    index: int,
+) -> tuple[list[SliceEntry], list[_Coded]]:
+    """Encode a segment that is shown until `until` seconds; `index` numbers its first chunk."""
+    length = segment.end - segment.start
+    shown_until = segment.normalised(until)
+    frame = interval / length if length > 0 else 1.0
+    splats = prepare_dynamic(segment.dynamic, shown_until, frame, bound, settings)
+    time = SegmentTime.of(segment.start, segment.end, shown_until, splats, settings)
+    seconds = slice_times(segment.start, until, settings.slice_seconds)
+    limits = np.linspace(0.0, shown_until, len(seconds))
+    count = len(limits) - 1
+    chunks: list[list[_Coded]] = [[] for _ in range(count)]
+    needs: list[list[str]] = [[] for _ in range(count)]
+    for layer in dynamic_layers(splats, time, limits, bound, settings):
+        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, layer.bound, settings, index)
+        index += 1
+        chunk = _coded(data, decoded)
+        chunks[layer.slice].append(chunk)
+        start, end = lifetime(decoded.dynamic())
+        if max(float(start.min()), 0.0) < limits[layer.slice]:
+            raise RuntimeError(f"a splat of slice {layer.slice} lives from {start.min():.6g}, before the slice")
+        last = min(int(np.searchsorted(limits, float(end.max()), side="right")) - 1, count - 1)
+        for later in range(layer.slice + 1, last + 1):
+            needs[later].append(chunk.entry.id)
+    slices = [
+        SliceEntry(
+            number,
+            float(seconds[i]),
+            float(seconds[i + 1]),
+            tuple(chunk.entry for chunk in chunks[i]),
+            tuple(needs[i]),
+        )
+        for i in range(count)
+    ]
+    return slices, [chunk for piece in chunks for chunk in piece]
+
+
+def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
+    box: Box = decoded.box
+    return _Coded(ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), decoded.count, box), data)
+
+
+def _write(out: Path, manifest: Manifest, chunks: Sequence[_Coded], thumbnail: bytes | None) -> None:
+    text = json.dumps(manifest.to_json(), allow_nan=False, separators=(",", ":"))
+    for chunk in chunks:
+        write_bytes(out / CHUNKS / chunk.entry.id, chunk.data)
+    if thumbnail is not None:
+        write_bytes(out / THUMBNAIL, thumbnail)
+    write_bytes(out / MANIFEST, text.encode())
+    kept = {chunk.entry.id for chunk in chunks}
+    for file in (out / CHUNKS).glob("*"):
+        if file.name not in kept:
+            file.unlink()
+    if thumbnail is None:
+        (out / THUMBNAIL).unlink(missing_ok=True)

@@ -1,0 +1,154 @@
+"""What an encoder may change before quantisation because no picture shows it; everything after keeps error bounds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.codec.attributes import MOTION_ORDERS
+from hgs_core.codec.settings import EncodeSettings
+from hgs_core.errors import InputError
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.scene.temporal import lifetime
+
+__all__ = ["Prepared", "prepare_dynamic", "prepare_static"]
+
+LARGEST_COORDINATE = 1e30
+LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
+LARGEST_LOG_SCALE = 30.0
+LARGEST_RGB = 8.0  # either sign; training keeps colours near [0, 1]
+NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
+STEADY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
+MAY_BE_INFINITE = ("opacity_logits", "time_log_precisions")  # opacities of 0 and 1; no fading, no duration
+
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Splats as float64 arrays by attribute name ("position" [N, 3], "opacity" [N, 1], ...), with unit rotations.
+
+    A dynamic set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in
+    normalised time, not yet scaled by powers of two.
+    """
+
+    values: Mapping[str, Doubles]
+
+    def __len__(self) -> int:
+        """Return the number of splats."""
+        return len(self.values["position"])
+
+    def take(self, index: NDArray[Any]) -> Prepared:
+        """Return the splats that `index` selects."""
+        return Prepared({name: array[index] for name, array in self.values.items()})
+
+
+def prepare_static(splats: StaticSplats[NDArray[np.floating[Any]]], bound: float, settings: EncodeSettings) -> Prepared:
+    """Drop splats that are never drawn, normalise quaternions, limit scales; `bound` is the position error.
+
+    Raises:
+        InputError: a number that is not finite or too large; names the splat and the field.
+    """
+    _check("static splat", splats.items())
+    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb, bound, settings)
+    values["position"] = np.asarray(splats.means, np.float64)
+    values["rotation"] = _normalised(np.asarray(splats.quats, np.float64))[0]
+    _check_size("static splat", "means", values["position"], LARGEST_COORDINATE)
+    return Prepared(values).take(values["opacity"][:, 0] >= NEGLIGIBLE_OPACITY)
+
+
+def prepare_dynamic(
+    splats: DynamicSplats[NDArray[np.floating[Any]]],
+    shown_until: float,
+    frame: float,
+    bound: float,
+    settings: EncodeSettings,
+) -> Prepared:
+    """Do the same for the splats of a segment that is shown for normalised times [0, `shown_until`].
+
+    Splats that do not live then are dropped. `frame` is the interval between frames in normalised time.
+
+    Raises:
+        InputError: a number that is not finite or too large; names the splat and the field.
+    """
+    _check("dynamic splat", splats.items())
+    start, end = lifetime(splats)
+    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb, bound, settings)
+    motion = np.asarray(splats.motion, np.float64)
+    rotation, turning = _rotation_polynomial(np.asarray(splats.rotation, np.float64))
+    center = np.asarray(splats.time_centers, np.float64)[:, None]
+    values |= {
+        "position": motion[:, 0],
+        **{name: motion[:, order] for order, name in enumerate(MOTION_ORDERS, start=1)},
+        "rotation": rotation,
+        "turning": turning,
+        "time_center": center,
+    }
+    furthest = np.maximum(np.abs(center), np.abs(shown_until - center))
+    with np.errstate(divide="ignore"):
+        steady = np.log(STEADY) - 2 * np.log(furthest)
+    briefest = math.log(math.log(255.0)) - 2 * math.log(settings.shortest_life * frame)
+    precision = np.asarray(splats.time_log_precisions, np.float64)[:, None]
+    values["time_log_precision"] = np.clip(precision, np.minimum(steady, briefest), briefest)
+    alive = (start <= shown_until) & (end >= 0)
+    kept = Prepared(values).take(alive)
+    _check_size("dynamic splat", "time_centers", kept.values["time_center"], LARGEST_TIME)
+    distance = np.maximum(1.0, furthest[alive])
+    for order, name in enumerate(("position", *MOTION_ORDERS)):
+        _check_size("dynamic splat", f"motion[{order}]", kept.values[name] * distance**order, LARGEST_COORDINATE)
+    return kept
+
+
+def _common(
+    log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any], bound: float, settings: EncodeSettings
+) -> dict[str, Doubles]:
+    smallest = math.log(settings.smallest_scale * bound)
+    return {
+        "log_scale": np.clip(np.asarray(log_scales, np.float64), smallest, max(smallest, LARGEST_LOG_SCALE)),
+        "opacity": np.exp(-np.logaddexp(0.0, -np.asarray(logits, np.float64)))[:, None],
+        "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_RGB, LARGEST_RGB),
+    }
+
+
+def _normalised(quats: Doubles) -> tuple[Doubles, Doubles]:
+    """Return unit quaternions, the identity in place of zero, and the norms that they had (1 for zero)."""
+    norm = np.linalg.norm(quats, axis=1, keepdims=True)
+    zero = norm < 1e-12  # |q|^2 < 1e-24, as in rendering
+    norm = np.where(zero, 1.0, norm)
+    return np.where(zero, (1.0, 0.0, 0.0, 0.0), quats / norm), norm
+
+
+def _rotation_polynomial(rotation: Doubles) -> tuple[Doubles, Doubles]:
+    """Scale r0 + d r1 so that r0 is a unit quaternion; r1 alone where r0 is next to nothing beside it.
+
+    The scale and the sign of a quaternion do not change its rotation. Where |r0| < |r1| / 1000 the rotation is that of
+    r1 at all times but for an instant around d = 0.
+    """
+    swapped = np.linalg.norm(rotation[:, 0], axis=1) < 1e-3 * np.linalg.norm(rotation[:, 1], axis=1)
+    constant = np.where(swapped[:, None], rotation[:, 1], rotation[:, 0])
+    linear = np.where(swapped[:, None], 0.0, rotation[:, 1])
+    unit, norm = _normalised(constant)
+    return unit, linear / norm
+
+
+def _check(what: str, fields: Any) -> None:
+    for name, array in fields:
+        if len(array) == 0:
+            return
+        numbers = np.asarray(array).reshape(len(array), -1)
+        valid = ~np.isnan(numbers) if name in MAY_BE_INFINITE else np.isfinite(numbers)
+        if not valid.all():
+            splat = int(np.argmin(valid.all(axis=1)))
+            raise InputError(f"{what} {splat}", f"{name} is not a finite number", "train the scene again")
+
+
+def _check_size(what: str, field: str, values: Doubles, largest: float) -> None:
+    size = np.abs(values).max(axis=1)
+    if (size > largest).any():
+        splat = int(np.argmax(size))
+        raise InputError(f"{what} {splat}", f"{field} reaches {size[splat]:.3g}, more than {largest:.0e}")
