@@ -1,0 +1,103 @@
+/** Pointer, wheel, touch and keys on the picture, as motions of an orbit camera. */
+
+export interface CameraMotion {
+  /** Radians. */
+  turn(yaw: number, pitch: number): void;
+  /** Factor of the distance. */
+  zoom(factor: number): void;
+  /** CSS pixels. */
+  pan(dx: number, dy: number): void;
+  reset(): void;
+}
+
+const TURN = 0.006; // radians per CSS pixel
+const KEY_TURN = 0.06; // radians
+const KEY_PAN = 24; // CSS pixels
+const KEY_ZOOM = 1.1;
+const WHEEL_LINE = 20; // CSS pixels of a wheel that counts lines
+
+interface Point {
+  x: number;
+  y: number;
+}
+
+/** Listen on `target` until `signal` aborts. */
+export function listenForGestures(target: HTMLElement, motion: CameraMotion, signal: AbortSignal): void {
+  const pointers = new Map<number, Point>();
+  let panning = false;
+
+  const drag = (id: number, to: Point): void => {
+    const from = pointers.get(id);
+    if (!from) return;
+    const [dx, dy] = [to.x - from.x, to.y - from.y];
+    const other = [...pointers].find(([key]) => key !== id)?.[1];
+    if (other) {
+      const before = Math.hypot(from.x - other.x, from.y - other.y);
+      const after = Math.hypot(to.x - other.x, to.y - other.y);
+      if (before > 1 && after > 1) motion.zoom(before / after);
+      motion.pan(dx / 2, dy / 2); // as far as the middle of the two fingers moves
+    } else if (panning) {
+      motion.pan(dx, dy);
+    } else {
+      motion.turn(dx * TURN, dy * TURN);
+    }
+    pointers.set(id, to);
+  };
+
+  target.addEventListener(
+    "pointerdown",
+    (event) => {
+      if (pointers.size === 2) return;
+      target.setPointerCapture(event.pointerId);
+      pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+      panning = event.button !== 0 || event.shiftKey;
+    },
+    { signal },
+  );
+  target.addEventListener("pointermove", (event) => drag(event.pointerId, { x: event.clientX, y: event.clientY }), {
+    signal,
+  });
+  const release = (event: PointerEvent) => pointers.delete(event.pointerId);
+  target.addEventListener("pointerup", release, { signal });
+  target.addEventListener("pointercancel", release, { signal });
+  target.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // the right button pans
+  target.addEventListener("dblclick", () => motion.reset(), { signal });
+  target.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : WHEEL_LINE);
+      // Browsers report a pinch on a touchpad as a wheel with Ctrl held, in much smaller steps.
+      motion.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (event.ctrlKey ? 0.01 : 0.0015)));
+    },
+    { signal, passive: false },
+  );
+  target.addEventListener(
+    "keydown",
+    (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
+      if (!press(event, motion)) return;
+      event.preventDefault();
+      event.stopPropagation();
+    },
+    { signal },
+  );
+}
+
+/** Returns whether the key moves the camera. */
+function press(event: KeyboardEvent, motion: CameraMotion): boolean {
+  const arrows: Readonly<Record<string, readonly [number, number]>> = {
+    ArrowLeft: [1, 0],
+    ArrowRight: [-1, 0],
+    ArrowUp: [0, 1],
+    ArrowDown: [0, -1],
+  };
+  const arrow = arrows[event.key];
+  if (arrow && event.shiftKey) motion.pan(arrow[0] * KEY_PAN, arrow[1] * KEY_PAN);
+  else if (arrow) motion.turn(arrow[0] * KEY_TURN, arrow[1] * KEY_TURN);
+  else if (event.key === "+" || event.key === "=") motion.zoom(1 / KEY_ZOOM);
+  else if (event.key === "-") motion.zoom(KEY_ZOOM);
+  else if (event.key === "0" || event.key === "Home") motion.reset();
+  else return false;
+  return true;
+}

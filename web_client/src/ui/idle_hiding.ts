@@ -1,0 +1,31 @@
+/** Hides the controls while the scene plays and nobody touches anything. */
+
+const IDLE = 3000; // ms
+
+export class IdleHiding {
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    readonly root: HTMLElement,
+    readonly playing: () => boolean,
+    signal: AbortSignal,
+  ) {
+    for (const type of ["pointermove", "pointerdown", "keydown", "focusin"]) {
+      addEventListener(type, () => this.#wake(), { signal, passive: true });
+    }
+    signal.addEventListener("abort", () => clearTimeout(this.#timer));
+    this.#wake();
+  }
+
+  #wake(): void {
+    this.root.classList.remove("idle");
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
+
+  #sleep(): void {
+    const controls = this.root.querySelector(".transport :focus-visible, .top-bar :focus-visible");
+    if (this.playing() && !controls) this.root.classList.add("idle");
+    else this.#timer = setTimeout(() => this.#sleep(), IDLE);
+  }
+}

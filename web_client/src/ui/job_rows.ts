@@ -1,0 +1,118 @@
+/** The jobs as rows: title, stage, progress with its figures, error, cancel. */
+
+import { cancelJob, isFinal, type Job, STAGES } from "../protocol/api";
+import { element, setText } from "./element";
+
+const STAGE_NAMES: Readonly<Record<string, string>> = {
+  initialise: "Finding points",
+  train: "Training",
+  encode: "Encoding",
+  publish: "Publishing",
+};
+
+const STATE_NAMES: Readonly<Record<Job["state"], string>> = {
+  queued: "Waiting",
+  running: "Running",
+  succeeded: "Done",
+  failed: "Failed",
+  cancelled: "Cancelled",
+};
+
+/** "Training 420 / 2,000" */
+export function describeProgress(job: Job): string {
+  if (job.state !== "running") return STATE_NAMES[job.state];
+  const stage = job.progress?.stage ?? job.stage;
+  if (stage === null) return "Starting";
+  const name = STAGE_NAMES[stage] ?? stage;
+  if (!job.progress || job.progress.total <= 0) return name;
+  return `${name} ${job.progress.done.toLocaleString("en")} / ${job.progress.total.toLocaleString("en")}`;
+}
+
+/** "loss 0.041 · psnr 28.3" */
+export function describeFigures(job: Job): string {
+  if (job.state !== "running" || !job.progress) return "";
+  const figures = Object.entries(job.progress.figures).map(([name, value]) => {
+    const text = Number.isInteger(value) ? value.toLocaleString("en") : Number(value.toPrecision(3)).toString();
+    return `${name.replaceAll("_", " ")} ${text}`;
+  });
+  return figures.join(" · ");
+}
+
+class JobRow {
+  readonly node: HTMLElement;
+  readonly #title = element("h3", { class: "job-title" });
+  readonly #state = element("span", { class: "job-state" });
+  readonly #figures = element("p", { class: "job-figures" });
+  readonly #bar = element("progress", { max: 1, value: 0 });
+  readonly #steps = STAGES.map((stage) => element("li", {}, STAGE_NAMES[stage] ?? stage));
+  readonly #error = element("p", { class: "job-error" });
+  readonly #cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
+  readonly #open = element("a", { class: "button" }, "Watch");
+  #id = "";
+
+  constructor(onError: (message: string) => void) {
+    this.#cancel.addEventListener("click", () => {
+      this.#cancel.disabled = true;
+      cancelJob(this.#id).catch((error: Error) => {
+        this.#cancel.disabled = false;
+        onError(error.message);
+      });
+    });
+    this.node = element(
+      "li",
+      { class: "job" },
+      element("div", { class: "job-head" }, this.#title, this.#state, this.#open, this.#cancel),
+      this.#bar,
+      element("ol", { class: "job-steps" }, ...this.#steps),
+      this.#figures,
+      this.#error,
+    );
+  }
+
+  update(job: Job): void {
+    this.#id = job.id;
+    this.node.dataset.state = job.state;
+    setText(this.#title, job.title || job.capture.split("/").filter(Boolean).at(-1) || job.id);
+    this.#title.title = job.capture;
+    setText(this.#state, describeProgress(job));
+    setText(this.#figures, describeFigures(job));
+    setText(this.#error, job.error ?? "");
+    const running = job.state === "running";
+    this.#bar.hidden = !running;
+    this.#bar.setAttribute("aria-label", describeProgress(job));
+    if (job.progress && job.progress.total > 0) this.#bar.value = job.progress.done / job.progress.total;
+    else this.#bar.removeAttribute("value");
+    const at = STAGES.findIndex((stage) => stage === (job.progress?.stage ?? job.stage));
+    this.#steps.forEach((step, i) => {
+      step.dataset.state = i < at ? "done" : i === at ? "now" : "later";
+    });
+    this.#cancel.hidden = isFinal(job);
+    this.#open.hidden = job.scene === null;
+    if (job.scene !== null) this.#open.href = `/view/${encodeURIComponent(job.scene)}`;
+  }
+}
+
+/** Rows that are made once per job and updated in place. */
+export class JobRows {
+  readonly #rows = new Map<string, JobRow>();
+
+  constructor(
+    readonly list: HTMLElement,
+    readonly onError: (message: string) => void,
+  ) {}
+
+  show(jobs: readonly Job[]): void {
+    for (const id of this.#rows.keys()) if (!jobs.some((job) => job.id === id)) this.#rows.delete(id);
+    const nodes = jobs.map((job) => this.update(job));
+    const same = nodes.length === this.list.children.length && nodes.every((node, i) => node === this.list.children[i]);
+    if (!same) this.list.replaceChildren(...nodes); // moving nodes would drop the focus
+  }
+
+  /** Show a job's news; returns its row. */
+  update(job: Job): HTMLElement {
+    const row = this.#rows.get(job.id) ?? new JobRow(this.onError);
+    this.#rows.set(job.id, row);
+    row.update(job);
+    return row.node;
+  }
+}

@@ -1,0 +1,129 @@
+/** The bar below the picture: play, seek with buffered ranges, time, rate, loop. */
+
+import type { Manifest } from "../codec/types";
+import type { ScenePlayer } from "../player/player";
+import { element, icon, setText } from "./element";
+import { formatTime } from "./format";
+import { LOOP, PAUSE, PLAY, REPLAY } from "./icons";
+
+const RATES = [0.25, 0.5, 1, 2];
+
+/** A CSS gradient that shows the ranges on a bar from `start` to `end`. */
+export function bufferedGradient(ranges: readonly [number, number][], start: number, end: number): string {
+  const percent = (time: number) => `${((100 * (time - start)) / (end - start)).toFixed(2)}%`;
+  const stops = ranges.flatMap(([from, to]) => {
+    const [a, b] = [percent(from), percent(to)];
+    return [`transparent ${a}`, `var(--buffered) ${a}`, `var(--buffered) ${b}`, `transparent ${b}`];
+  });
+  return stops.length > 0 ? `linear-gradient(to right, ${stops.join(", ")})` : "none";
+}
+
+type Button = "play" | "pause" | "replay";
+const ICONS: Readonly<Record<Button, string>> = { play: PLAY, pause: PAUSE, replay: REPLAY };
+const LABELS: Readonly<Record<Button, string>> = { play: "Play", pause: "Pause", replay: "Play again" };
+
+export class Transport {
+  readonly node: HTMLElement;
+  readonly #play = element("button", { type: "button", class: "round", onclick: () => this.toggle() });
+  readonly #seek = element("input", {
+    type: "range",
+    class: "seek",
+    "aria-label": "Position",
+    min: 0,
+    max: 1,
+    step: "any",
+  });
+  readonly #time = element("span", { class: "time" });
+  readonly #rate = element("select", { class: "rate", "aria-label": "Speed", title: "Speed" });
+  readonly #loop = element(
+    "button",
+    { type: "button", class: "round small", title: "Loop (L)", "aria-label": "Loop" },
+    icon(LOOP),
+  );
+  readonly #frame: number; // seconds
+  #resume = false;
+  #dragging = false;
+  #shown: Button | null = null;
+
+  constructor(
+    readonly player: ScenePlayer,
+    manifest: Manifest,
+  ) {
+    for (const rate of RATES) {
+      this.#rate.append(element("option", { value: rate, selected: rate === 1 }, `${rate}×`));
+    }
+    this.#seek.min = String(manifest.start);
+    this.#seek.max = String(manifest.end);
+    this.#seek.addEventListener("input", () => this.#scrub());
+    this.#seek.addEventListener("change", () => this.#drop());
+    this.#seek.addEventListener("keydown", (event) => {
+      const step = { ArrowLeft: -1, ArrowRight: 1, ArrowDown: -1, ArrowUp: 1 }[event.key];
+      if (step === undefined) return;
+      event.preventDefault();
+      this.step(step);
+    });
+    this.#rate.addEventListener("change", () => player.setRate(Number(this.#rate.value)));
+    this.#loop.addEventListener("click", () => this.toggleLoop());
+    this.node = element("div", { class: "transport" }, this.#play, this.#seek, this.#time, this.#rate, this.#loop);
+    this.#frame = 1 / manifest.frameRate;
+    this.node.hidden = manifest.end <= manifest.start; // nothing moves in a still scene
+  }
+
+  toggle(): void {
+    if (this.player.clock?.playing) this.player.pause();
+    else this.player.play();
+  }
+
+  toggleLoop(): void {
+    const clock = this.player.clock;
+    if (clock) clock.loop = !clock.loop;
+  }
+
+  /** Stand still, so many frames later. */
+  step(frames: number): void {
+    const clock = this.player.clock;
+    if (!clock) return;
+    this.player.pause();
+    this.player.seek(clock.time + frames * this.#frame);
+  }
+
+  /** Show the player's state; called at every frame. */
+  update(): void {
+    const { clock, buffer } = this.player;
+    if (!clock || !buffer || this.node.hidden) return;
+    const ended = !clock.playing && clock.time >= clock.end;
+    this.#showButton(clock.playing || this.#resume ? "pause" : ended ? "replay" : "play");
+    if (!this.#dragging) this.#seek.value = String(clock.time);
+    const position = formatTime(clock.time - clock.start);
+    setText(this.#time, `${position} / ${formatTime(clock.end - clock.start)}`);
+    this.#seek.setAttribute("aria-valuetext", position);
+    const share = (clock.time - clock.start) / (clock.end - clock.start);
+    this.#seek.style.setProperty("--played", `${(100 * share).toFixed(2)}%`);
+    this.#seek.style.setProperty("--ranges", bufferedGradient(buffer.ranges(), clock.start, clock.end));
+    this.#loop.setAttribute("aria-pressed", String(clock.loop));
+  }
+
+  #showButton(what: Button): void {
+    if (this.#shown === what) return;
+    this.#shown = what;
+    this.#play.replaceChildren(icon(ICONS[what]));
+    this.#play.setAttribute("aria-label", LABELS[what]);
+    this.#play.title = `${LABELS[what]} (Space)`;
+  }
+
+  /** While the knob is dragged the scene stands where it is, and goes on afterwards. */
+  #scrub(): void {
+    if (!this.#dragging) {
+      this.#dragging = true;
+      this.#resume = this.player.clock?.playing ?? false;
+      this.player.pause();
+    }
+    this.player.seek(Number(this.#seek.value));
+  }
+
+  #drop(): void {
+    this.#dragging = false;
+    if (this.#resume) this.player.play();
+    this.#resume = false;
+  }
+}

@@ -1,0 +1,196 @@
+/** The page that plays a scene. */
+
+import { ScenePlayer } from "../player/player";
+import { streamUrl } from "../protocol/api";
+import type { Pixels } from "../renderer/renderer";
+import { CameraMenu } from "./camera_menu";
+import { element, icon } from "./element";
+import { BACK, FULLSCREEN, STATS } from "./icons";
+import { IdleHiding } from "./idle_hiding";
+import { LoadingNotice } from "./loading_notice";
+import { StatsPanel } from "./stats_panel";
+import { Transport } from "./transport";
+import { parseViewParameters, type ViewParameters } from "./view_parameters";
+import { Viewpoint } from "./viewpoint";
+
+/** What the page offers to scripts, such as tests: `window.hgs`. */
+export interface ViewerHandle {
+  /** Resolves when everything alive at the first time has arrived, been sorted and drawn; rejects if it cannot. */
+  readonly ready: Promise<void>;
+  readonly state: Readonly<Record<string, unknown>>;
+  /** Go to a time, seconds; resolves when all of it is drawn. */
+  seek(time: number): Promise<void>;
+  play(): void;
+  pause(): void;
+  /** The picture, RGBA from the top row; in floats without the canvas's rounding if asked. */
+  readPixels(options?: { float?: boolean }): Promise<Pixels>;
+}
+
+declare global {
+  interface Window {
+    hgs?: ViewerHandle;
+  }
+}
+
+export function showViewPage(root: HTMLElement, scene: string): void {
+  document.title = `${scene} · HGS`;
+  root.className = "view-page";
+  const notice = new LoadingNotice();
+  try {
+    new ViewPage(root, scene, parseViewParameters(location.search), notice);
+  } catch (error) {
+    root.replaceChildren(notice.node);
+    notice.fail(error instanceof Error ? error.message : String(error));
+  }
+}
+
+class ViewPage {
+  readonly #abort = new AbortController();
+  readonly #canvas = element("canvas", {
+    class: "picture",
+    tabindex: 0,
+    "aria-label": "Scene; drag to turn, arrows too",
+  });
+  readonly #title = element("h1");
+  readonly #player: ScenePlayer;
+  readonly #viewpoint: Viewpoint;
+  readonly #stats: StatsPanel;
+  #transport: Transport | null = null;
+  #animation = 0;
+  #fail: (error: Error) => void = () => {};
+
+  constructor(
+    readonly root: HTMLElement,
+    scene: string,
+    readonly parameters: ViewParameters,
+    readonly notice: LoadingNotice,
+  ) {
+    const { signal } = this.#abort;
+    this.#title.textContent = scene;
+    root.replaceChildren(this.#canvas, notice.node);
+    this.#viewpoint = new Viewpoint(this.#canvas, parameters, signal);
+    this.#player = new ScenePlayer({
+      canvas: this.#canvas,
+      streamUrl: streamUrl(scene),
+      time: parameters.time,
+      playing: !parameters.paused,
+      view: () => this.#viewpoint.view(),
+      onManifest: (manifest) => {
+        this.#viewpoint.begin(manifest);
+        document.title = `${manifest.title || scene} · HGS`;
+        this.#title.textContent = manifest.title || scene;
+        this.#transport = new Transport(this.#player, manifest);
+        if (!parameters.exact) this.#showControls(manifest.cameras.map((camera) => camera.name));
+      },
+      onError: (message) => {
+        notice.fail(message);
+        this.#fail(new Error(message));
+      },
+    });
+    this.#stats = new StatsPanel(this.#player);
+    this.#offerHandle();
+    const update = () => {
+      this.#animation = requestAnimationFrame(update);
+      notice.update(this.#player.stats, this.#player.clock?.stalled ?? false);
+      this.#transport?.update();
+      this.#stats.update(this.#canvas);
+    };
+    update();
+    addEventListener("pagehide", () => this.#leave(), { signal });
+  }
+
+  #showControls(cameras: readonly string[]): void {
+    const { signal } = this.#abort;
+    const transport = this.#transport;
+    if (!transport) return;
+    const cameraMenu = new CameraMenu(this.#viewpoint, cameras);
+    const button = (label: string, path: string, onclick: () => void) =>
+      element(
+        "button",
+        { type: "button", class: "round small", title: label, "aria-label": label, onclick },
+        icon(path),
+      );
+    const bar = element(
+      "header",
+      { class: "top-bar" },
+      element("a", { class: "round small", href: "/", title: "All scenes", "aria-label": "All scenes" }, icon(BACK)),
+      this.#title,
+      cameraMenu.node,
+      button("Statistics (S)", STATS, () => this.#stats.toggle()),
+      button("Full screen (F)", FULLSCREEN, () => this.#toggleFullscreen()),
+    );
+    this.root.append(bar, this.#stats.node, transport.node);
+    addEventListener("keydown", (event) => this.#press(event, transport), { signal });
+    new IdleHiding(this.root, () => this.#player.clock?.playing ?? false, signal);
+    this.#canvas.focus({ preventScroll: true });
+  }
+
+  #press(event: KeyboardEvent, transport: Transport): void {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const target = event.target as HTMLElement;
+    if (target instanceof HTMLSelectElement) return;
+    // Space presses the button that has the focus.
+    if (event.key === " " && target instanceof HTMLButtonElement) return;
+    const actions: Readonly<Record<string, () => void>> = {
+      " ": () => transport.toggle(),
+      k: () => transport.toggle(),
+      l: () => transport.toggleLoop(),
+      s: () => this.#stats.toggle(),
+      f: () => this.#toggleFullscreen(),
+      ",": () => transport.step(-1),
+      ".": () => transport.step(1),
+    };
+    const action = actions[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  }
+
+  #toggleFullscreen(): void {
+    if (document.fullscreenElement) void document.exitFullscreen();
+    else void document.documentElement.requestFullscreen?.().catch(() => {}); // refused: the page stays as it is
+  }
+
+  #offerHandle(): void {
+    const player = this.#player;
+    const canvas = this.#canvas;
+    const failed = new Promise<never>((_, reject) => {
+      this.#fail = reject;
+    });
+    const settled = () => Promise.race([player.settled(), failed]);
+    const ready = settled();
+    ready.catch(() => {}); // shown on the page already
+    window.hgs = {
+      ready,
+      get state() {
+        const clock = player.clock;
+        return {
+          time: clock?.time ?? null,
+          playing: clock?.playing ?? false,
+          stalled: clock?.stalled ?? false,
+          width: canvas.width,
+          height: canvas.height,
+          ...player.stats,
+        };
+      },
+      seek: (time) => {
+        player.seek(time);
+        return settled();
+      },
+      play: () => player.play(),
+      pause: () => player.pause(),
+      readPixels: async (options = {}) => {
+        const pixels = player.readPixels(options.float);
+        if (!pixels) throw new Error("nothing has been drawn yet");
+        return pixels;
+      },
+    };
+  }
+
+  #leave(): void {
+    cancelAnimationFrame(this.#animation);
+    this.#abort.abort();
+    this.#player.dispose();
+    delete window.hgs;
+  }
+}

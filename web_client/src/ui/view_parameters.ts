@@ -1,0 +1,53 @@
+/** The parameters of a viewer page's address, for sharing a view and for tests. */
+
+export interface ViewParameters {
+  /** `t`: seconds on the scene's clock; null for the start. */
+  readonly time: number | null;
+  /** `camera`: name of a capture camera; null for the first. */
+  readonly camera: string | null;
+  /** `paused`: 1 to stand still. */
+  readonly paused: boolean;
+  /** `width`, `height`: size of the picture in CSS pixels and in its backing store; null to fill the window. */
+  readonly size: { readonly width: number; readonly height: number } | null;
+  /** `exact`: 1 for the picture alone, from exactly the capture camera's pose and intrinsics. */
+  readonly exact: boolean;
+}
+
+const LARGEST = 8192;
+
+/** @throws Error that names the parameter that is wrong. */
+export function parseViewParameters(search: string): ViewParameters {
+  const parameters = new URLSearchParams(search);
+
+  const finite = (name: string): number | null => {
+    const text = parameters.get(name);
+    if (text === null) return null;
+    const value = Number(text);
+    if (text.trim() === "" || !Number.isFinite(value))
+      throw new Error(`${name}=${text} in the address is not a number`);
+    return value;
+  };
+  const pixels = (name: string): number | null => {
+    const value = finite(name);
+    if (value !== null && !(Number.isInteger(value) && value >= 1 && value <= LARGEST)) {
+      throw new Error(`${name}=${value} in the address is not a whole number from 1 to ${LARGEST}`);
+    }
+    return value;
+  };
+  const flag = (name: string): boolean => {
+    const text = parameters.get(name);
+    if (text !== null && text !== "0" && text !== "1") throw new Error(`${name}=${text} in the address is not 0 or 1`);
+    return text === "1";
+  };
+
+  const width = pixels("width");
+  const height = pixels("height");
+  if ((width === null) !== (height === null)) throw new Error("the address needs both width and height, or neither");
+  return {
+    time: finite("t"),
+    camera: parameters.get("camera"),
+    paused: flag("paused"),
+    size: width !== null && height !== null ? { width, height } : null,
+    exact: flag("exact"),
+  };
+}

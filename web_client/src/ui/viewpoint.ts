@@ -1,0 +1,93 @@
+/** From where the page's picture is seen: a capture camera as it is, or an orbit that began there; and the canvas's size. */
+
+import { listenForGestures } from "../camera/gestures";
+import { OrbitCamera } from "../camera/orbit";
+import { fitted, type Intrinsics, resized } from "../camera/pinhole";
+import { type StartCamera, startCamera } from "../camera/start";
+import type { Manifest } from "../codec/types";
+import type { View } from "../player/view";
+import type { ViewParameters } from "./view_parameters";
+
+/** Above this many backing pixels per CSS pixel, splats gain nothing but work. */
+const SHARPEST = 2;
+
+export class Viewpoint {
+  #start: StartCamera | null = null;
+  #orbit: OrbitCamera | null = null;
+  #manifest: Manifest | null = null;
+  #width = 1; // backing pixels
+  #height = 1;
+
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    readonly parameters: ViewParameters,
+    signal: AbortSignal,
+  ) {
+    const { size } = parameters;
+    if (size) {
+      canvas.style.width = `${size.width}px`;
+      canvas.style.height = `${size.height}px`;
+      canvas.style.inset = "0 auto auto 0";
+      [this.#width, this.#height] = [size.width, size.height];
+    } else {
+      const observer = new ResizeObserver(([entry]) => {
+        const { width, height } = entry.contentRect;
+        const ratio = Math.min(SHARPEST, devicePixelRatio || 1);
+        this.#width = Math.max(1, Math.round(width * ratio));
+        this.#height = Math.max(1, Math.round(height * ratio));
+      });
+      observer.observe(canvas);
+      signal.addEventListener("abort", () => observer.disconnect());
+    }
+    if (!parameters.exact) listenForGestures(canvas, this, signal);
+  }
+
+  /** @throws Error if the scene has no camera of the address's name. */
+  begin(manifest: Manifest): void {
+    this.#manifest = manifest;
+    this.look(this.parameters.camera);
+  }
+
+  /** Name of the capture camera that the view began with. */
+  get cameraName(): string | null {
+    return this.#start?.name ?? null;
+  }
+
+  /** Go to a capture camera. */
+  look(name: string | null): void {
+    if (!this.#manifest) return;
+    this.#start = startCamera(this.#manifest, name);
+    this.#orbit = new OrbitCamera(this.#start.pose, this.#manifest.center, this.#manifest.up);
+  }
+
+  view(): View | null {
+    if (!this.#start || !this.#orbit) return null;
+    const pose = this.parameters.exact ? this.#start.pose : this.#orbit.pose;
+    return { pose, camera: this.#intrinsics(this.#start.camera) };
+  }
+
+  turn(yaw: number, pitch: number): void {
+    this.#orbit?.turn(yaw, pitch);
+  }
+
+  zoom(factor: number): void {
+    this.#orbit?.zoom(factor);
+  }
+
+  pan(dx: number, dy: number): void {
+    if (!this.#start) return;
+    const { width } = this.canvas.getBoundingClientRect();
+    const focal = this.#intrinsics(this.#start.camera).fx * (width / this.#width); // CSS pixels
+    this.#orbit?.pan(dx, dy, focal);
+  }
+
+  reset(): void {
+    this.look(this.cameraName);
+  }
+
+  #intrinsics(camera: Intrinsics): Intrinsics {
+    const size = this.parameters.exact ? resized : fitted;
+    if (this.parameters.exact && !this.parameters.size) return camera;
+    return size(camera, this.#width, this.#height);
+  }
+}
