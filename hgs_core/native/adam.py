@@ -15,12 +15,12 @@ def adam_step(
     gradients: Floats,
     first_moments: Floats,
     second_moments: Floats,
-    *,
     learning_rate: float,
+    step: int,
+    *,
     beta1: float = 0.9,
     beta2: float = 0.999,
     epsilon: float = 1e-15,
-    step: int,
     threads: int | None = None,
 ) -> None:
     """Take one step of Adam with bias correction (Kingma and Ba 2015, algorithm 1), in place.
@@ -31,10 +31,10 @@ def adam_step(
         first_moments: same shape, zero before the first step; changed.
         second_moments: same shape, zero before the first step; changed.
         learning_rate: step size.
+        step: number of this step, 1 for the first.
         beta1: decay of the first moments.
         beta2: decay of the second moments.
         epsilon: added to the root of the corrected second moment.
-        step: number of this step, 1 for the first.
         threads: default `thread_count()`.
 
     Raises:

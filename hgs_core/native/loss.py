@@ -13,7 +13,7 @@ __all__ = ["l1_dssim"]
 
 
 def l1_dssim(
-    image: Floats, target: Floats, *, dssim_weight: float = 0.2, threads: int | None = None
+    image: Floats, target: Floats, dssim_weight: float = 0.2, *, threads: int | None = None
 ) -> tuple[float, Floats]:
     """Compare two pictures by `(1 - w) mean |x - y| + w (1 - SSIM(x, y))` (docs/numerics.md, "Loss").
 

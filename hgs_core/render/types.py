@@ -29,7 +29,7 @@ class ScreenStatistics:
 
     grad_norm_sum: npt.NDArray[np.float32]  # [N] sum over passes of |dL / d mean2d|, the mean in pixels
     count: npt.NDArray[np.int32]  # [N] passes that saw the splat
-    max_radius: npt.NDArray[np.float32]  # [N] larger half-side of the largest visible extent, pixels
+    max_radius: npt.NDArray[np.float32]  # [N] largest 3 sigma radius (major axis) seen, pixels
 
     @staticmethod
     def zeros(n: int) -> ScreenStatistics:

@@ -66,7 +66,7 @@ typedef struct hgs_dynamic_gradients {
 typedef struct hgs_screen_statistics {
   float *grad_norm_sum; /* += |dL / d screen mean|, the mean in pixels */
   int32_t *count;       /* += 1 */
-  float *max_radius;    /* max= the larger half-side of the splat's box, pixels */
+  float *max_radius;    /* max= 3 standard deviations along the splat's major axis on the screen, pixels */
 } hgs_screen_statistics;
 
 /* The buffers of one rendering, and what its backward pass needs to know. */

@@ -49,16 +49,22 @@ void sum_slots(const Workspace &w, const uint32_t *splats, int lanes, Vec *sums)
   for (int c = 0; c < kGradientTerms; ++c) sums[c] = load(columns[c]);
 }
 
-void add_statistics(const Workspace &w, const uint32_t *splats, const Rows &rows, int64_t first_row, Vec norm,
+// 3 standard deviations along the major axis: the root of the covariance's larger eigenvalue.
+Vec screen_radius(const Projection &p) {
+  const Vec half_difference = 0.5f * (p.cov_xx - p.cov_yy);
+  return 3.0f * sqrt(0.5f * (p.cov_xx + p.cov_yy) + sqrt(half_difference * half_difference + p.cov_xy * p.cov_xy));
+}
+
+void add_statistics(const Rows &rows, int64_t first_row, const Projection &p, const ScreenGradient &g,
                     const hgs_screen_statistics &statistics) {
-  alignas(64) float norms[kLanes];
-  store(norms, norm);
+  alignas(64) float norms[kLanes], radii[kLanes];
+  store(norms, sqrt(g.mean_x * g.mean_x + g.mean_y * g.mean_y));
+  store(radii, screen_radius(p));
   for (int k = 0; k < rows.count; ++k) {
-    const ScreenSplat &s = w.splats[splats[k]];
     const int64_t i = first_row + rows.row[k];
     statistics.grad_norm_sum[i] += norms[k];
     statistics.count[i] += 1;
-    statistics.max_radius[i] = std::max(statistics.max_radius[i], std::max(s.half_x, s.half_y));
+    statistics.max_radius[i] = std::max(statistics.max_radius[i], radii[k]);
   }
 }
 
@@ -84,10 +90,7 @@ void project_set_backward(const Workspace &w, const Moment &moment, int64_t begi
     g.conic_yy = -0.5f * sums[kHdy2];
     const Vec d_opacity = sums[kH] / moment.opacity(rows);
     moment.backward(rows, project_backward(model, p, g), d_opacity, sums + kRed, gradients);
-    if (statistics != nullptr) {
-      const Vec norm = sqrt(g.mean_x * g.mean_x + g.mean_y * g.mean_y);
-      add_statistics(w, splats, rows, first_row, norm, *statistics);
-    }
+    if (statistics != nullptr) add_statistics(rows, first_row, p, g, *statistics);
   });
 }
 
