@@ -38,7 +38,7 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
 
 
 def _checked_manifest(run: Path, folder: Path) -> bytes:
-    """Return the manifest's bytes if it is sound and all its chunks are there; nothing is published of a broken scene."""
+    """Return the manifest's bytes if all its chunks are there: nothing is published of a broken scene."""
     file = folder / "manifest.json"
     try:
         manifest = file.read_bytes()

@@ -23,6 +23,8 @@ def bind(host: str, port: int) -> socket.socket:
     Raises:
         InputError: the address is unknown, taken or not allowed.
     """
+    if not 0 <= port <= 65535:
+        raise InputError("--port", f"{port} is not a port", "give 0 to 65535")
     try:
         family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         listener = socket.socket(family, socket.SOCK_STREAM)
@@ -32,8 +34,8 @@ def bind(host: str, port: int) -> socket.socket:
         except BaseException:
             listener.close()
             raise
-    except (OSError, OverflowError) as error:
-        reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    except OSError as error:
+        reason = error.strerror or str(error)
         raise InputError(f"{host}:{port}", f"cannot listen: {reason}", "choose another --host or --port") from error
     return listener
 

@@ -1,0 +1,82 @@
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import pytest
+
+
+@pytest.fixture(autouse=True)
+def studio(server: Any, manifest: bytes) -> None:
+    server.artifacts.manifests["studio"] = manifest
+    server.artifacts.thumbnails["studio"] = b"jpeg"
+
+
+def test_scene_is_described(server: Any, chunks: list[bytes], manifest: bytes) -> None:
+    assert server.get("/v1/scenes/studio").json() == {
+        "id": "studio",
+        "title": "Studio",
+        "created": 1000.0,
+        "start": 0.0,
+        "end": 3.0,
+        "bytes_total": sum(map(len, chunks)) + len(manifest),
+        "splats_static": 10,
+        "splats_dynamic": 15,
+    }
+
+
+def test_scene_of_a_job_has_the_title_of_the_job(server: Any, manifest: bytes) -> None:
+    job = server.request("POST", "/v1/jobs", json={"capture": "studio", "title": "My studio"}).json()
+    server.artifacts.manifests[job["id"]] = manifest
+    assert server.get(f"/v1/scenes/{job['id']}").json()["title"] == "My studio"
+
+
+def test_scenes_are_listed(server: Any) -> None:
+    assert server.get("/v1/scenes").json() == {"scenes": [server.get("/v1/scenes/studio").json()]}
+
+
+def test_scene_that_cannot_be_read_is_left_out_of_the_list(server: Any) -> None:
+    server.artifacts.manifests["broken"] = b"{}"
+    assert [scene["id"] for scene in server.get("/v1/scenes").json()["scenes"]] == ["studio"]
+    assert server.get("/v1/scenes/broken").status_code == 500
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "media_type"), [("manifest", None, "application/json"), ("thumbnail", b"jpeg", "image/jpeg")]
+)
+def test_files_of_a_scene_are_revalidated(
+    server: Any, manifest: bytes, name: str, body: bytes | None, media_type: str
+) -> None:
+    response = server.get(f"/v1/scenes/studio/{name}")
+    assert (response.status_code, response.content) == (200, body or manifest)
+    assert response.headers["content-type"] == media_type
+    assert response.headers["cache-control"] == "no-cache"
+    etag = response.headers["etag"]
+    assert etag == f'"{hashlib.sha256(response.content).hexdigest()}"'
+    assert server.get(f"/v1/scenes/studio/{name}", If_None_Match=etag).status_code == 304
+
+
+@pytest.mark.parametrize(
+    ("path", "code"),
+    [
+        ("/v1/scenes/no", "scene-not-found"),
+        ("/v1/scenes/no/manifest", "scene-not-found"),
+        ("/v1/scenes/no/thumbnail", "thumbnail-not-found"),
+    ],
+)
+def test_unknown_scenes_are_404(server: Any, path: str, code: str) -> None:
+    response = server.get(path)
+    assert (response.status_code, response.json()["code"]) == (404, code)
+    assert response.headers["content-type"] == "application/problem+json"
+
+
+def test_pages_of_other_hosts_get_no_permission_by_default(server: Any) -> None:
+    assert (
+        "access-control-allow-origin"
+        not in server.get("/v1/scenes/studio/manifest", Origin="https://a.example").headers
+    )
+
+
+def test_health_names_the_protocol(server: Any) -> None:
+    health = server.get("/v1/health").json()
+    assert (health["status"], health["protocol"]) == ("ok", 1)

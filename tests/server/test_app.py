@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import asyncio
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import httpx
+
+from jobs.home import Home
+from server.app import create_app
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+
+SERVE_ONE_REQUEST_OF_EACH_KIND = """
+import asyncio, sys
+from pathlib import Path
+import httpx
+from jobs.home import Home
+from server.app import create_app
+from server.publishing import publish_run
+from jobs.artifacts import ArtifactStore
+
+home = Home.at(Path(sys.argv[1]))
+publish_run(ArtifactStore(home.store_url), Path(sys.argv[2]), "studio")
+app = create_app(home)
+
+async def main():
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://server") as client:
+        assert (await client.get("/v1/scenes/studio")).status_code == 200
+        assert (await client.get("/v1/jobs")).json() == {"jobs": []}
+        (home.folder / "captures" / "empty").mkdir(parents=True)
+        assert (await client.post("/v1/jobs", json={"capture": "empty"})).json()["code"] == "capture-invalid"
+
+asyncio.run(main())
+print(*(name for name in ("torch", "pycolmap") if name in sys.modules))
+"""
+
+
+def test_api_process_never_imports_torch_or_pycolmap(tmp_path: Path, scene_folder: Path) -> None:
+    process = subprocess.run(
+        [sys.executable, "-c", SERVE_ONE_REQUEST_OF_EACH_KIND, str(tmp_path / "home"), str(scene_folder)],
+        capture_output=True, text=True, timeout=120, cwd=REPOSITORY,
+    )  # fmt: skip
+    assert process.returncode == 0, process.stderr
+    assert process.stdout.strip() == ""
+
+
+def test_allowed_origins_may_read_and_not_write(tmp_path: Path, server: Any) -> None:
+    app = create_app(
+        Home.at(tmp_path), job_client=server.jobs, artifacts=server.artifacts, origins=["https://a.example"]
+    )
+
+    async def scenario() -> None:
+        headers = {"Origin": "https://a.example"}
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://server") as client:
+            read = await client.get("/v1/scenes", headers=headers)
+            assert read.headers["access-control-allow-origin"] == "https://a.example"
+            asks = {**headers, "Access-Control-Request-Method": "POST"}
+            assert (await client.options("/v1/jobs", headers=asks)).status_code == 400
+
+    asyncio.run(scenario())

@@ -1,0 +1,62 @@
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from hgs_core.errors import InputError
+from jobs.artifacts import ArtifactStore
+from server.publishing import publish_run
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> ArtifactStore:
+    return ArtifactStore((tmp_path / "store").as_uri())
+
+
+def test_scene_is_named_after_the_folder_of_its_run(store: ArtifactStore, scene_folder: Path, manifest: bytes) -> None:
+    assert publish_run(store, scene_folder) == "studio-run"
+    assert store.manifest("studio-run") == manifest
+
+
+def test_publishing_again_changes_nothing(store: ArtifactStore, scene_folder: Path) -> None:
+    assert publish_run(store, scene_folder) == publish_run(store, scene_folder) == "studio-run"
+    assert len(store.list_scenes()) == 1
+
+
+def test_another_scene_of_the_same_name_gets_an_id_of_its_own(store: ArtifactStore, scene_folder: Path) -> None:
+    publish_run(store, scene_folder)
+    file = scene_folder / "scene" / "manifest.json"
+    file.write_bytes(file.read_bytes().replace(b'"Studio"', b'"Studio 2"'))
+    second = publish_run(store, scene_folder)
+    assert second.startswith("studio-run-")
+    assert publish_run(store, scene_folder) == second
+    with pytest.raises(InputError, match="another scene has this id"):
+        publish_run(store, scene_folder, "studio-run")
+
+
+def test_run_without_a_scene_is_refused(store: ArtifactStore, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="has no encoded scene"):
+        publish_run(store, tmp_path)
+
+
+@pytest.mark.parametrize("damage", ["wrong bytes", "missing", "wrong hash in the manifest"])
+def test_nothing_of_a_broken_scene_is_published(store: ArtifactStore, scene_folder: Path, damage: str) -> None:
+    chunk = sorted((scene_folder / "scene" / "chunks").iterdir())[-1]
+    if damage == "wrong bytes":
+        chunk.write_bytes(b"damaged")
+    elif damage == "missing":
+        chunk.unlink()
+    else:
+        file = scene_folder / "scene" / "manifest.json"
+        file.write_bytes(file.read_bytes().replace(chunk.name.encode(), b"0" * 64))
+    with pytest.raises(InputError):
+        publish_run(store, scene_folder)
+    assert store.list_scenes() == []
+
+
+def test_malformed_ids_are_refused(store: ArtifactStore, scene_folder: Path) -> None:
+    with pytest.raises(InputError, match="scene id"):
+        publish_run(store, scene_folder, "../up")
+    shutil.rmtree(scene_folder)
