@@ -72,7 +72,8 @@ def _one_at_a_time(home: Home, engine: sa.Engine) -> Iterator[None]:
             fcntl.flock(file, fcntl.LOCK_EX)
             yield
         return
-    with engine.connect() as connection:
+    # Without an open transaction: a migration that builds an index concurrently would wait for its end, for ever.
+    with engine.connect().execution_options(isolation_level="AUTOCOMMIT") as connection:
         connection.execute(sa.select(sa.func.pg_advisory_lock(MIGRATION_LOCK)))
         try:
             yield

@@ -100,6 +100,7 @@ class PostgresLiveness:
         )
         self._first_seen_dead: dict[str, float] = {}
         self._last_proof = 0.0
+        self._lost = threading.Event()
 
     def hold(self, executor: str, on_lost: Callable[[], None]) -> None:
         """Be alive as `executor`; `on_lost` is called from a thread once `patience` has run out."""
@@ -139,8 +140,7 @@ class PostgresLiveness:
 
     def _prove(self, executor: str, connection: sa.Connection | None) -> None:
         """Try the connection again and again, and renew it when it is broken. It may hang; `_watch` does not."""
-        while True:
-            time.sleep(self._interval)
+        while not self._lost.wait(self._interval):
             try:
                 if connection is None:
                     connection = self._take(executor)
@@ -148,8 +148,8 @@ class PostgresLiveness:
                     connection.execute(sa.select(1))
                     self._last_proof = _now()
             except sa.exc.DBAPIError as error:
-                log.warning("lost the connection that proves that %s is alive: %s", executor, error.orig)
                 if connection is not None:
+                    log.warning("lost the connection that proves that %s is alive: %s", executor, error.orig)
                     connection.invalidate()
                     connection.close()
                 connection = None
@@ -157,6 +157,7 @@ class PostgresLiveness:
     def _watch(self, on_lost: Callable[[], None]) -> None:
         while _now() - self._last_proof < self._patience:
             time.sleep(self._interval)
+        self._lost.set()
         on_lost()
 
 

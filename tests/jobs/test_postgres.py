@@ -1,0 +1,224 @@
+"""The queue on a real Postgres server, where its programs are installed."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import sqlalchemy as sa
+
+from hgs_core.progress import Progress
+from jobs.database import create_engine
+from jobs.home import Home
+from jobs.liveness import PostgresLiveness
+from jobs.store import Job, JobState, JobTable
+
+Worker = subprocess.Popen[bytes]
+WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
+Poll = Callable[[Callable[[], bool], str], None]
+
+
+class PostgresServer:
+    """A Postgres server of our own, on a Unix socket alone, as a user that may run it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._user = "nobody" if os.geteuid() == 0 else None
+        if self._user:
+            shutil.chown(folder, self._user)
+        data = folder / "data"
+        initdb = ["initdb", "--no-sync", "--auth=trust", "--username=hgs", f"--pgdata={data}"]
+        subprocess.run(initdb, check=True, user=self._user, cwd=folder, stdout=subprocess.DEVNULL)
+        self._process: subprocess.Popen[bytes] | None = None
+        self._databases = 0
+
+    def start(self) -> None:
+        data, socket = self._folder / "data", self._folder
+        command = ["postgres", "-D", str(data), "-k", str(socket), "-c", "listen_addresses=", "-c", "fsync=off"]
+        with (self._folder / "server.log").open("ab") as log:
+            self._process = subprocess.Popen(command, user=self._user, cwd=self._folder, stdout=log, stderr=log)
+        deadline = time.monotonic() + 60
+        while not self._answers():
+            assert self._process.poll() is None, "the server ended"
+            assert time.monotonic() < deadline, "the server does not answer"
+            time.sleep(0.05)
+
+    def stop(self) -> None:
+        """Drop all connections and end."""
+        if self._process is not None:
+            self._process.send_signal(signal.SIGINT)  # "fast" shutdown
+            self._process.wait(60)
+            self._process = None
+
+    def url(self, database: str) -> str:
+        return f"postgresql://hgs@/{database}?host={self._folder}"
+
+    def new_database(self) -> str:
+        """Create an empty database and return its URL."""
+        self._databases += 1
+        name = f"test_{self._databases}"
+        self._execute(f"CREATE DATABASE {name}")
+        return self.url(name)
+
+    def _answers(self) -> bool:
+        try:
+            self._execute("SELECT 1")
+        except sa.exc.OperationalError:
+            return False
+        return True
+
+    def _execute(self, statement: str) -> None:
+        url = sa.make_url(self.url("postgres")).set(drivername="postgresql+psycopg")
+        engine = sa.create_engine(url, isolation_level="AUTOCOMMIT", poolclass=sa.NullPool)
+        with engine.connect() as connection:
+            connection.exec_driver_sql(statement)
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[PostgresServer]:
+    if shutil.which("initdb") is None or shutil.which("postgres") is None:
+        pytest.skip("initdb and postgres are not on PATH: install PostgreSQL to run these tests")
+    with tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True) as folder:
+        server = PostgresServer(Path(folder))
+        server.start()
+        yield server
+        server.stop()
+
+
+@pytest.fixture
+def home(tmp_path: Path, counting_pipeline: str, server: PostgresServer) -> Home:
+    local = Home.at(tmp_path / "home")
+    return dataclasses.replace(local, pipeline=counting_pipeline, database_url=server.new_database())
+
+
+def finished(job: Job) -> bool:
+    return job.state.finished
+
+
+def cycles(run: Path) -> list[tuple[int, int]]:
+    log = run / "cycles.log"
+    lines = log.read_text().splitlines() if log.exists() else []
+    return [(int(pid), int(cycle)) for pid, cycle in (line.split() for line in lines)]
+
+
+def test_cancel_and_retry_are_the_same_as_on_sqlite(
+    home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    from jobs.client import JobClient
+
+    worker()
+    job_id = submit(cycles=150)
+    wait_until(lambda: len(cycles(home.run(job_id))) >= 3, "three cycles")
+    with JobClient(home) as client:
+        assert client.cancel(job_id).state is JobState.CANCELLED
+        assert client.retry(job_id).attempt == 2
+    assert wait_for(job_id, finished, "the end of the retry").state is JobState.SUCCEEDED
+    assert [cycle for _, cycle in cycles(home.run(job_id))] == list(range(150))
+
+
+def test_old_attempts_cannot_write(home: Home, client: object, submit: Callable[..., str]) -> None:
+    engine = create_engine(home)
+    table = JobTable(engine)
+    job_id = submit()
+    assert table.start(job_id, 1)
+    assert table.progress(job_id, 1, Progress("train", 1, 2, {"psnr": 30.5}))
+    assert not table.fail(job_id, 2, "not yet")
+    assert table.cancel(job_id, 1)
+    with engine.begin() as connection:
+        assert table.requeue(connection, job_id, 1)
+    assert not table.succeed(job_id, 1, "late")
+    engine.dispose()
+
+
+def test_a_restart_of_the_server_costs_no_training(
+    server: PostgresServer,
+    home: Home,
+    submit: Callable[..., str],
+    worker: Callable[[], Worker],
+    wait_for: WaitFor,
+    wait_until: Poll,
+) -> None:
+    worker()
+    job_id = submit(cycles=150)
+    run = home.run(job_id)
+    wait_until(lambda: len(cycles(run)) >= 3, "three cycles")
+    server.stop()
+    server.start()
+    job = wait_for(job_id, finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    assert [cycle for _, cycle in cycles(run)] == list(range(150))
+    assert len({pid for pid, _ in cycles(run)}) == 1
+
+
+@pytest.mark.slow
+def test_another_worker_takes_over_after_kill_9(
+    home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    job_id = submit(cycles=150)
+    run = home.run(job_id)
+    first = worker()
+    wait_until(lambda: len(cycles(run)) >= 12, "twelve cycles")
+    worker()
+    first.kill()
+    first.wait()
+    before = len(cycles(run))
+    job = wait_for(job_id, finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    after = [cycle for _, cycle in cycles(run)][before:]
+    assert after == list(range(after[0], 150))
+    assert after[0] in (before - before % 5, before + 1 - (before + 1) % 5)
+
+
+class TestLiveness:
+    def is_dead(self, liveness: PostgresLiveness, executor: str) -> bool:
+        with liveness.claim_dead(executor) as dead:
+            return dead
+
+    def test_a_worker_is_dead_once_its_lock_was_free_for_the_grace(self, home: Home, wait_until: Poll) -> None:
+        liveness = PostgresLiveness(home.database_url, grace=0.3)
+        assert not self.is_dead(liveness, "other")
+        wait_until(lambda: self.is_dead(liveness, "other"), "the end of the grace")
+
+    def test_a_worker_that_holds_its_lock_is_alive(self, home: Home) -> None:
+        PostgresLiveness(home.database_url).hold("other", lambda: None)
+        assert not self.is_dead(PostgresLiveness(home.database_url, grace=0), "other")
+
+    def test_only_one_can_claim_a_dead_worker_at_a_time(self, home: Home) -> None:
+        first, second = (PostgresLiveness(home.database_url, grace=0) for _ in range(2))
+        with first.claim_dead("other") as one, second.claim_dead("other") as two:
+            assert (one, two) == (True, False)
+        assert self.is_dead(second, "other")
+
+    def test_a_worker_that_cannot_reach_the_server_ends_itself_within_its_patience(
+        self, server: PostgresServer, home: Home
+    ) -> None:
+        lost = threading.Event()
+        PostgresLiveness(home.database_url, patience=0.5, interval=0.05).hold("me", lost.set)
+        server.stop()
+        try:
+            assert lost.wait(60)
+        finally:
+            server.start()
+
+    def test_a_worker_that_reaches_the_server_again_takes_its_lock_again(
+        self, server: PostgresServer, home: Home
+    ) -> None:
+        lost = threading.Event()
+        PostgresLiveness(home.database_url, patience=10, interval=0.05).hold("me", lost.set)
+        server.stop()
+        server.start()
+        observer = PostgresLiveness(home.database_url, grace=0.0)
+        deadline = time.monotonic() + 60
+        while self.is_dead(observer, "me"):
+            assert time.monotonic() < deadline
+            time.sleep(0.2)
+        assert not lost.is_set()
