@@ -1,0 +1,174 @@
+/** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
+
+import { ManifestError } from "./errors";
+import type { Box, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
+
+/** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
+class Field {
+  constructor(
+    readonly path: string,
+    readonly value: unknown,
+  ) {}
+
+  error(expected: string): ManifestError {
+    return new ManifestError(this.path, `is ${JSON.stringify(this.value)?.slice(0, 40)}, expected ${expected}`);
+  }
+
+  object(): Record<string, unknown> {
+    if (typeof this.value !== "object" || this.value === null || Array.isArray(this.value))
+      throw this.error("an object");
+    return this.value as Record<string, unknown>;
+  }
+
+  get(name: string): Field {
+    const object = this.object();
+    if (!Object.hasOwn(object, name)) throw new ManifestError(`${this.path}.${name}`, "is missing");
+    return new Field(`${this.path}.${name}`, object[name]);
+  }
+
+  items(count?: number): Field[] {
+    if (!Array.isArray(this.value) || (count !== undefined && this.value.length !== count)) {
+      throw this.error(count === undefined ? "a list" : `a list of ${count}`);
+    }
+    return this.value.map((entry, i) => new Field(`${this.path}[${i}]`, entry));
+  }
+
+  some(): Field[] {
+    const items = this.items();
+    if (items.length === 0) throw this.error("at least one");
+    return items;
+  }
+
+  text(): string {
+    if (typeof this.value !== "string") throw this.error("a string");
+    return this.value;
+  }
+
+  flag(): boolean {
+    if (typeof this.value !== "boolean") throw this.error("true or false");
+    return this.value;
+  }
+
+  hash(): string {
+    if (!/^[0-9a-f]{64}$/.test(this.text())) throw this.error("64 lower-case hex digits");
+    return this.text();
+  }
+
+  number(low = Number.NEGATIVE_INFINITY): number {
+    if (typeof this.value !== "number" || !Number.isFinite(this.value)) throw this.error("a finite number");
+    if (this.value < low) throw this.error(`at least ${low}`);
+    return this.value;
+  }
+
+  positive(): number {
+    if (this.number() <= 0) throw this.error("above 0");
+    return this.number();
+  }
+
+  whole(low: number, high = Number.MAX_SAFE_INTEGER): number {
+    if (!Number.isSafeInteger(this.value) || this.number() < low || this.number() > high) {
+      throw this.error(`a whole number from ${low} to ${high}`);
+    }
+    return this.number();
+  }
+
+  triple(): [number, number, number] {
+    return this.items(3).map((entry) => entry.number()) as [number, number, number];
+  }
+}
+
+/** Reads what JSON.parse returned; unknown fields are left alone. Throws ManifestError. */
+export function parseManifest(json: unknown): Manifest {
+  const root = new Field("manifest", json);
+  if (root.get("format").text() !== "hgs-scene") throw root.get("format").error('"hgs-scene"');
+  if (root.get("version").whole(1) !== 1) throw root.get("version").error("1");
+  const totals = root.get("totals");
+  const segments = root.get("segments").some().map(readSpan);
+  const manifest: Manifest = {
+    version: 1,
+    title: root.get("title").text(),
+    ...readSpan(root),
+    frameRate: root.get("frame_rate").positive(),
+    background: root.get("background").triple(),
+    up: root.get("up").triple(),
+    center: root.get("center").triple(),
+    extent: root.get("extent").positive(),
+    cameras: root.get("cameras").some().map(readCamera),
+    segments,
+    static: root.get("static").items().map(readChunk),
+    slices: root
+      .get("slices")
+      .some()
+      .map((field) => readSlice(field, segments.length)),
+    totals: {
+      splatsStatic: totals.get("splats_static").whole(0),
+      splatsDynamic: totals.get("splats_dynamic").whole(0),
+      bytesStatic: totals.get("bytes_static").whole(0),
+      bytesDynamic: totals.get("bytes_dynamic").whole(0),
+    },
+    thumbnail: root.get("thumbnail").flag(),
+    training: root.get("training").object(),
+  };
+  checkNeeds(manifest, root);
+  return manifest;
+}
+
+function readSpan(field: Field): SegmentEntry {
+  const start = field.get("start").number();
+  return { start, end: field.get("end").number(start) };
+}
+
+function readCamera(field: Field): ManifestCamera {
+  return {
+    name: field.get("name").text(),
+    width: field.get("width").whole(1),
+    height: field.get("height").whole(1),
+    fx: field.get("fx").positive(),
+    fy: field.get("fy").positive(),
+    cx: field.get("cx").number(),
+    cy: field.get("cy").number(),
+    worldToCamera: field
+      .get("world_to_camera")
+      .items(4)
+      .map((row) => row.items(4).map((entry) => entry.number())),
+  };
+}
+
+function readChunk(field: Field): ChunkEntry {
+  const [min, max] = field.get("box").items(2);
+  const box: Box = { min: min.triple(), max: max.triple() };
+  return {
+    id: field.get("id").hash(),
+    bytes: field.get("bytes").whole(1, 2 ** 28),
+    splats: field.get("splats").whole(1, 2 ** 20),
+    box,
+  };
+}
+
+function readSlice(field: Field, segments: number): SliceEntry {
+  return {
+    segment: field.get("segment").whole(0, segments - 1),
+    ...readSpan(field),
+    chunks: field.get("chunks").items().map(readChunk),
+    needs: field
+      .get("needs")
+      .items()
+      .map((entry) => entry.hash()),
+  };
+}
+
+/** Checks that slices are in order of time, and that they need chunks of earlier slices of their segment alone. */
+function checkNeeds(manifest: Manifest, root: Field): void {
+  const segmentOf = new Map<string, number>();
+  for (const [i, slice] of manifest.slices.entries()) {
+    const field = root.get("slices").items()[i];
+    if (i > 0 && slice.start < manifest.slices[i - 1].start)
+      throw field.get("start").error("no earlier than the one before");
+    for (const [n, id] of slice.needs.entries()) {
+      if (segmentOf.get(id) !== slice.segment) {
+        throw field.get("needs").items()[n].error("a chunk of an earlier slice of the segment");
+      }
+    }
+    for (const chunk of slice.chunks) segmentOf.set(chunk.id, slice.segment);
+  }
+}
