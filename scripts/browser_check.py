@@ -11,7 +11,7 @@ import os
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -135,7 +135,12 @@ def capture_canvas(url: str, width: int, height: int, chromium: str) -> npt.NDAr
         return canvas_pixels(page)
 
 
-def psnr(picture: npt.NDArray[np.uint8], truth: npt.NDArray[np.floating]) -> float:
-    """Return the PSNR in dB (data range 1) of 8-bit sRGB against sRGB in [0, 1], both [H, W, 3]; inf if equal."""
-    error = float(np.mean((picture.astype(np.float64) / 255.0 - np.clip(truth, 0.0, 1.0)) ** 2))
+def psnr(picture: npt.NDArray[Any], truth: npt.NDArray[Any]) -> float:
+    """Return the PSNR in dB (data range 1) of two sRGB pictures, uint8 or floats in [0, 1]; inf if they are equal."""
+    error = float(np.mean((_unit(picture) - _unit(truth)) ** 2))
     return float("inf") if error == 0.0 else -10.0 * float(np.log10(error))
+
+
+def _unit(picture: npt.NDArray[Any]) -> npt.NDArray[np.float64]:
+    scale = 255.0 if picture.dtype == np.uint8 else 1.0
+    return np.clip(picture.astype(np.float64) / scale, 0.0, 1.0)

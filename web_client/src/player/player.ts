@@ -180,7 +180,7 @@ export class ScenePlayer {
 
   #begin(bytes: Uint8Array): void {
     try {
-      const manifest = parseManifest(new TextDecoder().decode(bytes));
+      const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
       const { staticRows, dynamicRows } = placeChunks(manifest);
       this.#renderer.allocate(staticRows, dynamicRows);
       this.#tell({ type: "scene", manifest });

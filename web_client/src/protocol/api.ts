@@ -80,6 +80,15 @@ export async function cancelJob(id: string): Promise<void> {
   await request(`/v1/jobs/${encodeURIComponent(id)}/cancel`, { method: "POST" });
 }
 
+/**
+ * Queue a failed or cancelled job again; it goes on from its last checkpoint.
+ *
+ * @throws ApiError
+ */
+export async function retryJob(id: string): Promise<void> {
+  await request(`/v1/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
+}
+
 /** Call `onJob` at every change of a job until it is final or the returned function is called. */
 export function followJob(id: string, onJob: (job: Job) => void): () => void {
   const source = new EventSource(`/v1/jobs/${encodeURIComponent(id)}/events`);

@@ -1,6 +1,6 @@
 /** The jobs as rows: title, stage, progress with its figures, error, cancel. */
 
-import { cancelJob, isFinal, type Job, STAGES } from "../protocol/api";
+import { cancelJob, isFinal, type Job, retryJob, STAGES } from "../protocol/api";
 import { element, setText } from "./element";
 
 const STAGE_NAMES: Readonly<Record<string, string>> = {
@@ -47,21 +47,17 @@ class JobRow {
   readonly #steps = STAGES.map((stage) => element("li", {}, STAGE_NAMES[stage] ?? stage));
   readonly #error = element("p", { class: "job-error" });
   readonly #cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
+  readonly #retry = element("button", { type: "button", class: "button quiet" }, "Try again");
   readonly #open = element("a", { class: "button" }, "Watch");
   #id = "";
 
   constructor(onError: (message: string) => void) {
-    this.#cancel.addEventListener("click", () => {
-      this.#cancel.disabled = true;
-      cancelJob(this.#id).catch((error: Error) => {
-        this.#cancel.disabled = false;
-        onError(error.message);
-      });
-    });
+    this.#cancel.addEventListener("click", () => this.#ask(this.#cancel, cancelJob, onError));
+    this.#retry.addEventListener("click", () => this.#ask(this.#retry, retryJob, onError));
     this.node = element(
       "li",
       { class: "job" },
-      element("div", { class: "job-head" }, this.#title, this.#state, this.#open, this.#cancel),
+      element("div", { class: "job-head" }, this.#title, this.#state, this.#open, this.#retry, this.#cancel),
       this.#bar,
       element("ol", { class: "job-steps" }, ...this.#steps),
       this.#figures,
@@ -87,8 +83,19 @@ class JobRow {
       step.dataset.state = i < at ? "done" : i === at ? "now" : "later";
     });
     this.#cancel.hidden = isFinal(job);
+    this.#cancel.disabled = this.#retry.disabled = false;
+    this.#retry.hidden = job.state !== "failed" && job.state !== "cancelled";
     this.#open.hidden = job.scene === null;
     if (job.scene !== null) this.#open.href = `/view/${encodeURIComponent(job.scene)}`;
+  }
+
+  /** Ask the server for a change; the row follows when the job's news come. */
+  #ask(button: HTMLButtonElement, request: (id: string) => Promise<void>, onError: (message: string) => void): void {
+    button.disabled = true;
+    request(this.#id).catch((error: Error) => {
+      button.disabled = false;
+      onError(error.message);
+    });
   }
 }
 
