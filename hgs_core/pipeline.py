@@ -14,7 +14,7 @@ from hgs_core.atomic import write_bytes
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.errors import InputError
-from hgs_core.progress import ProgressCallback
+from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder, RunSpec
 from hgs_core.train.config import TrainConfig
 
@@ -81,13 +81,23 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 def encode(run: Path, progress: ProgressCallback) -> None:
     """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
-    from hgs_core.encode_run import encode_run
+    from hgs_core.codec import encode_scene
+    from hgs_core.render.thumbnail import thumbnail
+    from hgs_core.scene.files import load_scene
 
     folder = RunFolder(run)
-    if (folder.scene / "manifest.json").exists():
+    if folder.manifest.exists():
         return
-    capture, config = _open(folder)
-    encode_run(folder, capture, config, progress)
+    capture, _ = _open(folder)
+    scene = load_scene(folder.trained)
+    progress(Progress("encode", 0, 2))
+    picture = thumbnail(scene, capture.cameras[0])
+    progress(Progress("encode", 1, 2))
+    encode_scene(
+        scene, folder.scene, cameras=capture.cameras, times=capture.times, title=capture.name, thumbnail=picture,
+        training=json.loads(folder.train_summary.read_text()),
+    )  # fmt: skip
+    progress(Progress("encode", 2, 2))
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

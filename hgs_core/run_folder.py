@@ -45,6 +45,7 @@ class RunFolder:
         self.trained = path / "scene.npz"
         self.train_summary = path / "train.json"
         self.scene = path / "scene"
+        self.manifest = self.scene / "manifest.json"
         self.evaluation = path / "eval.json"
 
     def write_spec(self, spec: RunSpec) -> None:

@@ -10,8 +10,7 @@ import torch
 
 from hgs_core.atomic import write_bytes
 from hgs_core.capture.open import open_capture
-from hgs_core.codec.decode import decode_scene
-from hgs_core.codec.manifest import load_manifest
+from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.errors import InputError
 from hgs_core.evaluate.psnr import psnr
 from hgs_core.evaluate.ssim import ssim
@@ -36,11 +35,11 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
     """
     folder = RunFolder(run)
     spec = folder.read_spec()
-    if not folder.train_summary.exists() or not (folder.scene / "manifest.json").exists():
+    if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
     capture = open_capture(spec.capture)
     spec.check_unchanged(capture)
-    manifest = load_manifest(folder.scene / "manifest.json")
+    manifest = load_manifest(folder.manifest)
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     cameras = [capture.camera_index(name) for name in spec.config.hold_out]
     scores: list[tuple[float, float]] = []
@@ -55,12 +54,15 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
             truth = target_picture(capture, index, frame, capture.cameras[index])
             scores.append((psnr(picture, truth), ssim(picture, truth)))
             progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
+    totals = manifest.totals
     result = {
         "psnr": _mean([score[0] for score in scores]),
         "ssim": _mean([score[1] for score in scores]),
-        **folder.sizes(),
-        "splats_static": len(scene.static),
-        "splats_dynamic": sum(len(segment.dynamic) for segment in scene.segments),
+        "bytes_total": totals.bytes_static + totals.bytes_dynamic + folder.manifest.stat().st_size,
+        "bytes_static": totals.bytes_static,
+        "bytes_dynamic": totals.bytes_dynamic,
+        "splats_static": totals.splats_static,
+        "splats_dynamic": totals.splats_dynamic,
         "train_seconds": json.loads(folder.train_summary.read_text())["seconds"],
         "frames": len(capture.times),
         "cameras": list(spec.config.hold_out),

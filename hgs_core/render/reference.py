@@ -72,4 +72,4 @@ def _collect(statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gra
         statistics.max_radius[kept] = np.maximum(statistics.max_radius[kept], radius[wanted].numpy())
 
     if gradients != "none" and ellipses.means.requires_grad:
-        ellipses.means.register_hook(add)
+        ellipses.means.register_hook(add)  # type: ignore[no-untyped-call]

@@ -20,7 +20,7 @@ def photometric_loss(image: Tensor, target: Tensor, dssim: float) -> Tensor:
     Float32 pictures on the CPU use the compiled kernel where there is one.
     """
     if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
-        return _NativeLoss.apply(image, target, dssim)  # type: ignore[no-any-return, no-untyped-call]
+        return _NativeLoss.apply(image, target, dssim)  # type: ignore[no-any-return,no-untyped-call]
     return (1 - dssim) * (image - target).abs().mean() + dssim * (1 - ssim_map(image, target).mean())
 
 
@@ -29,7 +29,7 @@ class _NativeLoss(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, image: Tensor, target: Tensor, dssim: float) -> Tensor:
-        value, gradient = l1_dssim(image.detach().contiguous().numpy(), target.contiguous().numpy(), dssim)
+        value, gradient = l1_dssim(image.detach().contiguous().numpy(), target.contiguous().numpy(), dssim_weight=dssim)
         ctx.gradient = torch.from_numpy(gradient)
         return torch.tensor(value, dtype=torch.float32)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
@@ -14,10 +15,8 @@ __all__ = ["target_picture"]
 
 def target_picture(capture: Capture, camera: int, frame: int, size: Camera) -> Tensor:
     """Return a frame as [3, H, W] float32 in [0, 1], area-averaged to the size of the camera `size`."""
-    # The frame is read-only; the conversion to float copies it.
-    pixels = torch.frombuffer(capture.frame(camera, frame).data, dtype=torch.uint8)
-    full = capture.cameras[camera]
-    picture = pixels.view(full.height, full.width, 3).permute(2, 0, 1).to(torch.float32).div_(255)
-    if (size.height, size.width) == (full.height, full.width):
-        return picture.contiguous()
+    planes = np.ascontiguousarray(capture.frame(camera, frame).transpose(2, 0, 1), dtype=np.float32)
+    picture = torch.from_numpy(planes).div_(255)
+    if picture.shape[1:] == (size.height, size.width):
+        return picture
     return interpolate(picture[None], (size.height, size.width), mode="area")[0]

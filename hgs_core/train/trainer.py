@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
+from hgs_core.native import library
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.render.rasterize import Gradients, rasterize
 from hgs_core.render.tiles import tiles_of_dynamic, tiles_to_pixels
@@ -31,7 +34,7 @@ from hgs_core.train.views import ViewSchedule
 __all__ = ["Trainer", "clock_of"]
 
 _REPORT_EVERY = 10  # cycles
-_SMOOTHING = 0.98  # of the reported PSNR
+_SMOOTHING = 0.9  # of the reported PSNR
 _SHORTEST_LIFE = 0.5  # frames at which the opacity of the briefest splat has halved
 
 
@@ -79,14 +82,15 @@ class Trainer:
         """
         started, before = time.monotonic(), self.state.seconds
         try:
-            while self.state.cycle < self.config.cycles:
-                self._cycle(self.state.cycle)
-                self.state.cycle += 1
-                self.state.seconds = before + time.monotonic() - started
-                if self.state.cycle % self.config.checkpoint_every == 0:
-                    save_state(self.checkpoint, self.state)
-                if self.state.cycle % _REPORT_EVERY == 0 or self.state.cycle == self.config.cycles:
-                    progress(Progress("train", self.state.cycle, self.config.cycles, self.figures()))
+            with _one_torch_thread():
+                while self.state.cycle < self.config.cycles:
+                    self._cycle(self.state.cycle)
+                    self.state.cycle += 1
+                    self.state.seconds = before + time.monotonic() - started
+                    if self.state.cycle % self.config.checkpoint_every == 0:
+                        save_state(self.checkpoint, self.state)
+                    if self.state.cycle % _REPORT_EVERY == 0 or self.state.cycle == self.config.cycles:
+                        progress(Progress("train", self.state.cycle, self.config.cycles, self.figures()))
         except StageStopped:
             save_state(self.checkpoint, self.state)
             raise
@@ -115,7 +119,8 @@ class Trainer:
         if len(state.static):
             picture = self._learn("static", camera, moment, target, None)
             state.static_adam.step(state.static, self.schedule.static_rates(cycle))
-            self._follow_psnr(picture, target)
+            if cycle % _REPORT_EVERY == 0:
+                self._follow_psnr(picture, target)
         tiles = tiles_of_dynamic(state.dynamic, camera, moment)
         if tiles.any():
             self._learn("dynamic", camera, moment, target, tiles)
@@ -174,6 +179,21 @@ class Trainer:
                 plan(self.first_counts[1], config.max_dynamic),
             )  # fmt: skip
         state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+@contextmanager
+def _one_torch_thread() -> Iterator[None]:
+    """Keep torch to one thread while the compiled kernels use them all.
+
+    Both pools at once oversubscribe the cores: small torch operations became a hundred times slower. One thread also
+    fixes the order of torch's sums, so that the bits do not depend on the machine's cores.
+    """
+    threads = torch.get_num_threads()
+    torch.set_num_threads(1 if library.available() else threads)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
 
 
 def _fresh(static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> TrainState:

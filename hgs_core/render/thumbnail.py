@@ -1,0 +1,37 @@
+"""The small picture by which a scene is recognised in a list."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import torch
+from PIL import Image
+
+from hgs_core.camera import Camera
+from hgs_core.render.rasterize import rasterize
+from hgs_core.scene.splats import HybridScene
+
+__all__ = ["thumbnail"]
+
+_WIDTH = 480  # pixels
+_QUALITY = 85  # JPEG
+
+
+def thumbnail(scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera: Camera) -> bytes:
+    """Return a JPEG of the scene at the middle of its time, seen from `camera`, 480 pixels wide at most."""
+    camera = camera.scaled(min(1.0, _WIDTH / camera.width))
+    seconds = (scene.start + scene.end) / 2
+    segment = scene.segment_at(seconds)
+    render = rasterize(
+        scene.static.map(torch.from_numpy),
+        segment.dynamic.map(torch.from_numpy),
+        camera,
+        segment.normalised(seconds),
+        gradients="none",
+    )
+    pixels = (render.rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).contiguous().numpy()
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "JPEG", quality=_QUALITY)
+    return file.getvalue()

@@ -1,0 +1,141 @@
+"""The trainer on a tiny synthetic capture: it learns, it resumes to the same bits, and it keeps labels apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from hgs_core.capture.open import open_capture
+from hgs_core.capture.points import PointCloud
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.scene import HybridScene
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.initialise import initial_splats, scene_extent
+from hgs_core.train.trainer import Trainer, clock_of
+from tests.synthetic import write_capture
+
+
+@pytest.fixture(scope="module")
+def capture_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("capture")
+    write_capture(path)
+    return path
+
+
+def config(**overrides: object) -> TrainConfig:
+    return TrainConfig.from_json({
+        "cycles": 60, "densify_every": 10, "densify_from": 0.1, "max_static": 400, "max_dynamic": 100,
+        "checkpoint_every": 20, "hold_out": ["2"], **overrides,
+    })  # fmt: skip
+
+
+def points(seed: int = 0) -> PointCloud:
+    r = np.random.default_rng(seed)
+    count = 300
+    moving = (np.arange(count) % 5 == 0).astype(np.float32)
+    return PointCloud(
+        xyz=r.uniform(-1, 1, (count, 3)).astype(np.float32),
+        rgb=r.uniform(0, 1, (count, 3)).astype(np.float32),
+        times=r.choice([0.0, 0.1], count).astype(np.float32),
+        dynamic=moving,
+        spacing=np.full(count, 0.1, np.float32),
+    )
+
+
+def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig) -> Trainer:
+    capture = open_capture(capture_folder)
+    return Trainer(capture, settings, initial_splats(points(), clock_of(capture), 2), checkpoint)
+
+
+def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> bool:
+    pairs = zip(
+        [*one.static.items(), *one.segments[0].dynamic.items()],
+        [*two.static.items(), *two.segments[0].dynamic.items()],
+        strict=True,
+    )
+    return all(np.array_equal(a, b) for (_, a), (_, b) in pairs)
+
+
+def test_pictures_get_closer_to_the_truth(capture_folder: Path, tmp_path: Path) -> None:
+    figures: list[float] = []
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(coarse_until=0.0, cycles=150))
+    training.run(lambda progress: figures.append(progress.figures["psnr"]))
+    assert figures[-1] > figures[0] + 2
+
+
+def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> None:
+    one, two = (trainer(capture_folder, tmp_path / name, config()).run(silent) for name in ("a", "b"))
+    assert same_bits(one, two)
+
+
+@pytest.mark.parametrize("stop_at", [10, 30, 50])
+def test_a_stopped_training_resumes_to_the_same_bits(capture_folder: Path, tmp_path: Path, stop_at: int) -> None:
+    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
+
+    def stop(progress: Progress) -> None:
+        if progress.done >= stop_at:
+            raise StageStopped
+
+    checkpoint = tmp_path / "stopped.pt"
+    with pytest.raises(StageStopped):
+        trainer(capture_folder, checkpoint, config()).run(stop)
+    resumed = trainer(capture_folder, checkpoint, config())
+    assert resumed.state.cycle == stop_at
+    assert same_bits(whole, resumed.run(silent))
+
+
+def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
+    def kill(progress: Progress) -> None:
+        if progress.done >= 30:
+            raise RuntimeError("killed")
+
+    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
+    checkpoint = tmp_path / "killed.pt"
+    with pytest.raises(RuntimeError, match="killed"):
+        trainer(capture_folder, checkpoint, config()).run(kill)
+    resumed = trainer(capture_folder, checkpoint, config())
+    assert resumed.state.cycle == 20
+    assert same_bits(whole, resumed.run(silent))
+
+
+def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> None:
+    checkpoint = tmp_path / "checkpoint.pt"
+    checkpoint.write_bytes(b"not a checkpoint")
+    with pytest.raises(InputError, match=r"checkpoint\.pt"):
+        trainer(capture_folder, checkpoint, config())
+
+
+def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
+    held_out = training.capture.camera_index("2")
+    assert all(training.views.view(cycle)[0] != held_out for cycle in range(500))
+
+
+def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_path: Path) -> None:
+    capture = open_capture(capture_folder)
+    cloud = points()
+    still = PointCloud(cloud.xyz, cloud.rgb, cloud.times, np.zeros_like(cloud.dynamic), cloud.spacing)
+    start = initial_splats(still, clock_of(capture), 2)
+    scene = Trainer(capture, config(cycles=20), start, tmp_path / "checkpoint.pt").run(silent)
+    assert len(scene.segments[0].dynamic) == 0
+    assert len(scene.static) > 0
+
+
+def test_first_splats_stand_on_their_points_and_hand_over_between_frames(capture_folder: Path) -> None:
+    cloud = points()
+    capture = open_capture(capture_folder)
+    static, dynamic = initial_splats(cloud, clock_of(capture), sampled_frames=3)
+    np.testing.assert_array_equal(static.means.numpy(), cloud.xyz[cloud.dynamic < 0.5])
+    np.testing.assert_array_equal(dynamic.motion[:, 0].numpy(), cloud.xyz[cloud.dynamic >= 0.5])
+    decay = torch.exp(-torch.exp(dynamic.time_log_precisions) * (0.75 / 2) ** 2)
+    torch.testing.assert_close(decay, torch.full_like(decay, 0.5))
+
+
+def test_extent_is_the_camera_radius() -> None:
+    positions = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 2, 0], [0, -2, 0]])
+    assert scene_extent(positions) == pytest.approx(2.2)
+    assert scene_extent(positions[:1]) == 1.0

@@ -1,0 +1,84 @@
+"""A tiny capture with known truth: a still scene with one moving splat, written in the PanopticSports layout."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import torch
+from PIL import Image
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.render.reference import rasterize_reference
+from hgs_core.scene import DynamicSplats, StaticSplats
+
+__all__ = ["ring_of_cameras", "synthetic_scene", "write_capture"]
+
+
+def ring_of_cameras(count: int, width: int, height: int) -> list[Camera]:
+    """Cameras on an arc of 90 degrees around the origin, three units away, looking at it."""
+    cameras = []
+    for i in range(count):
+        angle = np.deg2rad(-45 + 90 * i / max(1, count - 1))
+        forward = np.array([np.sin(angle), 0.1, np.cos(angle)])
+        forward /= np.linalg.norm(forward)
+        right = np.cross([0.0, 1.0, 0.0], forward)
+        right /= np.linalg.norm(right)
+        pose = np.eye(4)
+        pose[:3, :3] = np.stack([right, np.cross(forward, right), forward])
+        pose[:3, 3] = -pose[:3, :3] @ (-3 * forward)
+        cameras.append(Camera(str(i), width, height, 1.2 * width, 1.2 * width, width / 2, height / 2, pose))
+    return cameras
+
+
+def synthetic_scene(seed: int = 0) -> tuple[StaticSplats[Tensor], DynamicSplats[Tensor]]:
+    """A cloud of 150 coloured still splats and three that fly across it."""
+    r = np.random.default_rng(seed)
+    count, moving = 150, 3
+    static = StaticSplats(
+        r.uniform(-1, 1, (count, 3)),
+        np.log(r.uniform(0.08, 0.25, (count, 3))),
+        r.normal(size=(count, 4)),
+        np.full(count, 2.0),
+        r.uniform(0.1, 0.9, (count, 3)),
+    )
+    motion = np.zeros((moving, 4, 3))
+    motion[:, 0] = r.uniform(-0.3, 0.3, (moving, 3))
+    motion[:, 1] = r.uniform(-1.0, 1.0, (moving, 3))
+    rotation = np.zeros((moving, 2, 4))
+    rotation[:, 0, 0] = 1
+    dynamic = DynamicSplats(
+        motion,
+        rotation,
+        np.full((moving, 3), np.log(0.2)),
+        np.full(moving, 3.0),
+        np.full(moving, 0.5),
+        np.full(moving, np.log(0.1)),
+        r.uniform(0, 1, (moving, 3)),
+    )
+    to_torch = lambda array: torch.tensor(array, dtype=torch.float32)  # noqa: E731
+    return static.map(to_torch), dynamic.map(to_torch)
+
+
+def write_capture(path: Path, cameras: int = 5, frames: int = 6, width: int = 64, height: int = 48) -> list[Camera]:
+    """Render the synthetic scene to `path`: ims/<camera>/<frame>.jpg and train_meta.json."""
+    views = ring_of_cameras(cameras, width, height)
+    static, dynamic = synthetic_scene()
+    meta: dict[str, object] = {"w": width, "h": height, "fn": [], "k": [], "w2c": [], "cam_id": []}
+    rows: dict[str, list[object]] = {"fn": [], "k": [], "w2c": [], "cam_id": []}
+    for frame in range(frames):
+        time = frame / max(1, frames - 1)
+        for view in views:
+            picture = rasterize_reference(static, dynamic, view, time, gradients="none").rgb.clamp(0, 1)
+            pixels = (picture.permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)
+            file = path / "ims" / view.name / f"{frame:06d}.jpg"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(pixels).save(file, quality=95)
+        rows["fn"].append([f"{view.name}/{frame:06d}.jpg" for view in views])
+        rows["k"].append([[[v.fx, 0, v.cx], [0, v.fy, v.cy], [0, 0, 1]] for v in views])
+        rows["w2c"].append([v.world_to_camera.tolist() for v in views])
+        rows["cam_id"].append([int(v.name) for v in views])
+    (path / "train_meta.json").write_text(json.dumps(meta | rows))
+    return views
