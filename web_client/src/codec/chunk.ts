@@ -123,6 +123,6 @@ function decodeStream(stream: Stream, attribute: Attribute, count: number): Floa
   if (quantiser !== QUANTISER.smallestThree) return numbers;
   const index = raw.subarray(raw.length - count);
   const wrong = index.findIndex((i) => i > 3);
-  expect(wrong < 0, stream.dataAt, `index of splat ${wrong}`, index[wrong], "0 to 3");
+  expect(wrong < 0, stream.dataAt, `index code of splat ${wrong}`, index[wrong], "0 to 3");
   return quatsFromSmallestThree(index, numbers);
 }

@@ -1,0 +1,174 @@
+"""Write tests/vectors: chunks, what they decode to, and damaged ones with the error they must give.
+
+The Python and the TypeScript decoder are both tested against these files. Run it after a change of the format:
+
+    .venv/bin/python scripts/make_vectors.py
+"""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import json
+import struct
+import zlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from hgs_core.codec.chunk import ENTRY, HEADER, pack, unpack
+from hgs_core.codec.decode import decode_chunk
+from hgs_core.codec.encode_chunk import SegmentTime, encode_dynamic_chunk, encode_static_chunk
+from hgs_core.codec.errors import ChunkError
+from hgs_core.codec.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.settings import EncodeSettings
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors"
+SETTINGS = EncodeSettings()
+BOUND = 1e-3
+
+
+def statics(count: int, seed: int, spread: float = 2.0) -> StaticSplats:
+    rng = np.random.default_rng(seed)
+    return StaticSplats(
+        rng.normal(0, spread, (count, 3)).astype(np.float32),
+        rng.normal(-4, 1, (count, 3)).astype(np.float32),
+        rng.normal(0, 1, (count, 4)).astype(np.float32),
+        rng.normal(1, 2, count).astype(np.float32),
+        rng.uniform(0, 1, (count, 3)).astype(np.float32),
+    )
+
+
+def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats:
+    rng = np.random.default_rng(seed)
+    still = statics(count, seed)
+    coefficients = rng.normal(0, motion, (count, 4, 3)).astype(np.float32)
+    coefficients[:, 0] = still.means
+    rotation = np.stack([still.quats, rng.normal(0, motion, (count, 4)).astype(np.float32)], axis=1)
+    return DynamicSplats(
+        coefficients,
+        rotation,
+        still.log_scales,
+        still.opacity_logits,
+        rng.uniform(-0.1, 1.1, count).astype(np.float32),
+        rng.normal(4, 2, count).astype(np.float32),
+        still.rgb,
+    )
+
+
+def static_chunk(splats: StaticSplats, bound: float = BOUND) -> bytes:
+    return encode_static_chunk(prepare_static(splats, bound, SETTINGS), bound, SETTINGS, 0)
+
+
+def dynamic_chunk(splats: DynamicSplats) -> bytes:
+    prepared = prepare_dynamic(splats, 1.0, 0.02, BOUND, SETTINGS)
+    time = SegmentTime.of(2.0, 3.5, 1.0, prepared, SETTINGS)
+    return encode_dynamic_chunk(prepared, time, BOUND, SETTINGS, 7)[0]
+
+
+def with_unknown_attribute(data: bytes) -> bytes:
+    """Add an attribute of a later version of the format: its number, quantiser and content mean nothing yet."""
+    container = unpack(data)
+    unknown = dataclasses.replace(
+        container.streams[-1], attribute=200, quantiser=99, transform=77, components=9, raw_bytes=5, data=b"later"
+    )
+    return pack(dataclasses.replace(container, streams=(unknown, *container.streams)))
+
+
+def sealed(data: bytes | bytearray) -> bytes:
+    """Make the checksum right again, so that the fault behind it is met."""
+    body = bytes(data[:-4])
+    return body + struct.pack("<I", zlib.crc32(body))
+
+
+def poke(data: bytes, at: int, fmt: str, value: object) -> bytes:
+    changed = bytearray(data)
+    struct.pack_into("<" + fmt, changed, at, value)
+    return sealed(changed)
+
+
+def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
+    entry = HEADER.size
+    first = unpack(static).streams[0]
+    flipped = bytearray(static)
+    flipped[len(static) // 2] ^= 0x10
+    frame = bytearray(static)
+    frame[first.data_at] ^= 0xFF
+    return {
+        "empty": b"",
+        "truncated_header": static[:40],
+        "truncated_data": static[:-20],
+        "extended": static + b"\0",
+        "flipped_bit": bytes(flipped),
+        "wrong_magic": b"PLY\n" + static[4:],
+        "later_version": poke(static, 4, "H", 2),
+        "unknown_kind": poke(static, 6, "B", 2),
+        "too_many_attributes": poke(static, 7, "B", 255),
+        "no_splats": poke(static, 8, "I", 0),
+        "lying_count": poke(static, 8, "I", 1 << 20),
+        "count_beyond_limit": poke(static, 8, "I", 1 << 31),
+        "endless_time": poke(static, 24, "d", float("inf")),
+        "box_not_a_number": poke(static, 32, "f", float("nan")),
+        "repeated_attribute": poke(static, entry + ENTRY.size, "B", 1),
+        "missing_attribute": poke(static, entry, "B", 99),
+        "wrong_quantiser": poke(static, entry + 1, "B", 0),
+        "wrong_transform": poke(static, entry + 2, "B", 1),
+        "unknown_transform": poke(static, entry + ENTRY.size + 2, "B", 3),
+        "wrong_components": poke(static, entry + 3, "B", 2),
+        "too_many_bits": poke(static, entry + 4, "B", 25),
+        "offset_elsewhere": poke(static, entry + 8, "I", 0),
+        "length_beyond_end": poke(static, entry + 12, "I", 0xFFFFFFFF),
+        "wrong_raw_length": poke(static, entry + 16, "I", first.raw_bytes + 1),
+        "step_of_zero": poke(static, entry + 24, "f", 0.0),
+        "step_not_finite": poke(static, entry + 24, "f", float("inf")),
+        "frame_damaged": sealed(frame),
+        "static_called_dynamic": poke(static, 6, "B", 1),
+        "dynamic_truncated": dynamic[: len(dynamic) // 2],
+    }
+
+
+def expected(data: bytes) -> dict[str, object]:
+    chunk = decode_chunk(data)
+    return {
+        "kind": chunk.kind.name.lower(),
+        "count": chunk.count,
+        "time_range": chunk.time_range,
+        "box": chunk.box,
+        "float32": {name: base64.b64encode(array.tobytes()).decode() for name, array in chunk.arrays.items()},
+    }
+
+
+def error_of(data: bytes) -> dict[str, object]:
+    try:
+        decode_chunk(data)
+    except ChunkError as error:
+        return {"byte": error.byte, "record": error.record}
+    raise AssertionError("a damaged chunk decodes")
+
+
+def main() -> None:
+    (OUT / "invalid").mkdir(parents=True, exist_ok=True)
+    static, dynamic = static_chunk(statics(40, 1)), dynamic_chunk(dynamics(40, 2))
+    valid: dict[str, Callable[[], bytes]] = {
+        "static": lambda: static,
+        "static_one": lambda: static_chunk(statics(1, 3)),
+        "static_wide": lambda: static_chunk(statics(30, 4, spread=3000.0)),
+        "static_unknown_attribute": lambda: with_unknown_attribute(static),
+        "dynamic": lambda: dynamic,
+        "dynamic_still": lambda: dynamic_chunk(dynamics(20, 5, motion=0.0)),
+    }
+    for name, make in valid.items():
+        data = make()
+        (OUT / f"{name}.chunk").write_bytes(data)
+        (OUT / f"{name}.json").write_text(json.dumps(expected(data), indent=1) + "\n")
+    errors: dict[str, object] = {}
+    for name, data in invalid(static, dynamic).items():
+        (OUT / "invalid" / f"{name}.chunk").write_bytes(data)
+        errors[name] = error_of(data)
+    (OUT / "invalid.json").write_text(json.dumps(errors, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()
