@@ -1,0 +1,125 @@
+"""The stages on a tiny capture: each leaves its file, resumes, and refuses bad input before it writes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.codec import decode_scene, load_manifest
+from hgs_core.errors import InputError
+from hgs_core.evaluate.run import evaluate_run
+from hgs_core.pipeline import STAGES, create_run
+from hgs_core.progress import Progress, silent
+from hgs_core.run_folder import RunFolder
+from hgs_core.scene.files import load_scene
+from hgs_core.train.config import TrainConfig
+from tests.synthetic import write_capture
+
+CONFIG = TrainConfig.from_json({
+    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_frames": 2,
+    "max_static": 400, "max_dynamic": 100, "checkpoint_every": 20, "hold_out": ["2"],
+})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("capture")
+    write_capture(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def finished(capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = tmp_path_factory.mktemp("runs") / "run"
+    create_run(run, capture, CONFIG)
+    for stage in STAGES.values():
+        stage(run, silent)
+    return run
+
+
+def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
+    scene, decoded = load_scene(finished / "scene.npz"), decode_scene(finished / "scene")
+    manifest = load_manifest(finished / "scene" / "manifest.json")
+    assert len(decoded.static) == manifest.totals.splats_static > 0
+    assert len(decoded.static) <= len(scene.static)
+    assert [camera.name for camera in manifest.cameras] == ["0", "1", "2", "3", "4"]
+    assert manifest.training["cycles"] == 60
+
+
+def test_finished_stages_do_nothing(finished: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in finished.rglob("*") if path.is_file()}
+
+    def refuse(progress: Progress) -> None:
+        raise AssertionError(progress)
+
+    for stage in STAGES.values():
+        stage(finished, refuse)
+    assert before == {path: path.stat().st_mtime_ns for path in finished.rglob("*") if path.is_file()}
+
+
+def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path) -> None:
+    result = evaluate_run(finished, silent)
+    assert set(result) == {
+        "psnr", "ssim", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
+        "train_seconds", "frames", "cameras",
+    }  # fmt: skip
+    chunks = sum(path.stat().st_size for path in (finished / "scene" / "chunks").iterdir())
+    assert result["bytes_static"] + result["bytes_dynamic"] == chunks
+    assert result["bytes_total"] == chunks + (finished / "scene" / "manifest.json").stat().st_size
+    assert result["cameras"] == ["2"]
+    assert result["frames"] == 6
+    assert result["psnr"] > 10
+    assert json.loads((finished / "eval.json").read_text()) == result
+
+
+def test_an_equal_run_is_kept_and_a_different_one_refused(finished: Path, capture: Path) -> None:
+    create_run(finished, capture, CONFIG)
+    with pytest.raises(InputError, match="another capture or config"):
+        create_run(finished, capture, TrainConfig.from_json(CONFIG.to_json() | {"seed": 5}))
+
+
+def test_a_folder_with_other_files_is_not_touched(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(InputError, match="is not a run"):
+        create_run(tmp_path, capture, CONFIG)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    ("hold_out", "problem"), [(["7"], "7"), (["0", "1", "2", "3"], "leaves 1 of 5 cameras to train on")]
+)
+def test_bad_hold_outs_are_refused_before_anything_is_written(
+    capture: Path, tmp_path: Path, hold_out: list[str], problem: str
+) -> None:
+    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": hold_out})
+    with pytest.raises(InputError, match=problem):
+        create_run(tmp_path / "run", capture, config)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    create_run(tmp_path / "run", tmp_path / "capture", CONFIG)
+    meta = tmp_path / "capture" / "train_meta.json"
+    value = json.loads(meta.read_text())
+    value["k"] = (np.array(value["k"]) * 1.01).tolist()
+    meta.write_text(json.dumps(value))
+    with pytest.raises(InputError, match="has changed"):
+        STAGES["initialise"](tmp_path / "run", silent)
+
+
+def test_evaluating_an_unfinished_run_says_how_to_finish_it(capture: Path, tmp_path: Path) -> None:
+    create_run(tmp_path / "run", capture, CONFIG)
+    with pytest.raises(InputError, match="finish it with hgs train"):
+        evaluate_run(tmp_path / "run", silent)
+    with pytest.raises(InputError, match=r"no run\.json"):
+        evaluate_run(tmp_path, silent)
+
+
+def test_a_run_folder_survives_a_damaged_spec(tmp_path: Path) -> None:
+    (tmp_path / "run.json").write_text("{")
+    with pytest.raises(InputError, match=r"run\.json"):
+        RunFolder(tmp_path).read_spec()
