@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hgs_core.camera import Camera
 from hgs_core.codec.chunk import ENTRY, HEADER, pack, unpack
 from hgs_core.codec.decode import decode_chunk
 from hgs_core.codec.encode_chunk import SegmentTime, encode_dynamic_chunk, encode_static_chunk
@@ -148,6 +149,59 @@ def error_of(data: bytes) -> dict[str, object]:
     raise AssertionError("a damaged chunk decodes")
 
 
+def manifest() -> dict[str, object]:
+    """A small manifest with two segments, a chunk that is needed later, and a field of a later version."""
+
+    def chunk(number: int, splats: int) -> dict[str, object]:
+        return {"id": f"{number:064x}", "bytes": 100 * number, "splats": splats, "box": [[-1, 0, 1], [1.5, 2, 3]]}
+
+    camera = Camera("cam00", 640, 360, 500.0, 501.0, 320.0, 180.0, np.eye(4))
+    times = [(0, 0.0, 0.5), (0, 0.5, 1.0), (1, 1.0, 2.0)]
+    chunks = [[chunk(3, 30)], [], [chunk(4, 40)]]
+    needs = [[], [f"{3:064x}"], []]
+    return {
+        "format": "hgs-scene", "version": 1, "title": "Two segments", "start": 0.0, "end": 2.0, "frame_rate": 30.0,
+        "background": [0, 0, 0], "up": [0, -1, 0], "center": [0, 0, 2], "extent": 2.5, "cameras": [camera.to_json()],
+        "segments": [{"start": 0.0, "end": 1.0}, {"start": 1.0, "end": 2.0}],
+        "static": [chunk(1, 10), chunk(2, 20)],
+        "slices": [
+            {"segment": segment, "start": start, "end": end, "chunks": new, "needs": old}
+            for (segment, start, end), new, old in zip(times, chunks, needs, strict=True)
+        ],
+        "totals": {"splats_static": 30, "splats_dynamic": 70, "bytes_static": 300, "bytes_dynamic": 700},
+        "thumbnail": True, "training": {"psnr": 31.5}, "later": "ignored",
+    }  # fmt: skip
+
+
+# What is put where in that manifest, and the field that the error must name. A value of None removes the field.
+WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
+    (["format"], "ply", "manifest.format"),
+    (["version"], 2, "manifest.version"),
+    (["title"], 3, "manifest.title"),
+    (["title"], None, "manifest.title"),
+    (["end"], -1.0, "manifest.end"),
+    (["frame_rate"], 0, "manifest.frame_rate"),
+    (["background"], [0, 0], "manifest.background"),
+    (["up", 1], "down", "manifest.up[1]"),
+    (["extent"], -2, "manifest.extent"),
+    (["cameras"], [], "manifest.cameras"),
+    (["segments"], {}, "manifest.segments"),
+    (["segments", 1, "start"], -1.0, "manifest.segments[1].start"),
+    (["static", 0, "id"], "../../secret", "manifest.static[0].id"),
+    (["static", 1, "id"], f"{1:064x}", "manifest.static"),
+    (["static", 0, "bytes"], 0, "manifest.static[0].bytes"),
+    (["static", 0, "splats"], 1.5, "manifest.static[0].splats"),
+    (["static", 0, "box", 0, 0], 2, "manifest.static[0].box"),
+    (["slices", 0, "segment"], 2, "manifest.slices[0].segment"),
+    (["slices", 1, "start"], -0.5, "manifest.slices[1].start"),
+    (["slices", 2, "needs"], [f"{3:064x}"], "manifest.slices[2].needs[0]"),
+    (["slices", 2, "chunks", 0, "id"], f"{3:064x}", "manifest.slices[2].chunks[0].id"),
+    (["totals", "bytes_static"], 301, "manifest.totals.bytes_static"),
+    (["thumbnail"], "yes", "manifest.thumbnail"),
+    (["training"], [], "manifest.training"),
+]
+
+
 def main() -> None:
     (OUT / "invalid").mkdir(parents=True, exist_ok=True)
     static, dynamic = static_chunk(statics(40, 1)), dynamic_chunk(dynamics(40, 2))
@@ -168,6 +222,9 @@ def main() -> None:
         (OUT / "invalid" / f"{name}.chunk").write_bytes(data)
         errors[name] = error_of(data)
     (OUT / "invalid.json").write_text(json.dumps(errors, indent=1) + "\n")
+    (OUT / "manifest.json").write_text(json.dumps(manifest(), indent=1) + "\n")
+    wrong = [{"at": at, "value": value, "field": field} for at, value, field in WRONG_FIELDS]
+    (OUT / "invalid_manifest.json").write_text(json.dumps(wrong, indent=1) + "\n")
 
 
 if __name__ == "__main__":

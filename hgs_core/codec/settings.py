@@ -20,7 +20,7 @@ class EncodeSettings:
     """
 
     position_error: float | None = None  # world units, per axis, at every moment of a splat's life; None: `pixel_error`
-    pixel_error: float = 0.1  # pixels of the capture at the cameras' median distance from the scene's centre
+    pixel_error: float = 0.25  # pixels of the capture at the cameras' median distance from the scene's centre
     log_scale_error: float = 0.02  # i.e. 2 % of a splat's size
     rotation_error: float = 0.0025  # distance of unit quaternions; twice that is an angle in radians
     opacity_error: float = 1 / 510  # of the peak

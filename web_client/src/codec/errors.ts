@@ -16,7 +16,10 @@ export class ChunkError extends Error {
 export class ManifestError extends Error {
   override readonly name = "ManifestError";
 
-  constructor(path: string, problem: string) {
+  constructor(
+    readonly path: string,
+    problem: string,
+  ) {
     super(`${path}: ${problem}`);
   }
 }

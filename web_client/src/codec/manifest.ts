@@ -109,7 +109,7 @@ export function parseManifest(json: unknown): Manifest {
     thumbnail: root.get("thumbnail").flag(),
     training: root.get("training").object(),
   };
-  checkNeeds(manifest, root);
+  checkReferences(manifest, root);
   return manifest;
 }
 
@@ -137,6 +137,7 @@ function readCamera(field: Field): ManifestCamera {
 function readChunk(field: Field): ChunkEntry {
   const [min, max] = field.get("box").items(2);
   const box: Box = { min: min.triple(), max: max.triple() };
+  if (box.min.some((low, axis) => low > box.max[axis])) throw field.get("box").error("ascending corners");
   return {
     id: field.get("id").hash(),
     bytes: field.get("bytes").whole(1, 2 ** 28),
@@ -157,8 +158,15 @@ function readSlice(field: Field, segments: number): SliceEntry {
   };
 }
 
-/** Checks that slices are in order of time, and that they need chunks of earlier slices of their segment alone. */
-function checkNeeds(manifest: Manifest, root: Field): void {
+/** Checks what a field alone cannot show: order of time, references, totals. */
+function checkReferences(manifest: Manifest, root: Field): void {
+  const known = new Set(manifest.static.map((chunk) => chunk.id));
+  if (known.size < manifest.static.length) throw root.get("static").error("every chunk once");
+  for (const [i, segment] of manifest.segments.entries()) {
+    if (i > 0 && segment.start < manifest.segments[i - 1].start) {
+      throw root.get("segments").items()[i].get("start").error("no earlier than the one before");
+    }
+  }
   const segmentOf = new Map<string, number>();
   for (const [i, slice] of manifest.slices.entries()) {
     const field = root.get("slices").items()[i];
@@ -169,6 +177,20 @@ function checkNeeds(manifest: Manifest, root: Field): void {
         throw field.get("needs").items()[n].error("a chunk of an earlier slice of the segment");
       }
     }
-    for (const chunk of slice.chunks) segmentOf.set(chunk.id, slice.segment);
+    for (const [n, { id }] of slice.chunks.entries()) {
+      if (known.has(id)) throw field.get("chunks").items()[n].get("id").error("every chunk once");
+      known.add(id);
+      segmentOf.set(id, slice.segment);
+    }
+  }
+  const dynamic = manifest.slices.flatMap((slice) => slice.chunks);
+  const sum = (chunks: readonly ChunkEntry[], of: "bytes" | "splats") => chunks.reduce((total, c) => total + c[of], 0);
+  for (const [name, stated, total] of [
+    ["splats_static", manifest.totals.splatsStatic, sum(manifest.static, "splats")],
+    ["splats_dynamic", manifest.totals.splatsDynamic, sum(dynamic, "splats")],
+    ["bytes_static", manifest.totals.bytesStatic, sum(manifest.static, "bytes")],
+    ["bytes_dynamic", manifest.totals.bytesDynamic, sum(dynamic, "bytes")],
+  ] as const) {
+    if (stated !== total) throw root.get("totals").get(name).error(`${total}, the sum over the chunks`);
   }
 }

@@ -1,0 +1,42 @@
+import { readFileSync } from "node:fs";
+import { describe, expect, it } from "vitest";
+import { ManifestError } from "../../src/codec/errors";
+import { parseManifest } from "../../src/codec/manifest";
+
+const VECTORS = new URL("../../../tests/vectors/", import.meta.url);
+
+// biome-ignore lint/suspicious/noExplicitAny: the tests break the document on purpose
+function json(name: string): any {
+  return JSON.parse(readFileSync(new URL(name, VECTORS), "utf8"));
+}
+
+describe("parseManifest", () => {
+  it("reads every field", () => {
+    const manifest = parseManifest(json("manifest.json"));
+    expect(manifest.frameRate).toBe(30);
+    expect(manifest.cameras[0].worldToCamera[3]).toEqual([0, 0, 0, 1]);
+    expect(manifest.static[1]).toMatchObject({ bytes: 200, splats: 20, box: { min: [-1, 0, 1], max: [1.5, 2, 3] } });
+    expect(manifest.slices[1].needs).toEqual([manifest.slices[0].chunks[0].id]);
+    expect(manifest.totals).toEqual({ splatsStatic: 30, splatsDynamic: 70, bytesStatic: 300, bytesDynamic: 700 });
+    expect(manifest.training).toEqual({ psnr: 31.5 });
+  });
+
+  it.each(json("invalid_manifest.json") as { at: (string | number)[]; value: unknown; field: string }[])(
+    "names $field when it is $value",
+    ({ at, value, field }) => {
+      const document = json("manifest.json");
+      const last = at[at.length - 1];
+      const parent = at.slice(0, -1).reduce((node, key) => node[key], document);
+      if (value === null) delete parent[last];
+      else parent[last] = value;
+      let error: unknown;
+      try {
+        parseManifest(document);
+      } catch (caught) {
+        error = caught;
+      }
+      expect(error).toBeInstanceOf(ManifestError);
+      expect((error as ManifestError).path).toBe(field);
+    },
+  );
+});
