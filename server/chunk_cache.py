@@ -46,9 +46,14 @@ class ChunkCache:
         if task is None:
             task = asyncio.create_task(self._load(chunk_id))
             self._reads[chunk_id] = task
-            task.add_done_callback(lambda _: self._reads.pop(chunk_id, None))
+            task.add_done_callback(lambda done: self._forget(chunk_id, done))
         # A caller that is cancelled must not cancel the read for the others.
         return await asyncio.shield(task)
+
+    def _forget(self, chunk_id: str, done: asyncio.Task[bytes | None]) -> None:
+        self._reads.pop(chunk_id, None)
+        if not done.cancelled():
+            done.exception()  # looked at, so that asyncio does not complain when every caller has gone
 
     async def _load(self, chunk_id: str) -> bytes | None:
         data = await run_in_threadpool(self._read_checked, chunk_id)

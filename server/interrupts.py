@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from types import FrameType, TracebackType
 from typing import Any, Self
@@ -29,6 +30,8 @@ class Interrupts:
     def _note(self, number: int, frame: FrameType | None) -> None:
         self.pending = True
         self._restore()
+        # Not print: a handler may run in the middle of another write to the same buffer.
+        os.write(2, b"\nsaving and stopping; press Ctrl-C again to stop at once\n")
 
     def _restore(self) -> None:
         while self._previous:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 from collections.abc import AsyncIterator
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,8 @@ KEEP_ALIVE_SECONDS = 15.0
 
 def describe_job(job: Job) -> dict[str, Any]:
     """Return the job object of docs/protocol.md."""
-    progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": dict(job.figures)}
+    figures = {name: value for name, value in job.figures.items() if math.isfinite(value)}  # JSON has no NaN
+    progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
     return {
         "id": job.id,
         "state": job.state.value,

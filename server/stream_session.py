@@ -32,7 +32,9 @@ from server.protocol import (
 )
 from server.scene_index import Chunk, SceneIndex
 
-__all__ = ["ChunkPart", "Playhead", "StreamSession"]
+__all__ = ["MAX_UNSENT", "ChunkPart", "Playhead", "StreamSession"]
+
+MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
 
 
 @dataclass(frozen=True)
@@ -133,6 +135,8 @@ class StreamSession:
             case Pause():
                 self._playhead.set(message.time, clock, 0.0)
             case Ping():
+                if len(self._outbox) >= MAX_UNSENT:
+                    raise ProtocolError(4000, "flood", f"{MAX_UNSENT} answers wait to be read")
                 self._outbox.append(encode(Pong(message.id)))
             case _:
                 assert_never(message)

@@ -56,9 +56,10 @@ def _run(options: argparse.Namespace) -> int:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         captures = CaptureFolders.configured(home.folder, options.captures)
         app = create_app(home, captures=captures, origins=options.origins, artifacts=store)
-        host = f"[{options.host}]" if ":" in options.host else options.host
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
+        host = f"[{host}]" if ":" in host else host
         address = f"http://{host}:{listener.getsockname()[1]}"
-        pages = [f"{address}/?scene={scene}" for scene in scenes] or [f"{address}/"]
+        pages = [f"{address}/view/{scene}" for scene in scenes] or [f"{address}/"]
         server = HttpServer(app, on_ready=lambda: print(*pages, sep="\n", flush=True))
         # Uvicorn handles the signals while it serves, and raises them again after its shutdown.
         signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))

@@ -24,7 +24,7 @@ from server.protocol import (
     encode,
 )
 from server.scene_index import Chunk, SceneIndex
-from server.stream_session import ChunkPart, Playhead, StreamSession
+from server.stream_session import MAX_UNSENT, ChunkPart, Playhead, StreamSession
 
 MakeScene = Callable[..., SceneIndex]
 WINDOW = 1 << 24
@@ -179,6 +179,15 @@ def test_ping_is_answered_before_the_next_frame(make_scene: MakeScene) -> None:
     step(session, 1)
     session.receive(encode(Ping(7)), 0.0)
     assert drain(session)[0] == {"type": "pong", "id": 7}
+
+
+def test_client_that_asks_and_does_not_read_is_refused(make_scene: MakeScene) -> None:
+    session = start(make_scene([10], []))
+    for k in range(MAX_UNSENT - 1):  # the welcome waits too
+        session.receive(encode(Ping(k)), 0.0)
+    with pytest.raises(ProtocolError) as caught:
+        session.receive(encode(Ping(0)), 0.0)
+    assert caught.value.code == "flood"
 
 
 def test_no_credit_no_frames(make_scene: MakeScene) -> None:
