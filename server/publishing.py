@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 from pathlib import Path
 
-from hgs_core.codec.manifest import Manifest
+from hgs_core.codec.folder import CHUNKS, MANIFEST, load_manifest
 from hgs_core.errors import InputError
 from hgs_core.progress import ProgressCallback, silent
 from jobs.artifacts import ArtifactStore
@@ -39,20 +38,14 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
 
 def _checked_manifest(run: Path, folder: Path) -> bytes:
     """Return the manifest's bytes if all its chunks are there: nothing is published of a broken scene."""
-    file = folder / "manifest.json"
-    try:
-        manifest = file.read_bytes()
-        document = json.loads(manifest)
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise InputError(run, "has no encoded scene", "give a run that hgs train has finished") from error
-    except ValueError as error:
-        raise InputError(file, f"is not JSON: {error}", "encode the scene again") from error
-    for entry in Manifest.from_json(document, file).chunks:
-        chunk = folder / "chunks" / entry.id
+    if not (folder / MANIFEST).is_file():
+        raise InputError(run, "has no encoded scene", "give a run that hgs train has finished")
+    for entry in load_manifest(folder).chunks:
+        chunk = folder / CHUNKS / entry.id
         try:
-            data = chunk.read_bytes()
-        except FileNotFoundError as error:
-            raise InputError(chunk, "is missing", "encode the scene again") from error
-        if hashlib.sha256(data).hexdigest() != entry.id:
-            raise InputError(chunk, "its SHA-256 is not its name: the file is damaged", "encode the scene again")
-    return manifest
+            actual = hashlib.sha256(chunk.read_bytes()).hexdigest()
+        except OSError as error:
+            raise InputError(chunk, f"cannot be read ({error.strerror})", "encode the scene again") from error
+        if actual != entry.id:
+            raise InputError(chunk, f"has the SHA-256 {actual}", "encode the scene again")
+    return (folder / MANIFEST).read_bytes()
