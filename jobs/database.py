@@ -28,7 +28,9 @@ def create_engine(home: Home) -> sa.Engine:
     """
     url = sa.make_url(home.database_url)
     if url.get_backend_name() != "sqlite":
-        return sa.create_engine(url.set(drivername="postgresql+psycopg"), pool_pre_ping=True, pool_size=5)
+        return sa.create_engine(
+            url.set(drivername="postgresql+psycopg"), pool_pre_ping=True, connect_args={"connect_timeout": 10}
+        )
     engine = sa.create_engine(url)
 
     @sa.event.listens_for(engine, "connect")
@@ -58,10 +60,13 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> No
 
 def open_client(home: Home, engine: sa.Engine) -> DBOSClient:
     """Return a client that enqueues and cancels workflows without running any."""
-    serializer = DBOSPortableJSONSerializer()
-    if engine.dialect.name == "sqlite":
-        return DBOSClient(system_database_engine=engine, serializer=serializer, application_name=APPLICATION)
-    return DBOSClient(system_database_url=home.database_url, serializer=serializer, application_name=APPLICATION)
+    return DBOSClient(
+        system_database_url=home.database_url,
+        system_database_engine=engine if engine.dialect.name == "sqlite" else None,
+        serializer=DBOSPortableJSONSerializer(),
+        application_name=APPLICATION,
+        retry_connection_errors=False,  # an unreachable database is an error to report, not a reason to hang
+    )
 
 
 @contextmanager

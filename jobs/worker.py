@@ -17,7 +17,7 @@ from typing import NoReturn
 from dbos import DBOS, DBOSPortableJSONSerializer
 
 from jobs.client import TRAINING_QUEUE, workflow_id
-from jobs.database import APPLICATION, create_engine, prepare_database
+from jobs.database import APPLICATION, create_engine, open_client, prepare_database
 from jobs.home import Home
 from jobs.liveness import Liveness, open_liveness
 from jobs.store import JobTable, metadata
@@ -53,6 +53,9 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
 
     engine = create_engine(home)
     prepare_database(home, engine, metadata)
+    queue = open_client(home, engine)
+    queue.register_queue(TRAINING_QUEUE, worker_concurrency=1, polling_interval_sec=POLL_INTERVAL)
+    queue.destroy()
     table = JobTable(engine)
     stages = StageRunner(home)
     executor = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(4)}"
@@ -74,7 +77,6 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     register_workflows(home, table, stages)
     DBOS.listen_queues([TRAINING_QUEUE])
     DBOS.launch()
-    DBOS.register_queue(TRAINING_QUEUE, worker_concurrency=1, polling_interval_sec=POLL_INTERVAL)
     log.info("worker %s is ready", executor)
 
     while not stop.is_set():

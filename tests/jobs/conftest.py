@@ -34,17 +34,22 @@ def wait_until() -> Callable[[Callable[[], bool], str], None]:
     return poll
 
 
-@pytest.fixture
-def counting_pipeline(monkeypatch: pytest.MonkeyPatch) -> str:
-    """Return the name of the pipeline that counts, importable here and in child processes."""
+@pytest.fixture(autouse=True)
+def _import_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let this process and its children import the pipeline that counts."""
     monkeypatch.syspath_prepend(MODULES)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(MODULES), str(REPOSITORY))))
+
+
+@pytest.fixture
+def pipeline() -> str:
+    """Return the name of the pipeline that the home uses; a test may name another by parametrize."""
     return "counting_pipeline"
 
 
 @pytest.fixture
-def home(tmp_path: Path, counting_pipeline: str) -> Home:
-    return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=counting_pipeline)
+def home(tmp_path: Path, pipeline: str) -> Home:
+    return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=pipeline)
 
 
 @pytest.fixture

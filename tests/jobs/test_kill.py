@@ -10,8 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from jobs.client import JobClient
+from hgs_core.train.config import TrainConfig
+from jobs.artifacts import ArtifactStore
+from jobs.client import JobClient, JobRequest
 from jobs.store import Job, JobState
+
+SAMPLE = Path(__file__).resolve().parent.parent.parent / "samples" / "studio"
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
@@ -117,3 +121,36 @@ def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
     assert job is not None
     assert job.state is JobState.CANCELLED
     assert len(cycles(run)) <= len(trained) + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pipeline", ["hgs_core.pipeline"])
+def test_the_real_trainer_resumes_from_its_checkpoint(
+    client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    config = TrainConfig(
+        cycles=300, checkpoint_every=20, static_points=1000, dynamic_points=300, init_frames=1, hold_out=("cam00",)
+    )
+    job_id = client.submit(JobRequest(SAMPLE, config))
+    run = client.home.run(job_id)
+    first = worker()
+    wait_for(job_id, lambda job: (run / "checkpoint.pt").exists() or finished(job), "the first checkpoint")
+    first.kill()
+    first.wait()
+    wait_until(lambda: not is_worked_on(run), "the end of the orphan")
+    assert not (run / "train.json").exists()
+
+    reports: list[int] = []
+
+    def report(job: Job) -> bool:
+        if job.stage == "train" and job.total == config.cycles:
+            reports.append(job.done)
+        return finished(job)
+
+    worker()
+    wait_for(job_id, lambda job: (job.stage, job.total) == ("train", 1), "the second start of the stage")
+    job = wait_for(job_id, report, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    assert min(reports) >= config.checkpoint_every
+    assert (run / "train.json").exists()
+    assert ArtifactStore(client.home.store_url).manifest(job_id) is not None

@@ -95,9 +95,9 @@ def server() -> Iterator[PostgresServer]:
 
 
 @pytest.fixture
-def home(tmp_path: Path, counting_pipeline: str, server: PostgresServer) -> Home:
+def home(tmp_path: Path, pipeline: str, server: PostgresServer) -> Home:
     local = Home.at(tmp_path / "home")
-    return dataclasses.replace(local, pipeline=counting_pipeline, database_url=server.new_database())
+    return dataclasses.replace(local, pipeline=pipeline, database_url=server.new_database())
 
 
 def finished(job: Job) -> bool:

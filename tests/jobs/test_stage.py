@@ -20,7 +20,7 @@ Poll = Callable[[Callable[[], bool], str], None]
 
 
 @pytest.fixture
-def run(tmp_path: Path, counting_pipeline: str) -> Path:
+def run(tmp_path: Path) -> Path:
     return make_run(tmp_path, "count")
 
 
@@ -86,7 +86,7 @@ def test_what_libraries_print_does_not_mix_with_the_messages(start: Callable[[st
     assert "a library that prints to stdout" in errors
 
 
-def test_bad_input_is_one_line_and_status_2(start: Callable[[str, Path], Stage], tmp_path: Path, home: Home) -> None:
+def test_bad_input_is_one_line_and_status_2(start: Callable[[str, Path], Stage], tmp_path: Path) -> None:
     run = make_run(tmp_path, "bad input")
     status, messages, errors = finish(start("train", run))
     assert status == 2
@@ -94,9 +94,7 @@ def test_bad_input_is_one_line_and_status_2(start: Callable[[str, Path], Stage],
     assert errors == ""
 
 
-def test_a_failure_is_one_line_a_traceback_and_status_1(
-    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home
-) -> None:
+def test_a_failure_is_one_line_a_traceback_and_status_1(start: Callable[[str, Path], Stage], tmp_path: Path) -> None:
     status, messages, errors = finish(start("train", make_run(tmp_path, "raise")))
     assert status == 1
     assert messages[-1] == {"error": "RuntimeError: the loss is not a number"}
@@ -104,7 +102,7 @@ def test_a_failure_is_one_line_a_traceback_and_status_1(
 
 
 def test_sigterm_saves_a_checkpoint_and_the_next_process_goes_on_from_there(
-    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
+    start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll
 ) -> None:
     run = make_run(tmp_path, "count", cycles=60)
     process = start("train", run)
@@ -118,9 +116,7 @@ def test_sigterm_saves_a_checkpoint_and_the_next_process_goes_on_from_there(
     assert cycles(run) == list(range(60))
 
 
-def test_it_ends_when_its_parent_is_gone(
-    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
-) -> None:
+def test_it_ends_when_its_parent_is_gone(start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll) -> None:
     run = make_run(tmp_path, "count", cycles=100_000)
     process = start("train", run)
     wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
@@ -130,7 +126,7 @@ def test_it_ends_when_its_parent_is_gone(
 
 
 def test_two_processes_never_work_on_one_run(
-    start: Callable[[str, Path], Stage], tmp_path: Path, home: Home, wait_until: Poll
+    start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll
 ) -> None:
     run = make_run(tmp_path, "count", cycles=40)
     first = start("train", run)

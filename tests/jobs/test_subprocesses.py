@@ -16,7 +16,7 @@ from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 
 
 @pytest.fixture
-def make_run(tmp_path: Path, counting_pipeline: str) -> Callable[..., Path]:
+def make_run(tmp_path: Path) -> Callable[..., Path]:
     def make_run(behaviour: str, cycles: int = 100_000) -> Path:
         import counting_pipeline
 
