@@ -11,10 +11,11 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 
 from hgs_core.errors import InputError
 
-__all__ = ["ProblemError", "install_problem_handlers"]
+__all__ = ["ProblemError", "install_problem_handlers", "problem_response"]
 
 log = logging.getLogger("hgs.server")
 
@@ -43,41 +44,42 @@ def install_problem_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(ProblemError)
     def on_problem(request: Request, error: ProblemError) -> Response:
-        return _answer(request, error)
+        return problem_response(request, error)
 
     @app.exception_handler(InputError)
     def on_input(request: Request, error: InputError) -> Response:
-        return _answer(request, ProblemError(422, "body-invalid", str(error)))
+        return problem_response(request, ProblemError(422, "body-invalid", str(error)))
 
     @app.exception_handler(RequestValidationError)
     def on_validation(request: Request, error: RequestValidationError) -> Response:
         first: dict[str, Any] = dict(error.errors()[0])
         field = ".".join(str(part) for part in first["loc"][1:])
-        return _answer(request, ProblemError(422, "body-invalid", f"{field}: {first['msg']}", field=field))
+        return problem_response(request, ProblemError(422, "body-invalid", f"{field}: {first['msg']}", field=field))
 
     @app.exception_handler(HTTPException)
     def on_http(request: Request, error: HTTPException) -> Response:
         headers = dict(error.headers or {})
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
             detail = f"{request.method} is not allowed on {request.url.path}"
-            return _answer(request, ProblemError(405, "method-not-allowed", detail, headers=headers))
+            return problem_response(request, ProblemError(405, "method-not-allowed", detail, headers=headers))
         code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
         detail = f"{request.url.path}: nothing here" if error.status_code == HTTPStatus.NOT_FOUND else error.detail
-        return _answer(request, ProblemError(error.status_code, code, detail, headers=headers))
+        return problem_response(request, ProblemError(error.status_code, code, detail, headers=headers))
 
     @app.exception_handler(OperationalError)
     def on_database(request: Request, error: OperationalError) -> Response:
         log.error("the job database does not answer: %s", error.orig)
         detail = "the job database cannot be reached; try again later"
-        return _answer(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
+        return problem_response(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
 
     @app.exception_handler(Exception)
     def on_fault(request: Request, error: Exception) -> Response:
         # Starlette raises the exception again after this answer, so the server logs its traceback.
-        return _answer(request, ProblemError(500, "internal", "a fault of the server; its log says more"))
+        return problem_response(request, ProblemError(500, "internal", "a fault of the server; its log says more"))
 
 
-def _answer(request: Request, problem: ProblemError) -> Response:
+def problem_response(request: HTTPConnection, problem: ProblemError) -> Response:
+    """Return the problem document that answers `request`."""
     body = {
         "type": "about:blank",
         "title": HTTPStatus(problem.status).phrase,

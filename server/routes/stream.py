@@ -8,10 +8,9 @@ import time
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
-from starlette.responses import Response
 
 from server.chunk_cache import ChunkCache
-from server.problems import ProblemError
+from server.problems import ProblemError, problem_response
 from server.protocol import Error, ProtocolError, chunk_header, encode
 from server.service import ServiceDep
 from server.stream_session import ChunkPart, StreamSession
@@ -28,7 +27,8 @@ HELLO_SECONDS = 10.0
 async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
     """Stream one scene to one watcher until either side closes."""
     if not service.may_read(socket):
-        await socket.send_denial_response(Response("this page's origin is not allowed", 403))
+        detail = f"a page of {socket.headers['Origin']} may not read scenes on this server"
+        await socket.send_denial_response(problem_response(socket, ProblemError(403, "origin-not-allowed", detail)))
         return
     await socket.accept()
     try:
@@ -39,7 +39,7 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
     except ProtocolError as error:
         await _refuse(socket, error.close_code, error.code, error.detail)
     except ProblemError as error:
-        await _refuse(socket, 4004, error.code, error.detail)
+        await _refuse(socket, 4004 if error.status == 404 else 1011, error.code, error.detail)
     except Exception:
         log.exception("the stream of scene %s broke", scene_id)
         await _refuse(socket, 1011, "internal", "a fault of the server; its log says more")

@@ -173,17 +173,22 @@ def test_missing_chunk_closes_with_an_internal_error(server: Any, manifest: byte
     with_stream(server, manifest, [], talk)
 
 
-def test_unknown_scene_closes_with_4004(server: Any) -> None:
+@pytest.mark.parametrize(
+    ("scene", "close_code", "code"), [("nothing", 4004, "scene-not-found"), ("broken", 1011, "internal")]
+)
+def test_scene_that_cannot_be_opened_is_told_and_closed(server: Any, scene: str, close_code: int, code: str) -> None:
+    server.artifacts.manifests["broken"] = b"{}"
+
     async def scenario() -> None:
         async with (
             running(server.app) as address,
-            websockets.connect(f"ws://{address}/v1/scenes/nothing/stream") as socket,
+            websockets.connect(f"ws://{address}/v1/scenes/{scene}/stream") as socket,
         ):
             error = await receive(socket)
             assert isinstance(error, dict)
-            assert error["code"] == "scene-not-found"
+            assert error["code"] == code
             await asyncio.wait_for(socket.wait_closed(), 30)
-            assert socket.close_code == 4004
+            assert socket.close_code == close_code
 
     asyncio.run(scenario())
 
@@ -193,7 +198,11 @@ def test_pages_of_other_origins_are_refused_before_the_upgrade(server: Any) -> N
         async with running(server.app) as address:
             with pytest.raises(websockets.InvalidStatus) as caught:
                 await websockets.connect(f"ws://{address}/v1/scenes/studio/stream", origin="https://elsewhere.example")
-            assert caught.value.response.status_code == 403
+            response = caught.value.response
+            assert response.status_code == 403
+            assert response.headers["content-type"] == "application/problem+json"
+            assert response.body is not None
+            assert json.loads(response.body)["code"] == "origin-not-allowed"
 
     asyncio.run(scenario())
 
