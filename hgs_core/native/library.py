@@ -22,7 +22,7 @@ from pathlib import Path
 import hgs_core.native
 from hgs_core.errors import InputError
 
-__all__ = ["available", "check", "instruction_set", "load", "thread_count"]
+__all__ = ["available", "check", "instruction_set", "load", "supported", "thread_count"]
 
 ABI_VERSION = 1  # HGS_ABI_VERSION of src/hgs_native.h
 LEVELS = ("v2", "v3", "v4")
@@ -51,6 +51,11 @@ def instruction_set() -> str | None:
     """Return the instruction set of the loaded library: "v2", "v3", "v4", "generic", or None without a library."""
     loaded = _loaded()
     return None if loaded is None else loaded[0]
+
+
+def supported() -> list[str]:
+    """Return the instruction sets that were built and that this processor can run, the best last."""
+    return _supported(_find())
 
 
 def thread_count() -> int:

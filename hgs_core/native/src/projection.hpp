@@ -40,13 +40,17 @@ struct ScreenGradient {
 };
 
 // A projected splat and the intermediate values that its derivative needs.
+//
+// With e_j the screen projection of the splat's unit axis j and s_j its scale, the screen covariance is
+// C = sum_j s_j^2 e_j e_j^T + kLowPass I. It is never inverted by the textbook formula, which cancels for long thin
+// splats: its determinant and the products C^-1 e_j are expanded in the cross products e_i x e_j instead.
 struct Projection {
-  Vec scale[3];
+  Vec variance[3];                 // s_j^2
   Vec unit_quat[4], inverse_norm;  // the norm's inverse is 0 for the quaternions that count as the identity
-  Vec rotation[9];
   Vec z, inverse_z, u, v, u_clamped, v_clamped;
-  Vec axes[9];            // camera rotation x splat rotation x scales: columns are the splat's axes in the camera
-  Vec row_x[3], row_y[3];  // Jacobian x axes: the screen covariance is their Gram matrix plus the low-pass
+  Vec axes[9];         // camera rotation x splat rotation: columns are the splat's unit axes in the camera
+  Vec e_x[3], e_y[3];  // Jacobian x axes
+  Vec cross[3];        // e_1 x e_2, e_2 x e_0, e_0 x e_1
   Vec cov_xx, cov_xy, cov_yy;
   Vec conic_xx, conic_xy, conic_yy, conic_determinant;
   Vec mean_x, mean_y;
@@ -69,14 +73,13 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
   Projection p;
   const float *R = camera.R;
 
-  for (int i = 0; i < 3; ++i) p.scale[i] = exp(shape.log_scale[i]);
+  for (int j = 0; j < 3; ++j) p.variance[j] = exp(2.0f * shape.log_scale[j]);
   const Vec *q = shape.quat;
   const Vec norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   const Mask usable = greater_equal(norm2, broadcast(1e-24f));
   p.inverse_norm = keep(usable, 1.0f / sqrt(norm2));
   for (int i = 0; i < 4; ++i) p.unit_quat[i] = keep(usable, q[i] * p.inverse_norm);
   p.unit_quat[0] = select(usable, p.unit_quat[0], broadcast(1.0f));
-  rotation_matrix(p.unit_quat, p.rotation);
 
   const Vec *m = shape.mean;
   const Vec x = R[0] * m[0] + R[1] * m[1] + R[2] * m[2] + camera.t[0];
@@ -90,26 +93,30 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
   p.mean_x = camera.fx * p.u + camera.cx;
   p.mean_y = camera.fy * p.v + camera.cy;
 
+  Vec Q[9];
+  rotation_matrix(p.unit_quat, Q);
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const Vec *Q = p.rotation;
-      p.axes[3 * i + j] = (R[3 * i] * Q[j] + R[3 * i + 1] * Q[3 + j] + R[3 * i + 2] * Q[6 + j]) * p.scale[j];
-    }
+    for (int j = 0; j < 3; ++j) p.axes[3 * i + j] = R[3 * i] * Q[j] + R[3 * i + 1] * Q[3 + j] + R[3 * i + 2] * Q[6 + j];
   }
   const Vec jx = camera.fx * p.inverse_z, jy = camera.fy * p.inverse_z;
   for (int j = 0; j < 3; ++j) {
-    p.row_x[j] = jx * (p.axes[j] - p.u_clamped * p.axes[6 + j]);
-    p.row_y[j] = jy * (p.axes[3 + j] - p.v_clamped * p.axes[6 + j]);
+    p.e_x[j] = jx * (p.axes[j] - p.u_clamped * p.axes[6 + j]);
+    p.e_y[j] = jy * (p.axes[3 + j] - p.v_clamped * p.axes[6 + j]);
   }
-  const Vec *a = p.row_x, *b = p.row_y;
-  const Vec aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-  const Vec bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
-  p.cov_xx = aa + kLowPass;
-  p.cov_xy = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-  p.cov_yy = bb + kLowPass;
-  // det(A A^T + s I) = |a x b|^2 + s tr(A A^T) + s^2: unlike xx yy - xy^2 it does not cancel for long thin splats.
-  const Vec c0 = a[1] * b[2] - a[2] * b[1], c1 = a[2] * b[0] - a[0] * b[2], c2 = a[0] * b[1] - a[1] * b[0];
-  p.conic_determinant = 1.0f / (c0 * c0 + c1 * c1 + c2 * c2 + kLowPass * (aa + bb) + kLowPass * kLowPass);
+
+  Vec xx{}, xy{}, yy{}, area{};
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    p.cross[j] = p.e_x[k] * p.e_y[l] - p.e_y[k] * p.e_x[l];
+    xx += p.variance[j] * p.e_x[j] * p.e_x[j];
+    xy += p.variance[j] * p.e_x[j] * p.e_y[j];
+    yy += p.variance[j] * p.e_y[j] * p.e_y[j];
+    area += p.variance[k] * p.variance[l] * p.cross[j] * p.cross[j];
+  }
+  p.cov_xx = xx + kLowPass;
+  p.cov_xy = xy;
+  p.cov_yy = yy + kLowPass;
+  p.conic_determinant = 1.0f / (area + kLowPass * (xx + yy) + kLowPass * kLowPass);
   p.conic_xx = p.cov_yy * p.conic_determinant;
   p.conic_xy = -p.cov_xy * p.conic_determinant;
   p.conic_yy = p.cov_xx * p.conic_determinant;
@@ -118,28 +125,44 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
 
 inline ShapeGradient project_backward(const CameraModel &camera, const Projection &p, const ScreenGradient &g) {
   ShapeGradient out;
-  const float *R = camera.R;
 
-  // Covariance: d(C^-1) = -C^-1 dC C^-1.
-  const Vec kxx = p.conic_xx, kxy = p.conic_xy, kyy = p.conic_yy, half_xy = 0.5f * g.conic_xy;
-  const Vec t00 = kxx * g.conic_xx + kxy * half_xy, t01 = kxx * half_xy + kxy * g.conic_yy;
-  const Vec t10 = kxy * g.conic_xx + kyy * half_xy, t11 = kxy * half_xy + kyy * g.conic_yy;
-  const Vec d_xx = -(t00 * kxx + t01 * kxy), d_xy = -(t00 * kxy + t01 * kyy), d_yy = -(t10 * kxy + t11 * kyy);
+  // y_j = C^-1 e_j, and f_j = G y_j with G the symmetric gradient of the conic.
+  Vec y_x[3], y_y[3], f_x[3], f_y[3];
+  const Vec g_xy = 0.5f * g.conic_xy;
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    const Vec with_k = p.variance[k] * p.cross[l], with_l = p.variance[l] * p.cross[k];
+    y_x[j] = p.conic_determinant * (kLowPass * p.e_x[j] + with_k * p.e_y[k] - with_l * p.e_y[l]);
+    y_y[j] = p.conic_determinant * (kLowPass * p.e_y[j] - with_k * p.e_x[k] + with_l * p.e_x[l]);
+    f_x[j] = g.conic_xx * y_x[j] + g_xy * y_y[j];
+    f_y[j] = g_xy * y_x[j] + g.conic_yy * y_y[j];
+  }
 
-  // Jacobian and axes; jxz = -jx u', jyz = -jy v'.
+  // Scales: d(C^-1) = -C^-1 dC C^-1 gives dL / d ln s_j = -2 s_j^2 y_j^T G y_j. Rotation: a turn by t about axis j of the
+  // splat mixes the other two axes, so dL / dt = 2 (s_l^2 - s_k^2) y_k^T G y_l, and dq = q (0, t) / 2.
+  Vec turn[3];
+  for (int j = 0; j < 3; ++j) {
+    const int k = (j + 1) % 3, l = (j + 2) % 3;
+    out.log_scale[j] = -2.0f * p.variance[j] * (y_x[j] * f_x[j] + y_y[j] * f_y[j]);
+    turn[j] = 2.0f * (p.variance[l] - p.variance[k]) * (y_x[k] * f_x[l] + y_y[k] * f_y[l]);
+  }
+  const Vec *q = p.unit_quat, twice = 2.0f * p.inverse_norm;
+  out.quat[0] = -twice * (q[1] * turn[0] + q[2] * turn[1] + q[3] * turn[2]);
+  out.quat[1] = twice * (q[0] * turn[0] + q[2] * turn[2] - q[3] * turn[1]);
+  out.quat[2] = twice * (q[0] * turn[1] + q[3] * turn[0] - q[1] * turn[2]);
+  out.quat[3] = twice * (q[0] * turn[2] + q[1] * turn[1] - q[2] * turn[0]);
+
+  // Jacobian [jx, 0, jxz; 0, jy, jyz]: its gradient is the sum over the axes of -2 s_j^2 C^-1 f_j times the axis.
   const Vec jx = camera.fx * p.inverse_z, jy = camera.fy * p.inverse_z;
   const Vec jxz = -jx * p.u_clamped, jyz = -jy * p.v_clamped;
-  Vec d_jx{}, d_jxz{}, d_jy{}, d_jyz{}, d_axes[9];
+  Vec d_jx{}, d_jxz{}, d_jy{}, d_jyz{};
   for (int j = 0; j < 3; ++j) {
-    const Vec d_row_x = 2.0f * (d_xx * p.row_x[j] + d_xy * p.row_y[j]);
-    const Vec d_row_y = 2.0f * (d_xy * p.row_x[j] + d_yy * p.row_y[j]);
-    d_jx += d_row_x * p.axes[j];
-    d_jxz += d_row_x * p.axes[6 + j];
-    d_jy += d_row_y * p.axes[3 + j];
-    d_jyz += d_row_y * p.axes[6 + j];
-    d_axes[j] = jx * d_row_x;
-    d_axes[3 + j] = jy * d_row_y;
-    d_axes[6 + j] = jxz * d_row_x + jyz * d_row_y;
+    const Vec d_x = -2.0f * p.variance[j] * (p.conic_xx * f_x[j] + p.conic_xy * f_y[j]);
+    const Vec d_y = -2.0f * p.variance[j] * (p.conic_xy * f_x[j] + p.conic_yy * f_y[j]);
+    d_jx += d_x * p.axes[j];
+    d_jxz += d_x * p.axes[6 + j];
+    d_jy += d_y * p.axes[3 + j];
+    d_jyz += d_y * p.axes[6 + j];
   }
 
   // Mean: through the direction (u, v), which the clamp cuts off from the Jacobian, and through 1 / z.
@@ -149,27 +172,8 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   const Vec d_v = camera.fy * g.mean_y - keep(v_free, jy * d_jyz);
   const Vec d_x = d_u * p.inverse_z, d_y = d_v * p.inverse_z;
   const Vec d_z = -p.inverse_z * (d_u * p.u + d_v * p.v + d_jx * jx + d_jxz * jxz + d_jy * jy + d_jyz * jyz);
+  const float *R = camera.R;
   for (int i = 0; i < 3; ++i) out.mean[i] = R[i] * d_x + R[3 + i] * d_y + R[6 + i] * d_z;
-
-  // Scales and rotation.
-  Vec d_Q[9];
-  for (int j = 0; j < 3; ++j) {
-    Vec d_scale{};
-    for (int i = 0; i < 3; ++i) {
-      const Vec d = R[i] * d_axes[j] + R[3 + i] * d_axes[3 + j] + R[6 + i] * d_axes[6 + j];
-      d_scale += d * p.rotation[3 * i + j];
-      d_Q[3 * i + j] = d * p.scale[j];
-    }
-    out.log_scale[j] = d_scale * p.scale[j];
-  }
-  const Vec w = p.unit_quat[0], x = p.unit_quat[1], y = p.unit_quat[2], z = p.unit_quat[3];
-  Vec d_q[4];
-  d_q[0] = 2.0f * (x * (d_Q[7] - d_Q[5]) + y * (d_Q[2] - d_Q[6]) + z * (d_Q[3] - d_Q[1]));
-  d_q[1] = 2.0f * (y * (d_Q[1] + d_Q[3]) + z * (d_Q[2] + d_Q[6]) - 2.0f * x * (d_Q[4] + d_Q[8]) + w * (d_Q[7] - d_Q[5]));
-  d_q[2] = 2.0f * (x * (d_Q[1] + d_Q[3]) + z * (d_Q[5] + d_Q[7]) - 2.0f * y * (d_Q[0] + d_Q[8]) + w * (d_Q[2] - d_Q[6]));
-  d_q[3] = 2.0f * (x * (d_Q[2] + d_Q[6]) + y * (d_Q[5] + d_Q[7]) - 2.0f * z * (d_Q[0] + d_Q[4]) + w * (d_Q[3] - d_Q[1]));
-  const Vec along = w * d_q[0] + x * d_q[1] + y * d_q[2] + z * d_q[3];
-  for (int i = 0; i < 4; ++i) out.quat[i] = (d_q[i] - p.unit_quat[i] * along) * p.inverse_norm;
   return out;
 }
 

@@ -1,0 +1,165 @@
+"""The rasterizer's promises that a comparison with the reference does not show: bits, threads, processes, limits."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from hgs_core.camera import Camera
+from hgs_core.native import library
+from hgs_core.native.raster import DYNAMIC_SHAPES, STATIC_SHAPES, Raster
+from hgs_core.scene import DynamicSplats, StaticSplats
+from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
+from tests.tolerances import assert_close
+
+Floats = npt.NDArray[np.float32]
+
+
+def scene(statics: int = 300, dynamics: int = 200) -> tuple[StaticSplats[Any], DynamicSplats[Any]]:
+    return (
+        static_splats(statics).map(lambda a: a.numpy().astype(np.float32)),
+        dynamic_splats(dynamics).map(lambda a: a.numpy().astype(np.float32)),
+    )
+
+
+def everything(threads: int, view: Camera) -> bytes:
+    """Picture, gradients and statistics of one scene, as bytes."""
+    static, dynamic = scene()
+    raster = Raster(static, dynamic, view, 0.3, background=(0.1, 0.2, 0.3), threads=threads)
+    r = np.random.default_rng(2)
+    grad_rgb = r.normal(size=raster.rgb.shape).astype(np.float32)
+    grad_alpha = r.normal(size=raster.alpha.shape).astype(np.float32)
+    into_static = {name: np.empty_like(array) for name, array in static.items()}
+    into_dynamic = {name: np.empty_like(array) for name, array in dynamic.items()}
+    n = len(static) + len(dynamic)
+    statistics = (np.zeros(n, np.float32), np.zeros(n, np.int32), np.zeros(n, np.float32))
+    raster.backward(grad_rgb, grad_alpha, into_static, into_dynamic, statistics)
+    results = [raster.rgb, raster.alpha, *into_static.values(), *into_dynamic.values(), *statistics]
+    return b"".join(array.tobytes() for array in results)
+
+
+def test_same_bits_for_any_number_of_threads() -> None:
+    view = camera(120, 88)
+    assert len({everything(threads, view) for threads in (1, 2, 3, 7)}) == 1
+
+
+def test_every_instruction_set_computes_the_same_function() -> None:
+    code = (
+        "import sys; from tests.hgs_core.native.test_raster import camera, everything\n"
+        "sys.stdout.buffer.write(everything(2, camera(75, 41)))"
+    )
+    root = Path(__file__).parents[3]
+    results = []
+    for name in library.supported():
+        environment = {**os.environ, "HGS_NATIVE_ISA": name, "PYTHONPATH": str(root)}
+        run = subprocess.run([sys.executable, "-c", code], env=environment, cwd=root, capture_output=True, check=True)
+        results.append(np.frombuffer(run.stdout, np.float32))
+    for result in results[1:]:
+        assert_close(result, results[0])
+
+
+def test_same_bits_from_several_python_threads_at_once() -> None:
+    views = [camera(120, 88), camera(75, 40), camera(40, 24)]
+    alone = [everything(2, view) for view in views]
+    together: list[bytes | None] = [None] * 9
+
+    def work(i: int) -> None:
+        together[i] = everything(2, views[i % 3])
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(9)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert together == alone * 3
+
+
+def test_a_forked_process_gets_threads_of_its_own() -> None:
+    view = camera(64, 64)
+    expected = everything(3, view)
+    child = os.fork()
+    if child == 0:
+        os._exit(0 if everything(3, view) == expected else 1)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 0
+
+
+def test_the_caller_keeps_its_denormals() -> None:
+    everything(2, camera())
+    smallest = np.array([1e-42], np.float32)
+    assert (smallest * np.float32(1.0))[0] != 0.0
+
+
+def test_a_workspace_is_used_again_after_a_larger_picture() -> None:
+    small = everything(2, camera(40, 24))
+    everything(2, camera(200, 100))
+    assert everything(2, camera(40, 24)) == small
+
+
+@pytest.mark.parametrize("field", [*STATIC_SHAPES])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30])
+def test_a_broken_splat_harms_no_other(field: str, value: float) -> None:
+    static, _ = scene(50)
+    broken = static.map(np.copy)
+    getattr(broken, field)[7] = value
+    if field == "rgb":
+        broken.opacity_logits[7] = -10.0  # a colour is not looked at unless it is drawn
+    raster = Raster(broken, None, camera(), threads=1)
+    assert np.isfinite(raster.alpha).all()
+    assert (raster.alpha >= 0).all()
+    assert (raster.alpha <= 1).all()
+
+
+def test_no_splats() -> None:
+    view = camera()
+    for static, dynamic in ((None, None), scene(0, 0)):
+        raster = Raster(static, dynamic, view, background=(0.25, 0.5, 0.75))
+        assert (raster.alpha == 0).all()
+        assert (raster.rgb == np.array([0.25, 0.5, 0.75], np.float32)[:, None, None]).all()
+        raster.backward(np.ones_like(raster.rgb), None, {}, {})
+
+
+def test_more_tile_entries_than_can_be_counted_are_refused() -> None:
+    count = 1 << 15
+    view = dataclasses.replace(camera(), width=1 << 20, height=1)  # 2^16 tiles
+    static = StaticSplats(
+        means=np.tile(np.array([0, 0, 1], np.float32), (count, 1)),
+        log_scales=np.full((count, 3), 10, np.float32),
+        quats=np.zeros((count, 4), np.float32),
+        opacity_logits=np.zeros(count, np.float32),
+        rgb=np.zeros((count, 3), np.float32),
+    )
+    with pytest.raises(RuntimeError, match="more than 2\\^31"):
+        Raster(static, None, view)
+
+
+def test_refuses_arrays_it_would_misread() -> None:
+    static, dynamic = scene(5, 5)
+    with pytest.raises(ValueError, match="quats must be a contiguous float32 array of shape"):
+        Raster(dataclasses.replace(static, quats=static.quats[:, :3]), None, camera())
+    with pytest.raises(ValueError, match="motion must be"):
+        Raster(None, dataclasses.replace(dynamic, motion=dynamic.motion.astype(np.float64)), camera())
+    with pytest.raises(ValueError, match="tile_mask must be"):
+        Raster(static, None, camera(40, 24), tile_mask=np.ones((2, 2), np.bool_))
+
+
+def test_backward_after_release_is_refused() -> None:
+    static, _ = scene(5)
+    raster = Raster(static, None, camera())
+    raster.release()
+    with pytest.raises(RuntimeError, match="after release"):
+        raster.backward(np.ones_like(raster.rgb), None, {}, None)
+
+
+def test_row_shapes_name_every_field() -> None:
+    assert [*STATIC_SHAPES] == [field.name for field in dataclasses.fields(StaticSplats)]
+    assert [*DYNAMIC_SHAPES] == [field.name for field in dataclasses.fields(DynamicSplats)]
