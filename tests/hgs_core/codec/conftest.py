@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hgs_core.camera import Camera
+
+
+@pytest.fixture
+def cameras() -> list[Camera]:
+    """Eight cameras on a ring of 4 m around the origin, 1.4 m above it (y points down)."""
+    found = []
+    for i in range(8):
+        angle = 2 * np.pi * i / 8
+        position = np.array([4 * np.cos(angle), -1.4, 4 * np.sin(angle)])
+        forward = -position / np.linalg.norm(position)
+        right = np.cross([0.0, 1.0, 0.0], forward)
+        right /= np.linalg.norm(right)
+        pose = np.eye(4)
+        pose[:3, :3] = [right, np.cross(forward, right), forward]
+        pose[:3, 3] = -pose[:3, :3] @ position
+        found.append(Camera(f"cam{i:02}", 640, 360, 500.0, 500.0, 320.0, 180.0, pose))
+    return found
