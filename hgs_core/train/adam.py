@@ -56,8 +56,17 @@ class Adam(Generic[S]):
 
     def _update(self, parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float) -> None:
         if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
-            arrays = [tensor.detach().numpy() for tensor in (parameter, gradient.contiguous(), first, second)]
-            adam_step(*arrays, learning_rate=rate, beta1=BETA1, beta2=BETA2, epsilon=EPSILON, step=self.steps)
+            adam_step(
+                parameter.detach().numpy(),
+                gradient.contiguous().numpy(),
+                first.numpy(),
+                second.numpy(),
+                learning_rate=rate,
+                beta1=BETA1,
+                beta2=BETA2,
+                epsilon=EPSILON,
+                step=self.steps,
+            )
             return
         first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)
         second.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)

@@ -34,5 +34,5 @@ class _NativeLoss(torch.autograd.Function):
         return torch.tensor(value, dtype=torch.float32)
 
     @staticmethod
-    def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:  # type: ignore[override]
+    def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:
         return ctx.gradient * upstream, None, None
