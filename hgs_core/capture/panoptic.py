@@ -82,10 +82,12 @@ def open_panoptic(path: Path, *, cache_bytes: int) -> Capture:
 def _read_meta(path: Path) -> dict[str, Any]:
     """Read train_meta.json and check its shape: every frame lists the same cameras in every field."""
     try:
-        meta = json.loads(path.read_text("utf-8"))
+        meta: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(path, f"unreadable ({error})", "restore the file from its source") from error
-    missing = [name for name in ("w", "h", *_FIELDS) if not isinstance(meta, dict) or name not in meta]
+    if not isinstance(meta, dict):
+        raise InputError(path, f"holds a {type(meta).__name__}, not an object", "restore the file from its source")
+    missing = [name for name in ("w", "h", *_FIELDS) if name not in meta]
     if missing:
         raise InputError(path, f"the field {missing[0]!r} is missing", "restore the file from its source")
     for name in ("w", "h"):

@@ -1,0 +1,126 @@
+"""The masks of what moves in a capture: given ones where it has them, automatic ones elsewhere."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.atomic import replacing
+from hgs_core.capture.capture import Capture
+from hgs_core.decompose.temporal import estimate_background, moving_pixels, sample_frames
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, ProgressCallback
+
+__all__ = ["MotionMasks", "motion_masks"]
+
+_STAGE = "masks"
+_SHARE_FRAMES = 16  # per camera, for the estimate of `MotionMasks.share`
+
+
+class MotionMasks:
+    """One mask per training picture. Automatic masks are held as deflated bits, given ones are read when asked for."""
+
+    def __init__(self, capture: Capture, cameras: Sequence[int], automatic: Mapping[int, Sequence[bytes]]) -> None:
+        """Hold the automatic masks `automatic[camera][frame]` (`_pack`); `motion_masks` and `load` call this."""
+        self.cameras = tuple(cameras)
+        self._capture = capture
+        self._automatic = {camera: tuple(rows) for camera, rows in automatic.items()}
+
+    def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_]:
+        """Return the mask [H, W], True = moves.
+
+        Raises:
+            InputError: a given mask is unreadable.
+            IndexError: no masks were made for this camera, or no such frame.
+        """
+        if camera not in self.cameras:
+            raise IndexError(f"no masks were made for camera {camera}")
+        if camera not in self._automatic:
+            given = self._capture.mask(camera, frame)
+            if given is None:
+                raise InputError(self._capture.path, f"the masks of camera {camera} are gone", "restore the files")
+            return given
+        size = self._capture.cameras[camera]
+        bits = np.frombuffer(zlib.decompress(self._automatic[camera][frame]), np.uint8)
+        return np.unpackbits(bits, count=size.height * size.width).view(np.bool_).reshape(size.height, size.width)
+
+    def share(self) -> float:
+        """Return the share of the pixels that move, 0..1, from at most 16 frames of each camera."""
+        frames = sample_frames(len(self._capture.times), _SHARE_FRAMES)
+        return float(np.mean([self.mask(camera, frame).mean() for camera in self.cameras for frame in frames]))
+
+    def save(self, path: Path) -> None:
+        """Write the automatic masks as an .npz file, which appears complete or not at all."""
+        rows = [row for camera in sorted(self._automatic) for row in self._automatic[camera]]
+        with replacing(path) as file:
+            np.savez(
+                file,
+                fingerprint=np.array(self._capture.fingerprint()),
+                cameras=np.array(self.cameras, np.int64),
+                automatic=np.array(sorted(self._automatic), np.int64),
+                sizes=np.array([len(row) for row in rows], np.int64),
+                bits=np.frombuffer(b"".join(rows), np.uint8),
+            )
+
+    @classmethod
+    def load(cls, path: Path, capture: Capture) -> MotionMasks:
+        """Read what `save` wrote; the capture gives the masks that are its own.
+
+        Raises:
+            InputError: the file is missing, unreadable, or belongs to another capture.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                data = {name: file[name] for name in ("fingerprint", "cameras", "automatic", "sizes", "bits")}
+        except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+            raise InputError(path, f"no readable masks ({error})", "run `initialise` again") from error
+        if str(data["fingerprint"]) != capture.fingerprint():
+            raise InputError(path, "the masks belong to another state of the capture", "run `initialise` again")
+        automatic = [int(camera) for camera in data["automatic"]]
+        frames = len(capture.times)
+        if len(data["sizes"]) != frames * len(automatic) or int(data["sizes"].sum()) != len(data["bits"]):
+            raise InputError(path, "the masks are incomplete", "run `initialise` again")
+        ends = np.cumsum(data["sizes"])
+        whole = data["bits"].tobytes()
+        rows = [whole[end - size : end] for end, size in zip(ends, data["sizes"], strict=True)]
+        by_camera = {camera: rows[i * frames : (i + 1) * frames] for i, camera in enumerate(automatic)}
+        return cls(capture, [int(camera) for camera in data["cameras"]], by_camera)
+
+
+def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: ProgressCallback) -> MotionMasks:
+    """Return the masks of what moves for the given cameras; no other camera is read.
+
+    Raises:
+        InputError: a picture is missing or unreadable.
+        StageStopped: the callback wishes so.
+    """
+    wanted = [camera for camera in cameras if capture.mask(camera, 0) is None]
+    automatic: dict[int, list[bytes]] = {}
+    progress(Progress(_STAGE, 0, len(wanted)))
+    with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
+        jobs = [pool.submit(_automatic_masks, capture, camera) for camera in wanted]
+        try:
+            for camera, job in zip(wanted, jobs, strict=True):
+                automatic[camera] = job.result()
+                progress(Progress(_STAGE, len(automatic), len(wanted)))
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+    return MotionMasks(capture, cameras, automatic)
+
+
+def _automatic_masks(capture: Capture, camera: int) -> list[bytes]:
+    frames = len(capture.times)
+    background = estimate_background(lambda frame: capture.frame(camera, frame), frames)
+    return [_pack(moving_pixels(capture.frame(camera, frame), background)) for frame in range(frames)]
+
+
+def _pack(mask: npt.NDArray[np.bool_]) -> bytes:
+    return zlib.compress(np.packbits(mask).tobytes(), 1)

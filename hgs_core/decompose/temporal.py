@@ -1,0 +1,105 @@
+"""What moves in the pictures of one fixed camera, from their statistics over time.
+
+The background of a pixel is its median over frames spread evenly over time, which anything that stands at a place for
+less than half of them does not touch. A pixel moves in a frame where it differs from its background by more than the
+noise there. Where it does so in half of the frames, no state is the background, and it moves in all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.decompose.morphology import box_sum, close, despeckle, dilate
+
+__all__ = ["Background", "Frame", "estimate_background", "moving_pixels", "sample_frames"]
+
+_SAMPLES = 25  # frames that the median and the noise are taken from
+_STRIP = 64  # rows at a time, so that the median needs little memory
+_LARGE = 1 << 19  # pixels; larger pictures are judged at half resolution, which their noise and details allow
+_NOISE_FACTOR = 3.5  # standard deviations of the smoothed difference that count as motion
+_NOISE_FLOOR = 5.0  # levels of 255 that no threshold goes below: slow drift and quantisation
+_NOISE_SPAN = 1.75  # a pixel's own threshold is at most this much above the picture's, or motion would hide itself
+_TEXTURE = 0.16  # of the local contrast: coding errors follow it, and jump where the encoder starts afresh
+_RESTLESS = 0.5  # share of the frames that differ, from which on there is no background
+_MARGIN = 2  # pixels added around what was seen to move, for soft borders
+
+Frame = Callable[[int], npt.NDArray[np.uint8]]
+"""Gives the picture [H, W, 3] of a frame."""
+
+
+@dataclass(frozen=True)
+class Background:
+    """The still picture behind one camera's video, at the resolution the video is judged at."""
+
+    rgb: npt.NDArray[np.uint8]  # [h, w, 3] median over time
+    threshold: npt.NDArray[np.float32]  # [h, w] smoothed difference that counts as motion, levels of 255
+    restless: npt.NDArray[np.bool_]  # [h, w] pixels without a background
+    halved: bool  # h = H / 2 and w = W / 2, rounded up
+
+
+def estimate_background(frame: Frame, frames: int) -> Background:
+    """Estimate the background from at most 25 of a video's `frames` pictures."""
+    chosen = sample_frames(frames, _SAMPLES)
+    first = frame(chosen[0])
+    halved = first.shape[0] * first.shape[1] > _LARGE
+    stack = np.stack([_reduced(frame(index), halved) for index in chosen])  # S pictures [h, w, 3]
+    rgb = np.empty_like(stack[0])
+    for top in range(0, rgb.shape[0], _STRIP):
+        strip = stack[:, top : top + _STRIP]
+        rgb[top : top + _STRIP] = np.partition(strip, len(chosen) // 2, axis=0)[len(chosen) // 2]
+    differences = np.stack([_difference(picture, rgb) for picture in stack])  # [S, h, w]
+    # The median deviation over time is deaf to what passes by; 1.4826 of it is a Gaussian's standard deviation.
+    deviation = np.partition(differences, len(chosen) // 2, axis=0)[len(chosen) // 2]
+    noise = np.float32(1.4826) * deviation.astype(np.float32)
+    base = max(_NOISE_FLOOR, _NOISE_FACTOR * float(np.median(noise)))  # of the still pixels: they are the most
+    threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + np.float32(_TEXTURE) * _contrast(rgb)
+    restless = (differences > threshold).mean(axis=0) > _RESTLESS
+    return Background(rgb, threshold, restless, halved)
+
+
+def moving_pixels(picture: npt.NDArray[np.uint8], background: Background) -> npt.NDArray[np.bool_]:
+    """Return the mask [H, W] of what moves in a picture [H, W, 3]: objects, their shadows and reflections."""
+    differs = _difference(_reduced(picture, background.halved), background.rgb) > background.threshold
+    moving = despeckle(differs | background.restless, 2, 0.3)
+    moving = dilate(close(moving, 3), _MARGIN)
+    if background.halved:
+        moving = moving.repeat(2, axis=0).repeat(2, axis=1)[: picture.shape[0], : picture.shape[1]]
+    return moving
+
+
+def sample_frames(frames: int, count: int) -> Sequence[int]:
+    """Return at most `count` frame numbers, spread evenly over time, ascending."""
+    return sorted({int(i) for i in np.linspace(0, frames - 1, min(frames, count)).round()})
+
+
+def _difference(picture: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+    """Return the largest channel of the smoothed difference of two pictures [h, w, 3], levels of 255, [h, w].
+
+    The 3x3 mean is taken with the sign: noise cancels, motion and shadows do not.
+    """
+    signed = picture.astype(np.int16) - background
+    smooth = np.abs(box_sum(signed, 1)).max(axis=2)
+    return np.asarray(smooth, np.float32) * np.float32(1 / 9)
+
+
+def _contrast(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+    """Return the mean difference of neighbouring pixels around each pixel of a picture [h, w, 3], [h, w]."""
+    wide = picture.astype(np.int16)
+    steps = np.zeros(picture.shape[:2], np.int16)
+    steps[:, 1:] += np.abs(wide[:, 1:] - wide[:, :-1]).max(axis=2)
+    steps[1:] += np.abs(wide[1:] - wide[:-1]).max(axis=2)
+    return np.asarray(box_sum(steps, 1), np.float32) * np.float32(1 / 9)
+
+
+def _reduced(picture: npt.NDArray[np.uint8], halved: bool) -> npt.NDArray[np.uint8]:
+    """Return the mean of every 2x2 block, if wanted; an odd last row or column stands for itself."""
+    if not halved:
+        return picture
+    padded = np.pad(picture, ((0, picture.shape[0] % 2), (0, picture.shape[1] % 2), (0, 0)), mode="edge")
+    wide = padded.astype(np.uint16)
+    total = wide[::2, ::2] + wide[1::2, ::2] + wide[::2, 1::2] + wide[1::2, 1::2]
+    return np.asarray((total + 2) >> 2, np.uint8)
