@@ -129,7 +129,12 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
     client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
     config = TrainConfig(
-        cycles=300, checkpoint_every=20, static_points=1000, dynamic_points=300, init_frames=1, hold_out=("cam00",)
+        cycles=300,
+        checkpoint_every=20,
+        static_points=1000,
+        dynamic_points=300,
+        init_frames=1,
+        hold_out=tuple(f"cam{i:02}" for i in range(4, 16)),  # four cameras are enough here, and faster
     )
     job_id = client.submit(JobRequest(SAMPLE, config))
     run = client.home.run(job_id)
