@@ -16,6 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hgs_core.camera import Camera
 from hgs_core.codec.chunk import ENTRY, HEADER, pack, unpack
@@ -30,8 +31,10 @@ OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors"
 SETTINGS = EncodeSettings()
 BOUND = 1e-3
 
+Floats = NDArray[np.float32]
 
-def statics(count: int, seed: int, spread: float = 2.0) -> StaticSplats:
+
+def statics(count: int, seed: int, spread: float = 2.0) -> StaticSplats[Floats]:
     rng = np.random.default_rng(seed)
     return StaticSplats(
         rng.normal(0, spread, (count, 3)).astype(np.float32),
@@ -42,7 +45,7 @@ def statics(count: int, seed: int, spread: float = 2.0) -> StaticSplats:
     )
 
 
-def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats:
+def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats[Floats]:
     rng = np.random.default_rng(seed)
     still = statics(count, seed)
     coefficients = rng.normal(0, motion, (count, 4, 3)).astype(np.float32)
@@ -59,11 +62,11 @@ def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats:
     )
 
 
-def static_chunk(splats: StaticSplats, bound: float = BOUND) -> bytes:
+def static_chunk(splats: StaticSplats[Floats], bound: float = BOUND) -> bytes:
     return encode_static_chunk(prepare_static(splats, bound, SETTINGS), bound, SETTINGS, 0)
 
 
-def dynamic_chunk(splats: DynamicSplats) -> bytes:
+def dynamic_chunk(splats: DynamicSplats[Floats]) -> bytes:
     prepared = prepare_dynamic(splats, 1.0, 0.02, BOUND, SETTINGS)
     time = SegmentTime.of(2.0, 3.5, 1.0, prepared, SETTINGS)
     return encode_dynamic_chunk(prepared, time, BOUND, SETTINGS, 7)[0]

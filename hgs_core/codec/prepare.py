@@ -24,7 +24,11 @@ LARGEST_LOG_SCALE = 30.0
 LARGEST_RGB = 8.0  # either sign; training keeps colours near [0, 1]
 NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
 STEADY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
-MAY_BE_INFINITE = ("opacity_logits", "time_log_precisions")  # opacities of 0 and 1; no fading, no duration
+MEANINGFUL_INFINITIES = {
+    "log_scales": (-math.inf,),  # no thickness
+    "opacity_logits": (-math.inf, math.inf),  # opacities of 0 and 1
+    "time_log_precisions": (-math.inf, math.inf),  # no fading, no duration
+}
 
 Doubles = NDArray[np.float64]
 
@@ -141,7 +145,7 @@ def _check(what: str, fields: Any) -> None:
         if len(array) == 0:
             return
         numbers = np.asarray(array).reshape(len(array), -1)
-        valid = ~np.isnan(numbers) if name in MAY_BE_INFINITE else np.isfinite(numbers)
+        valid = np.isfinite(numbers) | np.isin(numbers, MEANINGFUL_INFINITIES.get(name, ()))
         if not valid.all():
             splat = int(np.argmin(valid.all(axis=1)))
             raise InputError(f"{what} {splat}", f"{name} is not a finite number", "train the scene again")

@@ -50,6 +50,7 @@ def evaluate(
     quats = np.where(still, (1.0, 0.0, 0.0, 0.0), quats / np.where(still, 1.0, norm))
     sigma = np.exp(-np.logaddexp(0.0, -np.asarray(dynamic.opacity_logits, np.float64)))
     log_precision = np.asarray(dynamic.time_log_precisions, np.float64)
-    with np.errstate(over="ignore", divide="ignore"):
-        fade = np.exp(-np.exp(log_precision + 2 * np.log(np.abs(d))))  # s d^2 without inf * 0
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        exponent = np.exp(log_precision + 2 * np.log(np.abs(d)))  # s d^2, no overflow before the product
+    fade = np.exp(-np.where(d == 0, 0.0, exponent))
     return positions, quats, sigma * fade

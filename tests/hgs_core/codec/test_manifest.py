@@ -49,7 +49,9 @@ def test_a_wrong_camera_is_named() -> None:
         Manifest.from_json(changed)
 
 
-@pytest.mark.parametrize(("content", "problem"), [(None, "cannot be read"), (b"{", "is not JSON"), (b"[]", "an object")])
+@pytest.mark.parametrize(
+    ("content", "problem"), [(None, "cannot be read"), (b"{", "is not JSON"), (b"[]", "an object")]
+)
 def test_an_unreadable_file_is_named(tmp_path: Path, content: bytes | None, problem: str) -> None:
     if content is not None:
         (tmp_path / "manifest.json").write_bytes(content)
