@@ -100,12 +100,12 @@ def prepare_dynamic(
     precision = np.asarray(splats.time_log_precisions, np.float64)[:, None]
     values["time_log_precision"] = np.clip(precision, np.minimum(steady, briefest), briefest)
     alive = (start <= shown_until) & (end >= 0)
-    kept = Prepared(values).take(alive)
-    _check_size("dynamic splat", "time_centers", kept.values["time_center"], LARGEST_TIME)
-    distance = np.maximum(1.0, furthest[alive])
-    for order, name in enumerate(("position", *MOTION_ORDERS)):
-        _check_size("dynamic splat", f"motion[{order}]", kept.values[name] * distance**order, LARGEST_COORDINATE)
-    return kept
+    living = alive[:, None]
+    _check_size("dynamic splat", "time_centers", np.where(living, center, 0.0), LARGEST_TIME)
+    for order in range(4):
+        reach = motion[:, order] * np.maximum(1.0, furthest) ** order
+        _check_size("dynamic splat", "motion", np.where(living, reach, 0.0), LARGEST_COORDINATE)
+    return Prepared(values).take(alive)
 
 
 def _common(
@@ -152,7 +152,7 @@ def _check(what: str, fields: Any) -> None:
 
 
 def _check_size(what: str, field: str, values: Doubles, largest: float) -> None:
-    size = np.abs(values).max(axis=1)
+    size = np.abs(values).max(axis=1, initial=0.0)
     if (size > largest).any():
         splat = int(np.argmax(size))
         raise InputError(f"{what} {splat}", f"{field} reaches {size[splat]:.3g}, more than {largest:.0e}")

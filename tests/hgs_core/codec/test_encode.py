@@ -302,7 +302,7 @@ def test_a_splat_that_lives_far_from_its_segment_is_named(tmp_path: Path, camera
     given.segments[0].dynamic.time_centers[5] = 1e6
     given.segments[0].dynamic.time_log_precisions[5] = -1e4
     given.segments[0].dynamic.opacity_logits[5] = 3
-    with pytest.raises(InputError, match="time_centers reaches 1e"):
+    with pytest.raises(InputError, match="dynamic splat 5: time_centers reaches 1e"):
         encode(given, tmp_path, cameras)
 
 

@@ -1,6 +1,7 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
 import { decodeChunk } from "../../src/codec/chunk";
+import { crc32 } from "../../src/codec/crc32";
 import { ChunkError } from "../../src/codec/errors";
 
 const VECTORS = new URL("../../../tests/vectors/", import.meta.url);
@@ -45,5 +46,29 @@ describe("decodeChunk", () => {
     expect(error).toBeInstanceOf(ChunkError);
     const { byte, record } = error as ChunkError;
     expect({ byte, record }).toEqual(expected);
+  });
+
+  it.each(["static", "dynamic"])("meets any damage of the %s vector with ChunkError", async (name) => {
+    const original = bytesOf(`${name}.chunk`);
+    let state = 1;
+    const random = (below: number) => {
+      state = (Math.imul(state, 1664525) + 1013904223) >>> 0; // a linear congruential generator: the same damage each run
+      return Math.floor((state / 2 ** 32) * below);
+    };
+    let refused = 0;
+    for (let round = 0; round < 1000; round++) {
+      const bytes = original.slice();
+      const reach = random(2) ? bytes.length : 64 + 44 * bytes[7];
+      bytes[random(reach)] = random(256);
+      new DataView(bytes.buffer).setUint32(bytes.length - 4, crc32(bytes.subarray(0, -4)), true);
+      const error = await decodeChunk(bytes).then(
+        () => undefined,
+        (reason: unknown) => reason,
+      );
+      if (error === undefined) continue;
+      expect(error).toBeInstanceOf(ChunkError);
+      refused++;
+    }
+    expect(refused).toBeGreaterThan(300);
   });
 });
