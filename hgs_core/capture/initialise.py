@@ -24,7 +24,7 @@ from hgs_core.capture.sweep import SweptPoints, depth_ranges, sweep
 from hgs_core.capture.visibility import pixels_inside
 from hgs_core.decompose.labels import label_points
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.decompose.temporal import estimate_background, sample_frames
+from hgs_core.decompose.temporal import median_picture, sample_frames
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback
 
@@ -33,10 +33,12 @@ __all__ = ["initial_points"]
 _STAGE = "points"
 _RAYS_PER_POINT = 3  # swept pixels for each point wanted: the better ones are taken
 _MOVES = 0.5  # share of the views from which on a point is dynamic
+_CONFIRMED = 3  # views that agree on a depth, beyond which more of them mean no more
 _HULL = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
 _MIN_VIEWS = 2
+_STILL_FRAMES = 11  # that the still picture of a camera is the median of
 _GHOST = 0.5  # share of the sampled frames in which a pixel moves, from which on its background means nothing
-_MAX_SPACING = 4.0  # of the median: what stands alone must not start as a giant
+_MAX_SPACING = 3.0  # of the median: what stands alone must not start as a giant
 
 
 def initial_points(
@@ -119,12 +121,8 @@ def _still_picture(
     capture: Capture, masks: MotionMasks, camera: int
 ) -> tuple[npt.NDArray[np.uint8], npt.NDArray[np.bool_]]:
     """Return the median picture [H, W, 3] of a camera over time and the pixels [H, W] where it is the background."""
-    frames = len(capture.times)
-    picture = estimate_background(lambda frame: capture.frame(camera, frame), frames).rgb
-    size = capture.cameras[camera]
-    if picture.shape[:2] != (size.height, size.width):
-        picture = picture.repeat(2, axis=0).repeat(2, axis=1)[: size.height, : size.width]
-    sampled = sample_frames(frames, 15)
+    sampled = sample_frames(len(capture.times), _STILL_FRAMES)
+    picture = median_picture(np.stack([capture.frame(camera, frame) for frame in sampled]))
     moving = np.mean([masks.mask(camera, frame) for frame in sampled], axis=0)
     return picture, np.asarray(moving < _GHOST)
 
@@ -150,6 +148,7 @@ def _dynamic_seeds(
     pictures = [capture.frame(index, frame) for index in cameras]
     swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, in_hull)
     chosen = _choose(swept, count, generator)
+    chosen = chosen[swept.agreeing[chosen] > 0]  # rather too few: a wrong moving point is in the way of the view
     share = _hull_share(views, moving, swept.xyz[chosen])
     return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[frame]), share)
 
@@ -167,9 +166,13 @@ def _hull_share(
 
 
 def _choose(swept: SweptPoints, count: int, generator: np.random.Generator) -> npt.NDArray[np.int64]:
-    """Return the rows of `count` points: at random among those that most neighbours agree on, then the next best."""
-    order = np.lexsort((generator.random(len(swept.xyz)), -np.minimum(swept.agreeing, 2)))
-    return np.sort(order[:count])
+    """Return the rows of at most `count` points: at random among the best confirmed, then among the next best.
+
+    A point that more views see through than confirm hangs in empty space and is left out.
+    """
+    confirmed = np.minimum(swept.agreeing, _CONFIRMED)
+    order = np.lexsort((generator.random(len(swept.xyz)), -confirmed))
+    return np.sort(order[swept.opposed[order] <= swept.agreeing[order]][:count])
 
 
 def _cloud(
@@ -189,7 +192,7 @@ def _reduced(cloud: PointCloud, count: int, generator: np.random.Generator) -> P
 
 
 def _spaced(cloud: PointCloud) -> PointCloud:
-    """Fill in the mean distance to the three nearest neighbours, at most four times the median."""
+    """Fill in the mean distance to the three nearest neighbours, at most three times the median."""
     spacing = mean_neighbour_distance(cloud.xyz)
     positive = spacing[spacing > 0]
     typical = np.median(positive) if len(positive) else np.float32(1e-2)

@@ -25,6 +25,7 @@ _DEPTHS = 64
 _NEIGHBOURS = 4  # views that a picture is compared with, of which one may be blocked
 _BLIND = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
 _AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
+_BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
 _FEW = 20  # points below which a camera's depth range is taken from all points
 
 Admit = Callable[[npt.NDArray[np.floating[Any]]], npt.NDArray[np.bool_]]
@@ -37,8 +38,8 @@ class SweptPoints:
 
     xyz: npt.NDArray[np.float32]  # [P, 3]
     rgb: npt.NDArray[np.float32]  # [P, 3] in [0, 1]
-    cost: npt.NDArray[np.float32]  # [P] mean difference to the neighbours, levels of 255
-    agreeing: npt.NDArray[np.int64]  # [P] neighbours whose own depth agrees
+    agreeing: npt.NDArray[np.int64]  # [P] other views whose own depth agrees
+    opposed: npt.NDArray[np.int64]  # [P] other views that see something behind the point, as if it were not there
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,6 @@ class _DepthMap:
 
     step: int
     depths: npt.NDArray[np.float64]  # [h, w]
-    cost: npt.NDArray[np.float64]  # [h, w]
 
 
 def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:
@@ -89,7 +89,7 @@ def sweep(
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         descriptors = list(pool.map(_descriptors, pictures))
         maps = list(pool.map(one, range(len(cameras))))
-    parts = [_points(view, neighbours[view], cameras, pictures[view], maps) for view in range(len(cameras))]
+    parts = [_points(view, cameras, pictures[view], maps) for view in range(len(cameras))]
     return SweptPoints(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
@@ -113,7 +113,7 @@ def _depth_map(
     rows, columns = np.arange(step // 2, camera.height, step), np.arange(step // 2, camera.width, step)
     chosen = wanted[np.ix_(rows, columns)]  # [h, w]
     i, j = np.nonzero(chosen)
-    found = _DepthMap(step, np.zeros(chosen.shape), np.full(chosen.shape, np.inf))
+    found = _DepthMap(step, np.zeros(chosen.shape))
     if len(i) == 0:
         return found
     near, far = depth_range
@@ -130,10 +130,8 @@ def _depth_map(
         cost[~admit(points.reshape(-1, 3)).reshape(cost.shape)] = np.inf
     cost = _aggregate(cost, i, j, chosen)
     best = cost.argmin(axis=1)
-    lowest = cost[np.arange(len(best)), best]
-    seen = lowest < _BLIND
+    seen = cost[np.arange(len(best)), best] < _BLIND
     found.depths[i[seen], j[seen]] = _refine(cost, best, near, far)[seen]
-    found.cost[i[seen], j[seen]] = lowest[seen]
     return found
 
 
@@ -202,23 +200,22 @@ def _refine(
 
 
 def _points(
-    view: int,
-    neighbours: Sequence[int],
-    cameras: Sequence[Camera],
-    picture: npt.NDArray[np.uint8],
-    maps: Sequence[_DepthMap],
-) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.int64]]:
-    """Return the points of one view with the number of neighbours that agree."""
+    view: int, cameras: Sequence[Camera], picture: npt.NDArray[np.uint8], maps: Sequence[_DepthMap]
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the points of one view, with what the depths of the other views say to them."""
     camera, found = cameras[view], maps[view]
     i, j = np.nonzero(found.depths)
     row, column = i * found.step + found.step // 2, j * found.step + found.step // 2
     xyz = camera.position + _world_rays(camera, row, column) * found.depths[i, j, None]
-    agreeing = np.zeros(len(xyz), np.int64)
-    for other in neighbours:
+    agreeing, opposed = np.zeros((2, len(xyz)), np.int64)
+    for other in range(len(cameras)):
+        if other == view:
+            continue
         rows, pixels = pixels_inside(cameras[other], xyz)
         _, depths = cameras[other].project(xyz[rows])
         cell = np.minimum(pixels // maps[other].step, np.array(maps[other].depths.shape)[::-1] - 1)
-        theirs = maps[other].depths[cell[:, 1], cell[:, 0]]
+        theirs = maps[other].depths[cell[:, 1], cell[:, 0]]  # 0, which is neither, where there is none
         agreeing[rows] += np.abs(theirs - depths) < _AGREEMENT * depths
+        opposed[rows] += theirs > _BEYOND * depths
     rgb = picture[row, column].astype(np.float32) / np.float32(255)
-    return xyz.astype(np.float32), rgb, found.cost[i, j].astype(np.float32), agreeing
+    return xyz.astype(np.float32), rgb, agreeing, opposed

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from hgs_core.decompose.morphology import box_sum, close, despeckle, dilate
 
-__all__ = ["Background", "Frame", "estimate_background", "moving_pixels", "sample_frames"]
+__all__ = ["Background", "Frame", "estimate_background", "median_picture", "moving_pixels", "sample_frames"]
 
 _SAMPLES = 25  # frames that the median and the noise are taken from
 _STRIP = 64  # rows at a time, so that the median needs little memory
@@ -47,10 +47,7 @@ def estimate_background(frame: Frame, frames: int) -> Background:
     first = frame(chosen[0])
     halved = first.shape[0] * first.shape[1] > _LARGE
     stack = np.stack([_reduced(frame(index), halved) for index in chosen])  # S pictures [h, w, 3]
-    rgb = np.empty_like(stack[0])
-    for top in range(0, rgb.shape[0], _STRIP):
-        strip = stack[:, top : top + _STRIP]
-        rgb[top : top + _STRIP] = np.partition(strip, len(chosen) // 2, axis=0)[len(chosen) // 2]
+    rgb = median_picture(stack)
     differences = np.stack([_difference(picture, rgb) for picture in stack])  # [S, h, w]
     # The median deviation over time is deaf to what passes by; 1.4826 of it is a Gaussian's standard deviation.
     deviation = np.partition(differences, len(chosen) // 2, axis=0)[len(chosen) // 2]
@@ -59,6 +56,15 @@ def estimate_background(frame: Frame, frames: int) -> Background:
     threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + np.float32(_TEXTURE) * _contrast(rgb)
     restless = (differences > threshold).mean(axis=0) > _RESTLESS
     return Background(rgb, threshold, restless, halved)
+
+
+def median_picture(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return the median over S pictures [S, H, W, 3] of one camera, [H, W, 3]."""
+    middle = len(stack) // 2
+    median: npt.NDArray[np.uint8] = np.empty_like(stack[0])
+    for top in range(0, median.shape[0], _STRIP):
+        median[top : top + _STRIP] = np.partition(stack[:, top : top + _STRIP], middle, axis=0)[middle]
+    return median
 
 
 def moving_pixels(picture: npt.NDArray[np.uint8], background: Background) -> npt.NDArray[np.bool_]:
