@@ -6,20 +6,6 @@ extern "C" {
 
 int32_t hgs_abi_version(void) { return HGS_ABI_VERSION; }
 
-int32_t hgs_cpu_level(void) {
-#if defined(__x86_64__)
-  const bool v2 = __builtin_cpu_supports("sse4.2") && __builtin_cpu_supports("popcnt");
-  const bool v3 = v2 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                  __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-  const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                  __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-                  __builtin_cpu_supports("avx512vl");
-  return v4 ? 4 : v3 ? 3 : v2 ? 2 : 1;
-#else
-  return 0;
-#endif
-}
-
 const char *hgs_status_message(int32_t status) {
   switch (status) {
     case HGS_OK: return "no error";
