@@ -21,7 +21,7 @@ def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    return np.array(_open(path, camera).convert("RGB"))
+    return _pixels(path, camera, "RGB")
 
 
 def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
@@ -30,7 +30,7 @@ def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    values = np.asarray(_open(path, camera))
+    values = _pixels(path, camera, None)
     return np.asarray(values.any(axis=2) if values.ndim == 3 else values > 0, bool)
 
 
@@ -55,14 +55,14 @@ def list_folder(folder: Path) -> dict[str, int]:
         return {entry.name: entry.stat().st_size for entry in entries if entry.is_file()}
 
 
-def _open(path: Path, camera: Camera) -> Image.Image:
+def _pixels(path: Path, camera: Camera, mode: str | None) -> npt.NDArray[np.uint8]:
+    """Return the pixels in Pillow's `mode`, or as they are stored."""
     try:
-        image = Image.open(path)
-        _check_size(path, image.size, camera)
-        image.load()
+        with Image.open(path) as image:
+            _check_size(path, image.size, camera)
+            return np.array(image.convert(mode) if mode else image)
     except (OSError, UnidentifiedImageError, SyntaxError) as error:
         raise _unreadable(path, error) from error
-    return image
 
 
 def _check_size(path: Path, size: tuple[int, int], camera: Camera) -> None:

@@ -48,14 +48,14 @@ class VideoReader:
                 self.width, self.height = stream.codec_context.width, stream.codec_context.height
                 self.rate: Fraction = Fraction(stream.average_rate or 0)
                 announced = stream.frames
+                damaged = False
                 for packet in container.demux(stream):
                     if packet.pts is None or packet.is_discard:
                         continue
                     stamps.append(packet.pts)
                     if packet.is_keyframe:
                         keys.append(packet.pts)
-                    if packet.is_corrupt:
-                        raise InputError(path, f"packet {len(stamps) - 1} is damaged", "export the video again")
+                    damaged |= packet.is_corrupt
         except av.FFmpegError as error:
             raise self._unreadable(error) from error
         if not stamps:
@@ -63,6 +63,8 @@ class VideoReader:
         if announced and len(stamps) < announced:
             problem = f"the video is truncated: {len(stamps)} of {announced} frames are there"
             raise InputError(path, problem, "copy the file again")
+        if damaged:
+            raise InputError(path, "the video holds damaged packets", "copy or export the camera's video again")
         if len(set(stamps)) < len(stamps):
             raise InputError(path, "two frames have the same time stamp", "export the camera's video again")
         if self.rate <= 0:
@@ -88,12 +90,14 @@ class VideoReader:
         key = self._stamps.index(self._keys[max(0, bisect_right(self._keys, self._stamps[index]) - 1)])
         passed: list[Neighbour] = []
         try:
-            if self._frames is None or not max(key, self._next) <= index or key > self._next:
+            # Frames that the caller keeps on the way are worth decoding, even where a key frame would skip them.
+            if self._frames is None or self._next > index or key - self._next > neighbours:
                 self._seek(key)
+            start = self._next
             assert self._frames is not None
             for frame in self._frames:
                 shown = self._index(frame)
-                if shown is None or shown < key:
+                if shown is None or shown < start:
                     continue  # a leading frame after a seek may refer to pictures before the key frame
                 if frame.is_corrupt:
                     raise InputError(self.path, f"frame {shown} is damaged", "export the camera's video again")
