@@ -16,6 +16,7 @@ import obstore
 from obstore.exceptions import AlreadyExistsError
 from obstore.store import LocalStore, ObjectStore, from_url
 
+from hgs_core.codec.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback, silent
 
@@ -53,26 +54,24 @@ class ArtifactStore:
         The manifest comes last, so whoever sees the scene sees all of it. Publishing again does nothing.
 
         Raises:
-            InputError: a malformed scene id, a folder without a manifest, or a chunk that is not what its name says.
+            InputError: a malformed scene id, an unreadable manifest, or a file that is missing or damaged.
         """
         if not _SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
-        manifest = folder / "manifest.json"
-        if not manifest.is_file():
-            raise InputError(manifest, "is missing", "encode the scene first")
-        chunks = sorted(path for path in (folder / "chunks").iterdir() if _CHUNK_ID.fullmatch(path.name))
-        for done, path in enumerate(chunks):
-            progress(Progress("publish", done, len(chunks) + 1))
-            data = path.read_bytes()
-            if hashlib.sha256(data).hexdigest() != path.name:
+        manifest = load_manifest(folder)
+        total = len(manifest.chunks) + 1
+        for done, chunk in enumerate(manifest.chunks):
+            progress(Progress("publish", done, total))
+            path = folder / CHUNKS / chunk.id
+            data = _read(path)
+            if hashlib.sha256(data).hexdigest() != chunk.id:
                 raise InputError(path, "its SHA-256 is not its name: the file is damaged", "encode the scene again")
-            self._create(f"chunks/{path.name}", data)
-        progress(Progress("publish", len(chunks), len(chunks) + 1))
-        thumbnail = folder / "thumbnail.jpg"
-        if thumbnail.is_file():
-            self._create(f"scenes/{scene_id}/thumbnail.jpg", thumbnail.read_bytes())
-        self._create(f"scenes/{scene_id}/manifest.json", manifest.read_bytes())
-        progress(Progress("publish", len(chunks) + 1, len(chunks) + 1))
+            self._create(f"chunks/{chunk.id}", data)
+        progress(Progress("publish", total - 1, total))
+        if manifest.thumbnail:
+            self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
+        self._create(f"scenes/{scene_id}/{MANIFEST}", _read(folder / MANIFEST))
+        progress(Progress("publish", total, total))
 
     def list_scenes(self) -> list[SceneEntry]:
         """Return the published scenes, newest first."""
@@ -80,17 +79,17 @@ class ArtifactStore:
         for page in obstore.list(self._store, prefix="scenes"):
             for item in page:
                 parts = item["path"].split("/")
-                if len(parts) == 3 and parts[2] == "manifest.json" and _SCENE_ID.fullmatch(parts[1]):
+                if len(parts) == 3 and parts[2] == MANIFEST and _SCENE_ID.fullmatch(parts[1]):
                     scenes.append(SceneEntry(parts[1], item["last_modified"]))
         return sorted(scenes, key=lambda scene: (scene.published, scene.id), reverse=True)
 
     def manifest(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's manifest.json."""
-        return self._get(f"scenes/{scene_id}/manifest.json") if _SCENE_ID.fullmatch(scene_id) else None
+        return self._get(f"scenes/{scene_id}/{MANIFEST}") if _SCENE_ID.fullmatch(scene_id) else None
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's JPEG thumbnail."""
-        return self._get(f"scenes/{scene_id}/thumbnail.jpg") if _SCENE_ID.fullmatch(scene_id) else None
+        return self._get(f"scenes/{scene_id}/{THUMBNAIL}") if _SCENE_ID.fullmatch(scene_id) else None
 
     def chunk(self, chunk_id: str) -> bytes | None:
         """Return the bytes of the chunk with this SHA-256 (64 lower-case hexadecimal digits)."""
@@ -99,7 +98,7 @@ class ArtifactStore:
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if _SCENE_ID.fullmatch(scene_id):
-            for name in ("manifest.json", "thumbnail.jpg"):
+            for name in (MANIFEST, THUMBNAIL):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")
                 except FileNotFoundError:
@@ -116,3 +115,10 @@ class ArtifactStore:
             return bytes(obstore.get(self._store, path).bytes())
         except FileNotFoundError:
             return None
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({error.strerror})", "encode the scene again") from error

@@ -28,7 +28,6 @@ from typing import IO, Any
 
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
-from jobs.artifacts import ArtifactStore
 from jobs.home import Home
 
 __all__ = ["STAGES", "main"]
@@ -70,6 +69,8 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
     if stage == "publish":
+        from jobs.artifacts import ArtifactStore
+
         ArtifactStore(home.store_url).put_scene(run / "scene", run.name, progress)
     else:
         getattr(importlib.import_module(home.pipeline), stage)(run, progress)

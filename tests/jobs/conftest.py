@@ -23,7 +23,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent.parent
 
 def poll(condition: Callable[[], bool], what: str) -> None:
     """Wait until a condition holds; the limit only turns a hang into a failure."""
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 240
     while not condition():
         assert time.monotonic() < deadline, f"waited in vain for {what}"
         time.sleep(0.02)
@@ -39,6 +39,14 @@ def _import_path(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let this process and its children import the pipeline that counts."""
     monkeypatch.syspath_prepend(MODULES)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(MODULES), str(REPOSITORY))))
+
+
+@pytest.fixture
+def write_scene() -> Callable[..., list[str]]:
+    """Return the function that writes a scene folder: (folder, chunks, title) -> ids of the chunks."""
+    from scene_folder import write_scene
+
+    return write_scene
 
 
 @pytest.fixture

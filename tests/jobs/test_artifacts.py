@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -9,15 +10,6 @@ import pytest
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress
 from jobs.artifacts import ArtifactStore
-
-
-def write_scene(folder: Path, manifest: bytes = b"{}", chunks: tuple[bytes, ...] = (b"one", b"two")) -> Path:
-    (folder / "chunks").mkdir(parents=True)
-    for data in chunks:
-        (folder / "chunks" / name_of(data)).write_bytes(data)
-    (folder / "thumbnail.jpg").write_bytes(b"a picture")
-    (folder / "manifest.json").write_bytes(manifest)
-    return folder
 
 
 def name_of(data: bytes) -> str:
@@ -30,13 +22,15 @@ def store(tmp_path: Path) -> ArtifactStore:
 
 
 @pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    return write_scene(tmp_path / "scene")
+def scene(tmp_path: Path, write_scene: Callable[..., list[str]]) -> Path:
+    """Return a scene folder with the chunks "one" and "two"."""
+    write_scene(tmp_path / "scene")
+    return tmp_path / "scene"
 
 
 def test_a_published_scene_can_be_read(store: ArtifactStore, scene: Path) -> None:
     store.put_scene(scene, "studio-1")
-    assert store.manifest("studio-1") == b"{}"
+    assert store.manifest("studio-1") == (scene / "manifest.json").read_bytes()
     assert store.thumbnail("studio-1") == b"a picture"
     assert [store.chunk(name_of(data)) for data in (b"one", b"two")] == [b"one", b"two"]
 
@@ -52,18 +46,41 @@ def test_scenes_are_listed_newest_first(store: ArtifactStore, scene: Path, tmp_p
     assert abs(datetime.now(UTC) - entries[0].published) < timedelta(minutes=10)
 
 
-def test_publishing_again_changes_nothing(store: ArtifactStore, scene: Path, tmp_path: Path) -> None:
+def test_publishing_again_changes_nothing(
+    store: ArtifactStore, scene: Path, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
     store.put_scene(scene, "a")
     store.put_scene(scene, "a")
-    store.put_scene(write_scene(tmp_path / "other", manifest=b"[]"), "a")
-    assert store.manifest("a") == b"{}"
+    write_scene(tmp_path / "other", title="Another")
+    store.put_scene(tmp_path / "other", "a")
+    assert store.manifest("a") == (scene / "manifest.json").read_bytes()
 
 
-def test_a_scene_without_a_thumbnail_is_a_scene(store: ArtifactStore, scene: Path) -> None:
+def test_only_what_the_manifest_names_is_published(store: ArtifactStore, scene: Path) -> None:
+    (scene / "chunks" / name_of(b"stray")).write_bytes(b"stray")
+    store.put_scene(scene, "a")
+    assert store.chunk(name_of(b"stray")) is None
+
+
+def test_a_missing_chunk_is_refused(store: ArtifactStore, scene: Path) -> None:
+    path = scene / "chunks" / name_of(b"two")
+    path.unlink()
+    with pytest.raises(InputError, match=f"{path.name}: cannot be read"):
+        store.put_scene(scene, "a")
+    assert store.list_scenes() == []
+
+
+def test_a_missing_thumbnail_is_refused(store: ArtifactStore, scene: Path) -> None:
     (scene / "thumbnail.jpg").unlink()
-    store.put_scene(scene, "a")
-    assert store.thumbnail("a") is None
-    assert store.manifest("a") is not None
+    with pytest.raises(InputError, match=r"thumbnail\.jpg: cannot be read"):
+        store.put_scene(scene, "a")
+    assert store.list_scenes() == []
+
+
+def test_a_manifest_that_is_not_one_is_refused(store: ArtifactStore, scene: Path) -> None:
+    (scene / "manifest.json").write_text("{}")
+    with pytest.raises(InputError, match=r"manifest\.json"):
+        store.put_scene(scene, "a")
 
 
 def test_a_damaged_chunk_is_refused_and_the_scene_stays_unseen(store: ArtifactStore, scene: Path) -> None:
@@ -77,7 +94,7 @@ def test_a_damaged_chunk_is_refused_and_the_scene_stays_unseen(store: ArtifactSt
 
 def test_a_folder_without_a_manifest_is_refused(store: ArtifactStore, scene: Path) -> None:
     (scene / "manifest.json").unlink()
-    with pytest.raises(InputError, match=r"manifest\.json: is missing"):
+    with pytest.raises(InputError, match=r"manifest\.json: cannot be read"):
         store.put_scene(scene, "a")
 
 

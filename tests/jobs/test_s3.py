@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 import socket
 import subprocess
 import time
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -58,34 +57,28 @@ def store(endpoint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Art
     return ArtifactStore(f"s3://bucket/{tmp_path.name}")
 
 
-def write_scene(folder: Path, manifest: bytes) -> str:
-    """Write a scene of one chunk and return the chunk's name."""
-    data = b"a chunk"
-    name = hashlib.sha256(data).hexdigest()
-    (folder / "chunks").mkdir(parents=True)
-    (folder / "chunks" / name).write_bytes(data)
-    (folder / "thumbnail.jpg").write_bytes(b"a picture")
-    (folder / "manifest.json").write_bytes(manifest)
-    return name
-
-
-def test_a_published_scene_can_be_read_and_removed(store: ArtifactStore, tmp_path: Path) -> None:
-    chunk = write_scene(tmp_path / "scene", b"{}")
+def test_a_published_scene_can_be_read_and_removed(
+    store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
+    (chunk,) = write_scene(tmp_path / "scene", (b"a chunk",))
+    manifest = (tmp_path / "scene" / "manifest.json").read_bytes()
     store.put_scene(tmp_path / "scene", "a")
     assert [entry.id for entry in store.list_scenes()] == ["a"]
-    assert (store.manifest("a"), store.thumbnail("a"), store.chunk(chunk)) == (b"{}", b"a picture", b"a chunk")
+    assert (store.manifest("a"), store.thumbnail("a"), store.chunk(chunk)) == (manifest, b"a picture", b"a chunk")
     store.remove_scene("a")
     store.remove_scene("a")
     assert store.list_scenes() == []
     assert store.chunk(chunk) == b"a chunk"
 
 
-def test_nothing_published_is_overwritten(store: ArtifactStore, tmp_path: Path) -> None:
-    write_scene(tmp_path / "first", b"{}")
-    write_scene(tmp_path / "second", b"[]")
+def test_nothing_published_is_overwritten(
+    store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
+    write_scene(tmp_path / "first", title="First")
+    write_scene(tmp_path / "second", title="Second")
     store.put_scene(tmp_path / "first", "a")
     store.put_scene(tmp_path / "second", "a")
-    assert store.manifest("a") == b"{}"
+    assert store.manifest("a") == (tmp_path / "first" / "manifest.json").read_bytes()
 
 
 def test_unknown_names_are_none(store: ArtifactStore) -> None:

@@ -104,18 +104,16 @@ def test_a_cancelled_job_stops_and_frees_the_worker(
     assert job.state is JobState.CANCELLED
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_stopped_worker_saves_and_another_goes_on_without_losing_a_cycle(
     client: JobClient,
     submit: Callable[..., str],
     worker: Callable[[], Worker],
     wait_for: WaitFor,
-    number: signal.Signals,
 ) -> None:
     first = worker()
     job_id = submit(cycles=100)
     wait_for(job_id, training, "training")
-    first.send_signal(number)
+    first.send_signal(signal.SIGTERM)
     assert first.wait(60) == 0
     assert 0 < len(cycles(client, job_id)) < 100
 
@@ -162,6 +160,17 @@ def test_a_cancel_that_was_cut_off_is_completed(
         client.cancel(job_id)
     worker()
     assert wait_for(job_id, finished, "the cancellation").state is JobState.CANCELLED
+
+
+def test_a_job_under_which_too_many_workers_died_is_failed(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    job_id = submit()
+    with client._engine.begin() as connection:  # what DBOS writes after the last take-over that is allowed
+        connection.exec_driver_sql("UPDATE workflow_status SET status = 'MAX_RECOVERY_ATTEMPTS_EXCEEDED'")
+    worker()
+    job = wait_for(job_id, finished, "the failure")
+    assert (job.state, job.error) == (JobState.FAILED, "given up: 20 workers died while they ran this job")
 
 
 def test_progress_that_cannot_be_written_fails_nothing(

@@ -7,12 +7,13 @@ Every cycle appends its process id and number to `cycles.log` in the run folder.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import signal
 import time
 from pathlib import Path
+
+from scene_folder import write_scene
 
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
@@ -62,12 +63,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 
 def encode(run: Path, progress: ProgressCallback) -> None:
-    chunk = (run / "cycles.log").read_bytes()
-    name = hashlib.sha256(chunk).hexdigest()
-    (run / "scene" / "chunks").mkdir(parents=True, exist_ok=True)
-    (run / "scene" / "chunks" / name).write_bytes(chunk)
-    (run / "scene" / "thumbnail.jpg").write_bytes(b"a picture")
-    _replace(run / "scene" / "manifest.json", json.dumps({"chunks": [name]}))
+    write_scene(run / "scene", ((run / "cycles.log").read_bytes(),))
     progress(Progress("encode", 1, 1))
 
 

@@ -1,0 +1,42 @@
+"""Writes scene folders with a valid manifest and chunks of any content."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+
+from hgs_core.camera import Camera
+from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+
+
+def write_scene(folder: Path, chunks: tuple[bytes, ...] = (b"one", b"two"), title: str = "Scene") -> list[str]:
+    """Write a scene folder and return the ids of its chunks."""
+    (folder / "chunks").mkdir(parents=True, exist_ok=True)
+    box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    entries = [ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), 1, box) for data in chunks]
+    for entry, data in zip(entries, chunks, strict=True):
+        (folder / "chunks" / entry.id).write_bytes(data)
+    (folder / "thumbnail.jpg").write_bytes(b"a picture")
+    manifest = Manifest(
+        title=title,
+        start=0.0,
+        end=0.0,
+        frame_rate=30.0,
+        background=(0.0, 0.0, 0.0),
+        up=(0.0, 1.0, 0.0),
+        center=(0.0, 0.0, 0.0),
+        extent=1.0,
+        cameras=(Camera("cam00", 16, 16, 16.0, 16.0, 8.0, 8.0, np.eye(4)),),
+        segments=(SegmentEntry(0.0, 0.0),),
+        static=tuple(entries),
+        slices=(SliceEntry(0, 0.0, 0.0, (), ()),),
+        thumbnail=True,
+        training={},
+    )
+    temporary = folder / "manifest.tmp"
+    temporary.write_text(json.dumps(manifest.to_json()))
+    temporary.replace(folder / "manifest.json")
+    return [entry.id for entry in entries]
