@@ -31,7 +31,9 @@ def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
     values = _pixels(path, camera, None)
-    return np.asarray(values.any(axis=2) if values.ndim == 3 else values > 0, bool)
+    if values.ndim == 3:  # colours; a second or fourth channel is transparency
+        values = values[:, :, : values.shape[2] - (values.shape[2] % 2 == 0)].max(axis=2)
+    return np.asarray(values > 0, bool)
 
 
 def check_size(path: Path, camera: Camera) -> None:

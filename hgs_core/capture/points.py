@@ -58,7 +58,7 @@ class PointCloud:
             InputError: the file is missing, unreadable, or an array is missing, of a wrong shape or not finite.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
                 arrays = {name: np.asarray(file[name], np.float32) for name in _ROW}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise InputError(

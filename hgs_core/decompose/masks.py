@@ -77,7 +77,7 @@ class MotionMasks:
             InputError: the file is missing, unreadable, or belongs to another capture.
         """
         try:
-            with np.load(path, allow_pickle=False) as file:
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
                 data = {name: file[name] for name in ("fingerprint", "cameras", "automatic", "sizes", "bits")}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise InputError(path, f"no readable masks ({error})", "run `initialise` again") from error

@@ -35,10 +35,11 @@ def despeckle(mask: npt.NDArray[np.bool_], radius: int, share: float) -> npt.NDA
 def dilate(mask: npt.NDArray[np.bool_], radius: int) -> npt.NDArray[np.bool_]:
     """Set every pixel that has a set pixel within `radius` rows and columns."""
     grown = mask
-    # A window of any size is a chain of windows, each at most three times wider than what is grown already.
+    # Three copies of what is grown already make a wider window. A step of at most one more than what is done keeps
+    # this true at the border, where a copy would have to start outside the picture.
     done = 0
     while done < radius:
-        step = min(2 * done + 1, radius - done)
+        step = min(done + 1, radius - done)
         grown = _spread(_spread(grown, step, 0), step, 1)
         done += step
     return grown if done else mask.copy()

@@ -1,0 +1,136 @@
+"""Masks of a whole capture: given and automatic, held as bits, saved and loaded."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.camera import Camera
+from hgs_core.capture.capture import Capture
+from hgs_core.decompose.labels import label_points
+from hgs_core.decompose.masks import MotionMasks, motion_masks
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, StageStopped, silent
+
+FRAMES = 8
+
+
+class MovingBar:
+    """Three views of a grey room, where a bright bar moves by five pixels a frame. The last view has given masks."""
+
+    def __init__(self) -> None:
+        self.asked: set[int] = set()
+
+    def read(self, camera: int, frame: int, neighbours: int) -> tuple[np.ndarray, tuple[()]]:
+        self.asked.add(camera)
+        picture = np.full((40, 53, 3), 90, np.uint8)
+        picture[:, 5 * frame : 5 * frame + 8] = 220
+        return picture, ()
+
+    def read_mask(self, camera: int, frame: int) -> np.ndarray | None:
+        if camera < 2:
+            return None
+        mask = np.zeros((40, 53), bool)
+        mask[:, 5 * frame : 5 * frame + 8] = True
+        return mask
+
+
+def bar_capture(fingerprint: str = "one") -> tuple[Capture, MovingBar]:
+    source = MovingBar()
+    cameras = [Camera(name, 53, 40, 50, 50, 26.5, 20, np.eye(4)) for name in "abc"]
+    return Capture(Path("bar"), cameras, np.arange(FRAMES) / 30, source, fingerprint, cache_bytes=1 << 22), source
+
+
+@pytest.mark.parametrize("camera", [0, 1, 2])
+def test_given_and_automatic_masks_find_the_bar(camera: int) -> None:
+    masks = motion_masks(bar_capture()[0], [0, 1, 2], progress=silent)
+    for frame in range(FRAMES):
+        mask = masks.mask(camera, frame)
+        assert mask.shape == (40, 53)
+        assert mask.dtype == np.bool_
+        assert mask[:, 5 * frame : 5 * frame + 8].mean() > 0.99
+        assert mask.mean() < 0.35
+
+
+def test_other_cameras_are_not_read() -> None:
+    capture, source = bar_capture()
+    masks = motion_masks(capture, [1], progress=silent)
+    assert source.asked == {1}
+    with pytest.raises(IndexError):
+        masks.mask(0, 0)
+
+
+def test_share_is_the_mean_of_the_masks() -> None:
+    capture, _ = bar_capture()
+    masks = motion_masks(capture, [0, 2], progress=silent)
+    mean = np.mean([masks.mask(camera, frame).mean() for camera in (0, 2) for frame in range(FRAMES)])
+    assert masks.share() == pytest.approx(float(mean))
+
+
+def test_saved_masks_come_back(tmp_path: Path) -> None:
+    capture, _ = bar_capture()
+    masks = motion_masks(capture, [0, 2], progress=silent)
+    masks.save(tmp_path / "masks.npz")
+    loaded = MotionMasks.load(tmp_path / "masks.npz", capture)
+    assert loaded.cameras == (0, 2)
+    for camera in (0, 2):
+        for frame in range(FRAMES):
+            np.testing.assert_array_equal(loaded.mask(camera, frame), masks.mask(camera, frame))
+
+
+def test_masks_of_another_capture_are_refused(tmp_path: Path) -> None:
+    motion_masks(bar_capture()[0], [0], progress=silent).save(tmp_path / "masks.npz")
+    with pytest.raises(InputError, match=r"masks\.npz: the masks belong to another state"):
+        MotionMasks.load(tmp_path / "masks.npz", bar_capture("two")[0])
+
+
+@pytest.mark.parametrize("length", [0, 50, 400])
+def test_truncated_masks_are_refused(tmp_path: Path, length: int) -> None:
+    capture, _ = bar_capture()
+    path = tmp_path / "masks.npz"
+    motion_masks(capture, [0], progress=silent).save(path)
+    path.write_bytes(path.read_bytes()[:length])
+    with pytest.raises(InputError, match=r"masks\.npz: no readable masks"):
+        MotionMasks.load(path, capture)
+
+
+def test_progress_counts_cameras_and_can_stop() -> None:
+    reports: list[Progress] = []
+    motion_masks(bar_capture()[0], [0, 1, 2], progress=reports.append)
+    assert [(report.done, report.total) for report in reports] == [(0, 2), (1, 2), (2, 2)]
+
+    def stop(progress: Progress) -> None:
+        if progress.done == 1:
+            raise StageStopped
+
+    with pytest.raises(StageStopped):
+        motion_masks(bar_capture()[0], [0, 1], progress=stop)
+
+
+def test_real_capture_has_given_masks(test_data: Callable[[str], Path]) -> None:
+    from hgs_core.capture.open import open_capture
+
+    capture = open_capture(test_data("panoptic_basketball"))
+    masks = motion_masks(capture, [0, 1], progress=silent)
+    assert 0.03 < masks.share() < 0.2
+
+
+def test_points_are_labelled_by_the_views_that_see_them() -> None:
+    """All views look alike. The point (x, y, 1) is at column 50 x + 26.5; the bar of frame f at 5 f to 5 f + 8."""
+    capture, _ = bar_capture()
+    masks = motion_masks(capture, [0, 1, 2], progress=silent)
+    on_bar, beside, behind, outside = (-0.25, 0, 1), (0.25, 0, 1), (-0.25, 0, -1), (3, 0, 1)
+    xyz = np.array([on_bar, beside, behind, outside])
+    np.testing.assert_allclose(label_points(capture, masks, [0, 1, 2], 2, xyz), [1, 0, 0, 0])
+    np.testing.assert_allclose(label_points(capture, masks, [0, 1, 2], 7, xyz), [0, 1, 0, 0])
+
+
+def test_only_the_views_that_see_a_point_vote() -> None:
+    capture, _ = bar_capture()
+    given = motion_masks(capture, [2], progress=silent)
+    seen = np.array([[True], [False]])
+    labels = label_points(capture, given, [2], 2, np.array([(-0.25, 0, 1)] * 2), seen)
+    np.testing.assert_allclose(labels, [1, 0])
