@@ -15,13 +15,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.neighbours import mean_neighbour_distance, thin
 from hgs_core.capture.points import PointCloud
 from hgs_core.capture.sfm import triangulate
 from hgs_core.capture.sweep import SweptPoints, depth_ranges, sweep
-from hgs_core.capture.visibility import pixels_inside
 from hgs_core.decompose.labels import label_points
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import median_picture, sample_frames
@@ -93,9 +91,9 @@ def _sparse(capture: Capture, cameras: Sequence[int], masks: MotionMasks, frame:
     """Triangulate the features of one moment: those of whole pictures, or only those that move."""
     views = [capture.cameras[index] for index in cameras]
     pictures = [capture.frame(index, frame) for index in cameras]
-    wanted = None if whole else [masks.mask(index, frame) for index in cameras]
-    found = triangulate(views, pictures, wanted)
-    dynamic = label_points(capture, masks, cameras, frame, found.xyz, found.seen)
+    moving = [masks.mask(index, frame) for index in cameras]
+    found = triangulate(views, pictures, None if whole else moving)
+    dynamic = label_points(views, moving, found.xyz, found.seen)
     return _cloud(found.xyz, found.rgb, float(capture.times[frame]), dynamic)
 
 
@@ -143,26 +141,14 @@ def _dynamic_seeds(
         return PointCloud.concatenate([])
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return _hull_share(views, moving, xyz) >= _HULL
+        return label_points(views, moving, xyz) >= _HULL
 
     pictures = [capture.frame(index, frame) for index in cameras]
     swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, in_hull)
     chosen = _choose(swept, count, generator)
     chosen = chosen[swept.agreeing[chosen] > 0]  # rather too few: a wrong moving point is in the way of the view
-    share = _hull_share(views, moving, swept.xyz[chosen])
+    share = label_points(views, moving, swept.xyz[chosen])
     return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[frame]), share)
-
-
-def _hull_share(
-    views: Sequence[Camera], moving: Sequence[npt.NDArray[np.bool_]], xyz: npt.NDArray[np.floating[Any]]
-) -> npt.NDArray[np.float32]:
-    """Return [P] the share of the views with the point in their picture whose mask says that it moves."""
-    votes, seen = np.zeros(len(xyz), np.float32), np.zeros(len(xyz), np.float32)
-    for camera, mask in zip(views, moving, strict=True):
-        rows, pixels = pixels_inside(camera, xyz)
-        seen[rows] += 1
-        votes[rows] += mask[pixels[:, 1], pixels[:, 0]]
-    return np.asarray(np.where(seen >= _MIN_VIEWS, votes / np.maximum(seen, 1), 0), np.float32)
 
 
 def _choose(swept: SweptPoints, count: int, generator: np.random.Generator) -> npt.NDArray[np.int64]:

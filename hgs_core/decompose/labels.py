@@ -8,29 +8,26 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.capture.capture import Capture
+from hgs_core.camera import Camera
 from hgs_core.capture.visibility import pixels_inside
-from hgs_core.decompose.masks import MotionMasks
 
 __all__ = ["label_points"]
 
 
 def label_points(
-    capture: Capture,
-    masks: MotionMasks,
-    cameras: Sequence[int],
-    frame: int,
-    xyz: npt.NDArray[np.floating[Any]],  # [P, 3] points seen at this frame
+    cameras: Sequence[Camera],
+    masks: Sequence[npt.NDArray[np.bool_]],  # [H, W] of each camera, at the moment of the points
+    xyz: npt.NDArray[np.floating[Any]],  # [P, 3]
     seen: npt.NDArray[np.bool_] | None = None,  # [P, C] views that see each point; None: all whose picture it falls in
 ) -> npt.NDArray[np.float32]:
     """Return [P] the share of the views that see a point whose mask says that it moves, 0..1; 0 if no view sees it."""
     votes = np.zeros(len(xyz), np.float32)
     views = np.zeros(len(xyz), np.float32)
-    for column, index in enumerate(cameras):
-        rows, pixels = pixels_inside(capture.cameras[index], xyz)
+    for column, (camera, mask) in enumerate(zip(cameras, masks, strict=True)):
+        rows, pixels = pixels_inside(camera, xyz)
         if seen is not None:
             kept = seen[rows, column]
             rows, pixels = rows[kept], pixels[kept]
         views[rows] += 1
-        votes[rows] += masks.mask(index, frame)[pixels[:, 1], pixels[:, 0]]
+        votes[rows] += mask[pixels[:, 1], pixels[:, 0]]
     return np.asarray(votes / np.maximum(views, 1), np.float32)

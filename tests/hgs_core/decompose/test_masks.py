@@ -10,7 +10,6 @@ import pytest
 
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
-from hgs_core.decompose.labels import label_points
 from hgs_core.decompose.masks import MotionMasks, motion_masks
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, StageStopped, silent
@@ -116,21 +115,3 @@ def test_real_capture_has_given_masks(test_data: Callable[[str], Path]) -> None:
     capture = open_capture(test_data("panoptic_basketball"))
     masks = motion_masks(capture, [0, 1], progress=silent)
     assert 0.03 < masks.share() < 0.2
-
-
-def test_points_are_labelled_by_the_views_that_see_them() -> None:
-    """All views look alike. The point (x, y, 1) is at column 50 x + 26.5; the bar of frame f at 5 f to 5 f + 8."""
-    capture, _ = bar_capture()
-    masks = motion_masks(capture, [0, 1, 2], progress=silent)
-    on_bar, beside, behind, outside = (-0.25, 0, 1), (0.25, 0, 1), (-0.25, 0, -1), (3, 0, 1)
-    xyz = np.array([on_bar, beside, behind, outside])
-    np.testing.assert_allclose(label_points(capture, masks, [0, 1, 2], 2, xyz), [1, 0, 0, 0])
-    np.testing.assert_allclose(label_points(capture, masks, [0, 1, 2], 7, xyz), [0, 1, 0, 0])
-
-
-def test_only_the_views_that_see_a_point_vote() -> None:
-    capture, _ = bar_capture()
-    given = motion_masks(capture, [2], progress=silent)
-    seen = np.array([[True], [False]])
-    labels = label_points(capture, given, [2], 2, np.array([(-0.25, 0, 1)] * 2), seen)
-    np.testing.assert_allclose(labels, [1, 0])
