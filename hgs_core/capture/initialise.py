@@ -29,7 +29,7 @@ from hgs_core.progress import Progress, ProgressCallback
 __all__ = ["initial_points"]
 
 _STAGE = "points"
-_RAYS_PER_POINT = 3  # swept pixels for each point wanted: the better ones are taken
+_RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
 _MOVES = 0.5  # share of the views from which on a point is dynamic
 _CONFIRMED = 3  # views that agree on a depth, beyond which more of them mean no more
 _HULL = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
