@@ -19,7 +19,16 @@ import numpy.typing as npt
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Playwright
 
-__all__ = ["CHROMIUM_HINT", "canvas_floats", "canvas_pixels", "capture_canvas", "find_chromium", "open_browser", "open_viewer", "psnr"]
+__all__ = [
+    "CHROMIUM_HINT",
+    "canvas_floats",
+    "canvas_pixels",
+    "capture_canvas",
+    "find_chromium",
+    "open_browser",
+    "open_viewer",
+    "psnr",
+]
 
 CHROMIUM_HINT = "no Chromium found: apt-get install chromium, or set HGS_CHROMIUM to its path"
 

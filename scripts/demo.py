@@ -134,12 +134,11 @@ def check(scene_folder: Path, page: str, seconds: float) -> int:
     """Compare the page's canvas with the CPU renderer's picture; prints one JSON line."""
     import numpy as np
     import torch
-    from hgs_core.codec.decode import decode_scene
-    from hgs_core.codec.manifest import load_manifest
-    from scripts.browser_check import capture_canvas, find_chromium, psnr
 
     from hgs_core.camera import Camera
+    from hgs_core.codec import decode_scene, load_manifest
     from hgs_core.render import rasterize
+    from scripts.browser_check import capture_canvas, find_chromium, psnr
 
     manifest = load_manifest(scene_folder / "manifest.json")
     scene = decode_scene(scene_folder).map(torch.from_numpy)

@@ -15,15 +15,15 @@ __all__ = ["PRESETS", "LearningRates", "TrainConfig"]
 class LearningRates:
     """Adam step sizes. Those of positions are multiplied by the scene's extent; sources in docs/training.md."""
 
-    position: float = 1.6e-4
-    position_final: float = 1.6e-6  # log-linear decay from `position`
+    position: float = 1e-3
+    position_final: float = 5e-5  # log-linear decay from `position`
     motion: float = 1.75  # of the higher motion coefficients, in multiples of `position` and of 50-frame spans
-    rotation: float = 1e-3
-    turning: float = 1e-4  # of the linear rotation coefficient
-    log_scale: float = 5e-3
+    rotation: float = 3e-3
+    turning: float = 1e-3  # of the linear rotation coefficient
+    log_scale: float = 1e-2
     opacity: float = 5e-2
-    rgb: float = 2.5e-3
-    time_center: float = 1e-4
+    rgb: float = 5e-3
+    time_center: float = 1e-3
     time_log_precision: float = 3e-2
 
 
@@ -40,12 +40,12 @@ class TrainConfig:
     cycles: int = 12_000
     static_points: int = 12_000  # initial points asked for
     dynamic_points: int = 6_000
-    init_frames: int = 10  # frames that initialisation samples (interleaved-frame initialisation)
-    max_static: int = 40_000  # splat budgets
+    init_frames: int = 15  # frames that initialisation samples (interleaved-frame initialisation)
+    max_static: int = 60_000  # splat budgets
     max_dynamic: int = 15_000
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
-    densify_every: int = 100  # cycles
+    densify_every: int = 50  # cycles
     grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
@@ -142,12 +142,12 @@ def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "cycles": 3_000, "static_points": 10_000, "dynamic_points": 4_000, "init_frames": 6,
-        "max_static": 20_000, "max_dynamic": 8_000, "coarse_until": 0.4,
+        "cycles": 2_500, "static_points": 12_000, "dynamic_points": 6_000, "init_frames": 12,
+        "max_static": 35_000, "max_dynamic": 10_000, "coarse_until": 0.4,
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 20_000, "dynamic_points": 10_000, "init_frames": 15,
+        "cycles": 40_000, "static_points": 20_000, "dynamic_points": 10_000, "init_frames": 20,
         "max_static": 120_000, "max_dynamic": 40_000, "coarse_until": 0.15,
     },
 }  # fmt: skip

@@ -5,25 +5,31 @@ from __future__ import annotations
 import pytest
 import torch
 
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import LearningRates, TrainConfig
 from hgs_core.train.schedule import Schedule
 
 CONFIG = TrainConfig(
-    cycles=1000, coarse_until=0.25, densify_from=0.1, densify_until=0.6, densify_every=100, max_static=5000
+    learning_rates=LearningRates(position=1e-3, position_final=1e-5),
+    cycles=1000,
+    coarse_until=0.25,
+    densify_from=0.1,
+    densify_until=0.6,
+    densify_every=100,
+    max_static=5000,
 )
 
 
 def test_positions_decay_from_first_to_final_rate_in_units_of_the_extent() -> None:
     schedule = Schedule(CONFIG, extent=2.0, frames=50)
-    assert schedule.static_rates(0)["means"] == pytest.approx(2 * 1.6e-4)
-    assert schedule.static_rates(500)["means"] == pytest.approx(2 * 1.6e-5)
-    assert schedule.static_rates(1000)["means"] == pytest.approx(2 * 1.6e-6)
+    assert schedule.static_rates(0)["means"] == pytest.approx(2e-3)
+    assert schedule.static_rates(500)["means"] == pytest.approx(2 * (1e-3 * 1e-5) ** 0.5)
+    assert schedule.static_rates(1000)["means"] == pytest.approx(2e-5)
 
 
 def test_motion_is_faster_in_longer_segments() -> None:
     rate = Schedule(CONFIG, extent=1.0, frames=150).dynamic_rates(0)["motion"]
     assert isinstance(rate, torch.Tensor)
-    assert rate.flatten().tolist() == pytest.approx([1.6e-4] + [3 * 1.75 * 1.6e-4] * 3)
+    assert rate.flatten().tolist() == pytest.approx([1e-3] + [3 * 1.75 * 1e-3] * 3)
 
 
 def test_pictures_are_coarse_first() -> None:
