@@ -65,7 +65,8 @@ class Trainer:
         cameras = tuple(i for i in range(len(capture.cameras)) if i not in held_out)
         views = [capture.cameras[i] for i in cameras]
         frame_bytes = max(3 * camera.width * camera.height for camera in views)
-        memory = config.frame_memory_mib << 20
+        # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
+        memory = (config.frame_memory_mib << 20) * 4 // 5
         self.views = ViewSchedule.fitting(cameras, len(capture.times), frame_bytes, memory, config.seed)
         self.extent = scene_extent(np.array([camera.position for camera in views]))
         self.schedule = Schedule(config, self.extent, len(capture.times))
