@@ -27,7 +27,6 @@ constexpr int kLanes = 4;
 using Vec = float __attribute__((vector_size(4 * kLanes)));
 using VecBits = uint32_t __attribute__((vector_size(4 * kLanes)));
 using VecInt = int32_t __attribute__((vector_size(4 * kLanes)));
-using UnalignedVec = float __attribute__((vector_size(4 * kLanes), aligned(4)));
 
 constexpr float kLog2E = 1.44269504088896341f;
 constexpr float kLn2 = 0.693147180559945309f;
@@ -36,8 +35,12 @@ constexpr float kLn2 = 0.693147180559945309f;
 inline Vec broadcast(float x) { return x - Vec{}; }
 inline Vec load(const float *p) { return *reinterpret_cast<const Vec *>(p); }
 inline void store(float *p, Vec v) { *reinterpret_cast<Vec *>(p) = v; }
-inline Vec load_unaligned(const float *p) { return (Vec)*reinterpret_cast<const UnalignedVec *>(p); }
-inline void store_unaligned(float *p, Vec v) { *reinterpret_cast<UnalignedVec *>(p) = (UnalignedVec)v; }
+// A copy, not a vector type of lower alignment: Clang ignores that attribute where GCC heeds it.
+inline Vec load_unaligned(const float *p) {
+  Vec v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
 inline VecBits bits_of(Vec v) { return (VecBits)v; }
 inline Vec from_bits(VecBits b) { return (Vec)b; }
 
@@ -48,7 +51,7 @@ inline Vec lane_numbers() {
   return v;
 }
 
-// ---- masks ----------------------------------------------------------------------------------------------------------
+// ---- masks: keep(m, v) zeroes the lanes outside m, set_sign(m, v) makes those in m negative ------------------------
 
 #if HGS_AVX512
 
@@ -100,8 +103,6 @@ inline Vec sqrt(Vec x) {
 inline bool any(Mask m) { return lane_bits(m) != 0; }
 
 #endif
-
-// Lanes set_sign(m, v): the lanes of m become negative. keep(m, v): the other lanes become zero.
 
 inline Vec clamp(Vec x, float low, float high) { return min(max(x, broadcast(low)), broadcast(high)); }
 
