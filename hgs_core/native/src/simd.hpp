@@ -166,7 +166,7 @@ inline float sum(Vec v) {
 }
 
 #if HGS_AVX512
-// Add neighbouring pairs of 256-bit halves: 16 lanes of a and b become 8 + 8.
+// The sum of the lower and the upper 8 lanes.
 inline __m256 fold(__m512 v) {
   return _mm256_add_ps(_mm512_castps512_ps256(v), _mm512_extractf32x8_ps(v, 1));
 }
