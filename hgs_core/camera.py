@@ -30,6 +30,7 @@ class Camera:
     cx: float  # pixels
     cy: float  # pixels
     world_to_camera: npt.NDArray[np.float64]  # [4, 4], rigid, right-handed, metres where the capture knows them
+    near: float = 0.01  # world units; what is nearer is not drawn
 
     def __post_init__(self) -> None:
         """Refuse what is not a camera.
@@ -42,6 +43,8 @@ class Camera:
         where = f"camera {self.name}"
         if self.width < 1 or self.height < 1:
             raise InputError(where, f"image size {self.width}x{self.height} is not positive")
+        if not self.near > 0:
+            raise InputError(where, f"near plane {self.near} is not positive")
         if not (self.fx > 0 and self.fy > 0):
             raise InputError(where, f"focal length ({self.fx}, {self.fy}) is not positive")
         if pose.shape != (4, 4) or not np.isfinite(pose).all():
@@ -90,6 +93,7 @@ class Camera:
             "fy": self.fy,
             "cx": self.cx,
             "cy": self.cy,
+            "near": self.near,
             "world_to_camera": [[float(x) for x in row] for row in self.world_to_camera],
         }
 
@@ -110,6 +114,7 @@ class Camera:
                 cx=float(value["cx"]),
                 cy=float(value["cy"]),
                 world_to_camera=np.array(value["world_to_camera"], dtype=np.float64),
+                near=float(value["near"]),
             )
         except (KeyError, TypeError, ValueError) as error:
             if isinstance(error, InputError):

@@ -62,6 +62,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
 
 def train(run: Path, progress: ProgressCallback) -> None:
     """Train from the last checkpoint, or from the points, to scene.npz and train.json."""
+    from hgs_core.capture.near_plane import with_near_planes
     from hgs_core.capture.points import PointCloud
     from hgs_core.scene.files import save_scene
     from hgs_core.train.initialise import initial_splats
@@ -72,8 +73,9 @@ def train(run: Path, progress: ProgressCallback) -> None:
         return
     capture, config = _open(folder)
     sampled = -(-len(capture.times) // _init_step(capture, config))
-    start = initial_splats(PointCloud.load(folder.points), clock_of(capture), sampled)
-    trainer = Trainer(capture, config, start, folder.checkpoint)
+    points = PointCloud.load(folder.points)
+    start = initial_splats(points, clock_of(capture), sampled)
+    trainer = Trainer(capture, with_near_planes(capture.cameras, points.xyz), config, start, folder.checkpoint)
     save_scene(folder.trained, trainer.run(progress))
     summary = {"seconds": trainer.state.seconds, "cycles": config.cycles, **trainer.figures()}
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
@@ -81,6 +83,8 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 def encode(run: Path, progress: ProgressCallback) -> None:
     """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    from hgs_core.capture.near_plane import with_near_planes
+    from hgs_core.capture.points import PointCloud
     from hgs_core.codec import encode_scene
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.scene.files import load_scene
@@ -91,10 +95,11 @@ def encode(run: Path, progress: ProgressCallback) -> None:
     capture, _ = _open(folder)
     scene = load_scene(folder.trained)
     progress(Progress("encode", 0, 2))
-    picture = thumbnail(scene, capture.cameras[0])
+    cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
+    picture = thumbnail(scene, cameras[0])
     progress(Progress("encode", 1, 2))
     encode_scene(
-        scene, folder.scene, cameras=capture.cameras, times=capture.times, title=capture.name, thumbnail=picture,
+        scene, folder.scene, cameras=cameras, times=capture.times, title=capture.name, thumbnail=picture,
         training=json.loads(folder.train_summary.read_text()),
     )  # fmt: skip
     progress(Progress("encode", 2, 2))

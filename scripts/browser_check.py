@@ -1,7 +1,7 @@
 """Open the viewer in headless Chromium, wait until everything is drawn, and compare the canvas with a picture.
 
-Used by `scripts/demo --check` and by tests/web_client. Needs Playwright for Python and a system Chromium; it downloads no
-browser.
+Used by `scripts/demo --check` and by tests/web_client. Needs Playwright for Python and a system Chromium; it
+downloads no browser.
 """
 
 from __future__ import annotations

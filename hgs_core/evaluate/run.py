@@ -42,16 +42,18 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
     manifest = load_manifest(folder.manifest)
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     cameras = [capture.camera_index(name) for name in spec.config.hold_out]
+    views = {camera.name: camera for camera in manifest.cameras}
     scores: list[tuple[float, float]] = []
     total = len(cameras) * len(capture.times)
     for index in cameras:
+        camera = views[capture.cameras[index].name]
         for frame, seconds in enumerate(capture.times):
             segment = scene.segment_at(float(seconds))
             picture = rasterize(
-                scene.static, segment.dynamic, capture.cameras[index], segment.normalised(float(seconds)),
+                scene.static, segment.dynamic, camera, segment.normalised(float(seconds)),
                 background=manifest.background, gradients="none",
             ).rgb.clamp(0, 1)  # fmt: skip
-            truth = target_picture(capture, index, frame, capture.cameras[index])
+            truth = target_picture(capture, index, frame, camera)
             scores.append((psnr(picture, truth), ssim(picture, truth)))
             progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
     totals = manifest.totals

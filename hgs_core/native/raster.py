@@ -46,6 +46,7 @@ class _Camera(ctypes.Structure):
         ("cy", ctypes.c_float),
         ("rotation", ctypes.c_float * 9),
         ("translation", ctypes.c_float * 3),
+        ("near_plane", ctypes.c_float),
     )
 
 
@@ -222,6 +223,7 @@ def _camera(camera: Camera) -> _Camera:
         camera.cy,
         (ctypes.c_float * 9)(*pose[:3, :3].ravel()),
         (ctypes.c_float * 3)(*pose[:3, 3]),
+        camera.near,
     )
 
 

@@ -1,9 +1,8 @@
 """The constants of the rasterizer, shared by all backends; docs/numerics.md derives and explains them."""
 
-__all__ = ["ALPHA_MAX", "ALPHA_MIN", "FRUSTUM_MARGIN", "LOW_PASS", "NEAR", "TILE", "TRANSMITTANCE_MIN"]
+__all__ = ["ALPHA_MAX", "ALPHA_MIN", "FRUSTUM_MARGIN", "LOW_PASS", "TILE", "TRANSMITTANCE_MIN"]
 
 TILE = 16  # pixels; side of a tile
-NEAR = 0.01  # world units; splats whose centre is nearer than this are not drawn
 LOW_PASS = 0.3  # pixels^2; added to the screen covariance so that no splat is thinner than about a pixel
 ALPHA_MIN = 1 / 255  # less cannot change an 8-bit pixel
 ALPHA_MAX = 0.99  # keeps 1 - alpha away from zero in the backward pass

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.render.constants import ALPHA_MIN, FRUSTUM_MARGIN, LOW_PASS, NEAR
+from hgs_core.render.constants import ALPHA_MIN, FRUSTUM_MARGIN, LOW_PASS
 from hgs_core.render.temporal import Moment
 
 __all__ = ["Ellipses", "project", "rotation_matrices"]
@@ -50,7 +50,7 @@ def project(moment: Moment, camera: Camera) -> Ellipses:
     R, shift = pose[:3, :3], pose[:3, 3]
     with torch.no_grad():
         z_all = moment.means @ R[2] + shift[2]
-        index = torch.nonzero((z_all >= NEAR) & (moment.opacities >= ALPHA_MIN))[:, 0]
+        index = torch.nonzero((z_all >= camera.near) & (moment.opacities >= ALPHA_MIN))[:, 0]
     x, y, z = (moment.means[index] @ R.T + shift).unbind(1)
     u, v = x / z, y / z
     margin_x = FRUSTUM_MARGIN * 0.5 * camera.width / camera.fx

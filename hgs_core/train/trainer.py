@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -48,6 +48,7 @@ class Trainer:
 
     Args:
         capture: the whole capture; cameras held out by the config are never read.
+        cameras: the capture's, with the near planes to train with.
         config: the run's config.
         start: first splats, ignored when `checkpoint` exists.
         checkpoint: where the state is kept.
@@ -56,18 +57,19 @@ class Trainer:
     def __init__(
         self,
         capture: Capture,
+        cameras: Sequence[Camera],
         config: TrainConfig,
         start: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]],
         checkpoint: Path,
     ) -> None:
-        self.capture, self.config, self.checkpoint = capture, config, checkpoint
+        self.capture, self.cameras, self.config, self.checkpoint = capture, cameras, config, checkpoint
         held_out = {capture.camera_index(name) for name in config.hold_out}
-        cameras = tuple(i for i in range(len(capture.cameras)) if i not in held_out)
-        views = [capture.cameras[i] for i in cameras]
+        training = tuple(i for i in range(len(cameras)) if i not in held_out)
+        views = [cameras[i] for i in training]
         frame_bytes = max(3 * camera.width * camera.height for camera in views)
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
         memory = (config.frame_memory_mib << 20) * 4 // 5
-        self.views = ViewSchedule.fitting(cameras, len(capture.times), frame_bytes, memory, config.seed)
+        self.views = ViewSchedule.fitting(training, len(capture.times), frame_bytes, memory, config.seed)
         self.extent = scene_extent(np.array([camera.position for camera in views]))
         self.schedule = Schedule(config, self.extent, len(capture.times))
         self.clock = clock_of(capture)
@@ -111,7 +113,7 @@ class Trainer:
     def _cycle(self, cycle: int) -> None:
         state = self.state
         index, frame = self.views.view(cycle)
-        camera = self.capture.cameras[index]
+        camera = self.cameras[index]
         factor = self.schedule.resolution(cycle)
         if factor != 1.0:
             camera = camera.scaled(factor)

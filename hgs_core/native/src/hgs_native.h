@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 1
+#define HGS_ABI_VERSION 2
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -29,6 +29,7 @@ typedef struct hgs_camera {
   float fx, fy, cx, cy;  /* pixels */
   float rotation[9];     /* [3][3], world to camera */
   float translation[3];
+  float near_plane; /* world units; splats whose centre has a smaller z are not drawn */
 } hgs_camera;
 
 /* Splats that never change. */

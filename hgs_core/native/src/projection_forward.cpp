@@ -19,7 +19,7 @@ ScreenSplat *project_rows(const CameraModel &model, const hgs_camera &camera, co
   const Vec half_x = sqrt(reach * p.cov_xx), half_y = sqrt(reach * p.cov_yy);
   // Written so that a splat with NaN anywhere fails.
   const Vec zero{};
-  Mask seen = both(greater_equal(p.z, broadcast(kNear)), greater(p.conic_determinant, zero));
+  Mask seen = both(greater_equal(p.z, broadcast(camera.near_plane)), greater(p.conic_determinant, zero));
   seen = both(seen, both(greater(p.mean_x + half_x, zero), greater(p.mean_y + half_y, zero)));
   seen = both(seen, both(greater(broadcast(static_cast<float>(camera.width)), p.mean_x - half_x),
                          greater(broadcast(static_cast<float>(camera.height)), p.mean_y - half_y)));

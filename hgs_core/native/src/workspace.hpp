@@ -11,7 +11,6 @@ namespace hgs {
 
 // docs/numerics.md derives these; hgs_core/render/constants.py has the same ones.
 constexpr int kTile = 16;  // pixels
-constexpr float kNear = 0.01f;
 constexpr float kLowPass = 0.3f;  // pixels^2
 constexpr float kAlphaMin = 1.0f / 255.0f;
 constexpr float kLog2AlphaMin = -7.99435343685886f;

@@ -36,7 +36,7 @@ def draw_pixel_by_pixel(
     ellipses = []
     for mean, log_scale, quat, opacity, rgb in splats:
         x, y, z = W @ mean + t
-        if z < 0.01 or opacity < 1 / 255:
+        if z < view.near or opacity < 1 / 255:
             continue
         w, i, j, k = quat / np.linalg.norm(quat)
         R = np.array([

@@ -48,7 +48,7 @@ def points(seed: int = 0) -> PointCloud:
 
 def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig) -> Trainer:
     capture = open_capture(capture_folder)
-    return Trainer(capture, settings, initial_splats(points(), clock_of(capture), 2), checkpoint)
+    return Trainer(capture, capture.cameras, settings, initial_splats(points(), clock_of(capture), 2), checkpoint)
 
 
 def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> bool:
@@ -120,7 +120,7 @@ def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_p
     cloud = points()
     still = PointCloud(cloud.xyz, cloud.rgb, cloud.times, np.zeros_like(cloud.dynamic), cloud.spacing)
     start = initial_splats(still, clock_of(capture), 2)
-    scene = Trainer(capture, config(cycles=20), start, tmp_path / "checkpoint.pt").run(silent)
+    scene = Trainer(capture, capture.cameras, config(cycles=20), start, tmp_path / "checkpoint.pt").run(silent)
     assert len(scene.segments[0].dynamic) == 0
     assert len(scene.static) > 0
 

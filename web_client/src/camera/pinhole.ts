@@ -11,7 +11,7 @@ export interface Pose {
   readonly translation: Vec3;
 }
 
-/** Everything in pixels; (cx, cy) is the principal point, from the top left corner. */
+/** In pixels, but for `near`; (cx, cy) is the principal point, from the top left corner. */
 export interface Intrinsics {
   readonly width: number;
   readonly height: number;
@@ -19,6 +19,8 @@ export interface Intrinsics {
   readonly fy: number;
   readonly cx: number;
   readonly cy: number;
+  /** World units; splats whose centre is nearer are not drawn. */
+  readonly near: number;
 }
 
 /** The pose of a capture camera, from the rows of its 4x4 world-to-camera matrix. */
@@ -52,6 +54,7 @@ export function resized(camera: Intrinsics, width: number, height: number): Intr
     fy: camera.fy * sy,
     cx: camera.cx * sx,
     cy: camera.cy * sy,
+    near: camera.near,
   };
 }
 
@@ -65,6 +68,7 @@ export function fitted(camera: Intrinsics, width: number, height: number): Intri
     fy: camera.fy * s,
     cx: width / 2 + (camera.cx - camera.width / 2) * s,
     cy: height / 2 + (camera.cy - camera.height / 2) * s,
+    near: camera.near,
   };
 }
 

@@ -32,6 +32,6 @@ function lookAtCentre(manifest: Manifest): { pose: Pose; camera: Intrinsics } {
   const right = normalise(subtract(aside, scale(down, dot(down, aside))));
   const forward = cross(right, down);
   const eye = subtract(manifest.center, scale(forward, manifest.extent));
-  const camera = { width: 1280, height: 720, fx: 1280, fy: 1280, cx: 640, cy: 360 };
+  const camera = { width: 1280, height: 720, fx: 1280, fy: 1280, cx: 640, cy: 360, near: 0.01 };
   return { pose: poseAt(eye, fromRows(right, down, forward)), camera };
 }

@@ -127,6 +127,7 @@ function readCamera(field: Field): ManifestCamera {
     fy: field.get("fy").positive(),
     cx: field.get("cx").number(),
     cy: field.get("cy").number(),
+    near: field.get("near").positive(),
     worldToCamera: field
       .get("world_to_camera")
       .items(4)

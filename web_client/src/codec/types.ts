@@ -53,6 +53,8 @@ export interface ManifestCamera {
   readonly fy: number;
   readonly cx: number;
   readonly cy: number;
+  /** World units; splats whose centre is nearer are not drawn. */
+  readonly near: number;
   /** 4 rows of 4. */
   readonly worldToCamera: readonly (readonly number[])[];
 }

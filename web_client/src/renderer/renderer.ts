@@ -19,6 +19,7 @@ const UNIFORMS = [
   "centre",
   "size",
   "time",
+  "near",
 ] as const;
 
 /** What one picture shows: from where, and at which normalised time of the segment whose dynamics the order names. */
@@ -201,6 +202,7 @@ export class SplatRenderer {
     gl.uniform2f(u.centre, camera.cx, camera.cy);
     gl.uniform2f(u.size, camera.width, camera.height);
     gl.uniform1f(u.time, time);
+    gl.uniform1f(u.near, camera.near);
     const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
     gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
   }

@@ -23,12 +23,12 @@ uniform vec2 focal;           // pixels
 uniform vec2 centre;          // principal point, pixels from the top left
 uniform vec2 size;            // picture, pixels
 uniform float time;           // normalised time of the segment
+uniform float near;           // world units
 
 flat out vec2 mean2d;         // pixels from the top left
 flat out vec3 conic;          // xx, xy, yy
 flat out vec4 colour;         // rgb, opacity
 
-const float NEAR = 0.01;
 const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
 const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
@@ -86,7 +86,7 @@ void main() {
   }
 
   vec3 p = rotation * position + translation;
-  if (p.z < NEAR || !(paint.a >= VISIBLE)) return;
+  if (p.z < near || !(paint.a >= VISIBLE)) return;
   vec2 uv = p.xy / p.z;
   vec2 margin = 0.15 * size / focal;        // 0.3 tan of half the field of view
   vec2 w = clamp(uv, -centre / focal - margin, (size - centre) / focal + margin);

@@ -9,6 +9,7 @@ import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
 import type { Placement } from "./placement";
 import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
 
+/** Smaller depths need no place in the order; the renderer drops what is nearer than the camera's own near plane. */
 const NEAR = 0.01;
 
 /** Depth along the view axis: z = x p.x + y p.y + z p.z + offset. */

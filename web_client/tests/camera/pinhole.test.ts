@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { eyeOf, fitted, pixelToClip, poseAt, poseOf, project, resized } from "../../src/camera/pinhole";
 import { apply, type Vec3 } from "../../src/camera/vector";
 
-const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170 };
+const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170, near: 0.2 };
 const FRONT = poseOf([
   [1, 0, 0, 0],
   [0, 1, 0, 0],
@@ -56,7 +56,15 @@ describe("poses", () => {
 
 describe("picture sizes", () => {
   it("scales each axis alone, as Camera.scaled does", () => {
-    expect(resized(CAMERA, 320, 90)).toEqual({ width: 320, height: 90, fx: 250, fy: 127.5, cx: 165, cy: 42.5 });
+    expect(resized(CAMERA, 320, 90)).toEqual({
+      width: 320,
+      height: 90,
+      fx: 250,
+      fy: 127.5,
+      cx: 165,
+      cy: 42.5,
+      near: 0.2,
+    });
   });
 
   it.each([
