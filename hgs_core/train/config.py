@@ -39,10 +39,10 @@ class TrainConfig:
     seed: int = 0
     cycles: int = 12_000
     static_points: int = 12_000  # initial points asked for
-    dynamic_points: int = 6_000
-    init_frames: int = 15  # frames that initialisation samples (interleaved-frame initialisation)
+    dynamic_points: int = 10_000
+    init_frames: int = 30  # frames that initialisation samples (interleaved-frame initialisation)
     max_static: int = 60_000  # splat budgets
-    max_dynamic: int = 15_000
+    max_dynamic: int = 20_000
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
     densify_every: int = 50  # cycles
@@ -147,7 +147,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 20_000, "dynamic_points": 10_000, "init_frames": 20,
+        "cycles": 40_000, "static_points": 20_000, "dynamic_points": 15_000, "init_frames": 50,
         "max_static": 120_000, "max_dynamic": 40_000, "coarse_until": 0.15,
     },
 }  # fmt: skip
