@@ -2,3 +2,5 @@
 
 The process that serves the API never imports torch; only the commands that train or measure do.
 """
+
+__all__: list[str] = []

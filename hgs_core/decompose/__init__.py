@@ -1,1 +1,3 @@
 """Which pixels and which points move."""
+
+__all__: list[str] = []

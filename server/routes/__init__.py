@@ -1,1 +1,3 @@
 """One router per resource of docs/protocol.md."""
+
+__all__: list[str] = []
