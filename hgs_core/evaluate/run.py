@@ -16,6 +16,7 @@ from hgs_core.evaluate.psnr import psnr
 from hgs_core.evaluate.ssim import ssim
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.render.rasterize import rasterize
+from hgs_core.render.threads import one_torch_thread
 from hgs_core.run_folder import RunFolder
 from hgs_core.train.targets import target_picture
 
@@ -45,17 +46,18 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
     views = {camera.name: camera for camera in manifest.cameras}
     scores: list[tuple[float, float]] = []
     total = len(cameras) * len(capture.times)
-    for index in cameras:
-        camera = views[capture.cameras[index].name]
-        for frame, seconds in enumerate(capture.times):
-            segment = scene.segment_at(float(seconds))
-            picture = rasterize(
-                scene.static, segment.dynamic, camera, segment.normalised(float(seconds)),
-                background=manifest.background, gradients="none",
-            ).rgb.clamp(0, 1)  # fmt: skip
-            truth = target_picture(capture, index, frame, camera)
-            scores.append((psnr(picture, truth), ssim(picture, truth)))
-            progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
+    with one_torch_thread():
+        for index in cameras:
+            camera = views[capture.cameras[index].name]
+            for frame, seconds in enumerate(capture.times):
+                segment = scene.segment_at(float(seconds))
+                picture = rasterize(
+                    scene.static, segment.dynamic, camera, segment.normalised(float(seconds)),
+                    background=manifest.background, gradients="none",
+                ).rgb.clamp(0, 1)  # fmt: skip
+                truth = target_picture(capture, index, frame, camera)
+                scores.append((psnr(picture, truth), ssim(picture, truth)))
+                progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
     totals = manifest.totals
     result = {
         "psnr": _mean([score[0] for score in scores]),

@@ -6,13 +6,21 @@ import torch
 from torch import Tensor
 from torch.nn.functional import conv2d
 
+from hgs_core.native import library
+from hgs_core.native.loss import l1_dssim
+
 __all__ = ["gaussian_window", "ssim", "ssim_map"]
 
 C1, C2 = 0.01**2, 0.03**2  # for a data range of 1
 
 
 def ssim(image: Tensor, truth: Tensor) -> float:
-    """Return the mean structural similarity of two pictures [3, H, W] in [0, 1]; data range 1."""
+    """Return the mean structural similarity of two pictures [3, H, W] in [0, 1]; data range 1.
+
+    Float32 pictures on the CPU use the compiled kernel of the loss where there is one: it is much faster.
+    """
+    if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
+        return 1 - l1_dssim(image.contiguous().numpy(), truth.contiguous().numpy(), dssim_weight=1.0)[0]
     return float(ssim_map(image, truth).mean())
 
 

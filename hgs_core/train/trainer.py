@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,9 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
-from hgs_core.native import library
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.render.rasterize import Gradients, rasterize
+from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic, tiles_to_pixels
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
@@ -85,7 +84,7 @@ class Trainer:
         """
         started, before = time.monotonic(), self.state.seconds
         try:
-            with _one_torch_thread():
+            with one_torch_thread():
                 while self.state.cycle < self.config.cycles:
                     self._cycle(self.state.cycle)
                     self.state.cycle += 1
@@ -182,21 +181,6 @@ class Trainer:
                 plan(self.first_counts[1], config.max_dynamic),
             )  # fmt: skip
         state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
-
-
-@contextmanager
-def _one_torch_thread() -> Iterator[None]:
-    """Keep torch to one thread while the compiled kernels use them all.
-
-    Both pools at once oversubscribe the cores: small torch operations became a hundred times slower. One thread also
-    fixes the order of torch's sums, so that the bits do not depend on the machine's cores.
-    """
-    threads = torch.get_num_threads()
-    torch.set_num_threads(1 if library.available() else threads)
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
 
 
 def _fresh(static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> TrainState:

@@ -38,6 +38,12 @@ def test_ssim_is_its_definition_pixel_by_pixel() -> None:
     np.testing.assert_allclose(got, expected, atol=1e-12)
 
 
+def test_the_score_is_the_mean_of_the_map() -> None:
+    generator = torch.Generator().manual_seed(0)
+    x, y = (torch.rand(3, 40, 50, generator=generator) for _ in range(2))
+    assert ssim(x, y) == pytest.approx(float(ssim_map(x.double(), y.double()).mean()), abs=1e-5)
+
+
 def test_equal_pictures_have_ssim_one() -> None:
     picture = torch.rand(3, 20, 20, generator=torch.Generator().manual_seed(0))
     assert ssim(picture, picture) == pytest.approx(1.0, abs=1e-6)
