@@ -21,7 +21,7 @@ interface Point {
   y: number;
 }
 
-/** Listen on `target` until `signal` aborts. */
+/** Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses. */
 export function listenForGestures(target: HTMLElement, motion: CameraMotion, signal: AbortSignal): void {
   const pointers = new Map<number, Point>();
   let panning = false;
@@ -72,13 +72,12 @@ export function listenForGestures(target: HTMLElement, motion: CameraMotion, sig
     },
     { signal, passive: false },
   );
-  target.addEventListener(
+  addEventListener(
     "keydown",
     (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (!press(event, motion)) return;
-      event.preventDefault();
-      event.stopPropagation();
+      if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+      if (press(event, motion)) event.preventDefault();
     },
     { signal },
   );

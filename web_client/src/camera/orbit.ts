@@ -43,6 +43,11 @@ export class OrbitCamera {
     return this.#distance;
   }
 
+  /** How near the camera has come to the target: 1 at first or farther away, less when closer. */
+  get closeness(): number {
+    return Math.min(1, this.#distance / this.#first);
+  }
+
   /** Turn the camera about the target: positive `yaw` moves it to its left, positive `pitch` upwards. Radians. */
   turn(yaw: number, pitch: number): void {
     const right = row(this.#rotation, 0);

@@ -6,7 +6,7 @@ import { SceneStream, type StreamState } from "../protocol/stream";
 import { type Pixels, SplatRenderer } from "../renderer/renderer";
 import type { FromWorker, ToWorker } from "../worker/messages";
 import { placeChunks } from "../worker/placement";
-import type { DepthAxis } from "../worker/splat_order";
+import { type DepthAxis, sameAxis } from "../worker/splat_order";
 import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { FrameRate } from "./frame_rate";
@@ -154,7 +154,7 @@ export class ScenePlayer {
     else this.#stream.pause(at);
   }
 
-  /** Resolves when everything that is alive at the (standing) playhead has arrived, has been sorted, and is drawn. */
+  /** Resolves when everything that is alive at the playhead has arrived, has been sorted, and is drawn. */
   settled(): Promise<void> {
     return new Promise((resolve) => {
       this.#waiting.push(resolve);
@@ -243,7 +243,7 @@ export class ScenePlayer {
     this.#reportStall(clock);
     const r = view.pose.rotation;
     const wanted: OrderKey = {
-      axis: { x: r[6], y: r[7], z: r[8], offset: view.pose.translation[2] },
+      axis: { x: r[6], y: r[7], z: r[8], offset: view.pose.translation[2], near: view.camera.near },
       time,
       version: this.#version,
     };
@@ -255,8 +255,14 @@ export class ScenePlayer {
       this.#frames.count(now);
       if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
     }
-    const settled = sameOrder(this.#ordered, wanted) && buffer.staticComplete && buffer.ready(time);
-    if (settled && !this.#renderer.lost) for (const resolve of this.#waiting.splice(0)) resolve();
+    if (this.#settled(wanted, scene)) for (const resolve of this.#waiting.splice(0)) resolve();
+  }
+
+  /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */
+  #settled(wanted: OrderKey, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
+    const shown = this.#ordered;
+    if (!shown || this.#renderer.lost || !buffer.staticComplete || !buffer.ready(shown.time)) return false;
+    return clock.playing ? shown.version === wanted.version : sameOrder(shown, wanted);
   }
 
   #requestOrder(key: OrderKey): void {
@@ -286,13 +292,5 @@ export class ScenePlayer {
 }
 
 function sameOrder(a: OrderKey | null, b: OrderKey): boolean {
-  return (
-    a !== null &&
-    a.version === b.version &&
-    a.time === b.time &&
-    a.axis.x === b.axis.x &&
-    a.axis.y === b.axis.y &&
-    a.axis.z === b.axis.z &&
-    a.axis.offset === b.axis.offset
-  );
+  return a !== null && a.version === b.version && a.time === b.time && sameAxis(a.axis, b.axis);
 }

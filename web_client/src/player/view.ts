@@ -19,6 +19,7 @@ export function sameView(a: View | null, b: View): boolean {
     p.fy === q.fy &&
     p.cx === q.cx &&
     p.cy === q.cy &&
+    p.near === q.near &&
     a.pose.rotation.every((value, i) => value === b.pose.rotation[i]) &&
     a.pose.translation.every((value, i) => value === b.pose.translation[i])
   );

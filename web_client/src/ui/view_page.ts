@@ -48,8 +48,8 @@ class ViewPage {
   readonly #abort = new AbortController();
   readonly #canvas = element("canvas", {
     class: "picture",
-    tabindex: 0,
-    "aria-label": "Scene; drag to turn, arrows too",
+    role: "img",
+    "aria-label": "Scene; drag or use the arrow keys to turn",
   });
   readonly #title = element("h1");
   readonly #player: ScenePlayer;
@@ -122,7 +122,6 @@ class ViewPage {
     this.root.append(bar, this.#stats.node, transport.node);
     addEventListener("keydown", (event) => this.#press(event, transport), { signal });
     new IdleHiding(this.root, () => this.#player.clock?.playing ?? false, signal);
-    this.#canvas.focus({ preventScroll: true });
   }
 
   #press(event: KeyboardEvent, transport: Transport): void {

@@ -62,8 +62,10 @@ export class Viewpoint {
 
   view(): View | null {
     if (!this.#start || !this.#orbit) return null;
-    const pose = this.parameters.exact ? this.#start.pose : this.#orbit.pose;
-    return { pose, camera: this.#intrinsics(this.#start.camera) };
+    const camera = this.#intrinsics(this.#start.camera);
+    if (this.parameters.exact) return { pose: this.#start.pose, camera };
+    // The near plane comes along, else zooming in would cut a hole into what one looks at.
+    return { pose: this.#orbit.pose, camera: { ...camera, near: camera.near * this.#orbit.closeness } };
   }
 
   turn(yaw: number, pitch: number): void {

@@ -9,16 +9,17 @@ import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
 import type { Placement } from "./placement";
 import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
 
-/** Smaller depths need no place in the order; the renderer drops what is nearer than the camera's own near plane. */
-const NEAR = 0.01;
-
-/** Depth along the view axis: z = x p.x + y p.y + z p.z + offset. */
+/** Depth along the view axis, x p.x + y p.y + z p.z + offset; splats of less than `near`, above 0, are not drawn. */
 export interface DepthAxis {
   readonly x: number;
   readonly y: number;
   readonly z: number;
   readonly offset: number;
+  readonly near: number;
 }
+
+export const sameAxis = (a: DepthAxis, b: DepthAxis): boolean =>
+  a.x === b.x && a.y === b.y && a.z === b.z && a.offset === b.offset && a.near === b.near;
 
 export interface SplatOrder {
   /** Ids, farthest first, in whole rows of the order texture. */
@@ -107,7 +108,7 @@ export class SplatOrderer {
 
   #sortStatics(axis: DepthAxis): void {
     const last = this.#sortedAxis;
-    if (last && last.x === axis.x && last.y === axis.y && last.z === axis.z && last.offset === axis.offset) return;
+    if (last && sameAxis(last, axis)) return;
     this.#sortedAxis = axis;
     const list = this.#staticList;
     list.reset(this.#statics.reduce((sum, { means }) => sum + means.length / 3, 0));
@@ -116,7 +117,7 @@ export class SplatOrderer {
     for (const { first, means } of this.#statics) {
       for (let i = 0, at = 0; at < means.length; i++, at += 3) {
         const depth = axis.x * means[at] + axis.y * means[at + 1] + axis.z * means[at + 2] + axis.offset;
-        if (!(depth >= NEAR)) continue;
+        if (!(depth >= axis.near)) continue;
         depths[n] = depth;
         ids[n++] = first + i;
       }
@@ -151,7 +152,7 @@ export class SplatOrderer {
         const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * motion[m + 10]));
         const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * motion[m + 11]));
         const depth = axis.x * x + axis.y * y + axis.z * z + axis.offset;
-        if (!(depth >= NEAR)) continue;
+        if (!(depth >= axis.near)) continue;
         depths[n] = depth;
         ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
       }

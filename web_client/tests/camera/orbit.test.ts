@@ -55,6 +55,7 @@ describe("OrbitCamera", () => {
     const camera = orbit();
     camera.zoom(0.5);
     expect(camera.distance).toBeCloseTo(2);
+    expect(camera.closeness).toBeCloseTo(0.5);
     camera.zoom(1e-9);
     expect(camera.distance).toBeGreaterThan(0);
   });

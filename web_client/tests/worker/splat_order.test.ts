@@ -4,7 +4,7 @@ import { placeChunks } from "../../src/worker/placement";
 import { SplatOrderer } from "../../src/worker/splat_order";
 import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";
 
-const AXIS = { x: 0, y: 0, z: 1, offset: 0 };
+const AXIS = { x: 0, y: 0, z: 1, offset: 0, near: 0.01 };
 const dynamic = (i: number) => (DYNAMIC_BIT | i) >>> 0;
 
 function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatOrderer {
@@ -25,8 +25,10 @@ describe("SplatOrderer", () => {
     expect(drawn(orderer([0, 0, 1, 0, 0, 3, 0, 0, 2]))).toEqual([1, 2, 0]);
   });
 
-  it("leaves out what lies before the near plane", () => {
-    expect(drawn(orderer([0, 0, 1, 0, 0, 0.009, 0, 0, -2]))).toEqual([0]);
+  it("leaves out what lies before the camera's near plane", () => {
+    const o = orderer([0, 0, 1, 0, 0, 0.009, 0, 0, -2]);
+    expect(drawn(o)).toEqual([0]);
+    expect(drawn(o, 0, { ...AXIS, near: 0.005 })).toEqual([0, 1]);
   });
 
   it("sorts dynamics where they have moved to, with a camera that stands still", () => {
@@ -51,7 +53,7 @@ describe("SplatOrderer", () => {
   it("sorts statics anew when the camera has moved", () => {
     const o = orderer([0, 0, 1, 0, 0, 3]);
     drawn(o);
-    expect(drawn(o, 0, { x: 0, y: 0, z: -1, offset: 5 })).toEqual([0, 1]);
+    expect(drawn(o, 0, { ...AXIS, z: -1, offset: 5 })).toEqual([0, 1]);
   });
 
   it("shows statics that came after the last sort", () => {

@@ -1,0 +1,230 @@
+"""The real page of a real server in a real browser, against the reference rasterizer's pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+
+from scripts.browser_check import canvas_floats, canvas_pixels, open_viewer, psnr
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from tests.web_client.conftest import Site
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
+
+FLOAT_PSNR = 60.0  # dB; what is left is float32 and the codec's identical inputs
+CANVAS_PSNR = 40.0  # dB; the canvas rounds to 8 bits after every splat
+
+Reference = Callable[[str, float], npt.NDArray[np.float64]]
+
+
+@pytest.fixture(scope="session")
+def reference(site: Site) -> Reference:
+    """Return a function (camera, seconds) -> the reference picture of the decoded scene, [H, W, 3]."""
+    import torch
+
+    from hgs_core.render import rasterize
+
+    pictures: dict[tuple[str, float], npt.NDArray[np.float64]] = {}
+    scene = site.scene.map(lambda array: torch.tensor(array, dtype=torch.float64))
+
+    def draw(name: str, seconds: float) -> npt.NDArray[np.float64]:
+        if (name, seconds) not in pictures:
+            camera = next(camera for camera in site.cameras if camera.name == name)
+            segment = scene.segment_at(seconds)
+            render = rasterize(
+                scene.static, segment.dynamic, camera, segment.normalised(seconds),
+                background=(0.1, 0.2, 0.3), backend="reference", gradients="none",
+            )  # fmt: skip
+            pictures[name, seconds] = render.rgb.permute(1, 2, 0).numpy()
+        return pictures[name, seconds]
+
+    return draw
+
+
+def exact(site: Site, camera: str, seconds: float) -> str:
+    shape = site.cameras[0]
+    return f"{site.page}?camera={camera}&t={seconds}&width={shape.width}&height={shape.height}&paused=1&exact=1"
+
+
+def view(browser: Browser, site: Site, camera: str, seconds: float):  # type: ignore[no-untyped-def]
+    return open_viewer(
+        browser, exact(site, camera, seconds), width=site.cameras[0].width, height=site.cameras[0].height
+    )
+
+
+@pytest.mark.parametrize(
+    ("camera", "seconds"), [("side", 0.0), ("side", 0.4), ("above", 0.4), ("askew", 1.0), ("askew", 1.7), ("side", 2.0)]
+)
+def test_canvas_shows_the_reference_picture(
+    browser: Browser, site: Site, reference: Reference, camera: str, seconds: float
+) -> None:
+    with view(browser, site, camera, seconds) as page:
+        truth = reference(camera, seconds)
+        assert psnr(canvas_floats(page), truth) >= FLOAT_PSNR
+        assert psnr(canvas_pixels(page), truth) >= CANVAS_PSNR
+
+
+def test_screen_shows_what_the_canvas_holds(browser: Browser, site: Site) -> None:
+    from io import BytesIO
+
+    from PIL import Image
+
+    with view(browser, site, "side", 0.4) as page:
+        screenshot = np.asarray(Image.open(BytesIO(page.screenshot())).convert("RGB"))
+        assert np.array_equal(screenshot, canvas_pixels(page))
+
+
+def test_seek_shows_the_picture_of_the_new_time(browser: Browser, site: Site, reference: Reference) -> None:
+    with view(browser, site, "above", 0.0) as page:
+        page.evaluate("() => window.hgs.seek(1.7)")
+        assert psnr(canvas_pixels(page), reference("above", 1.7)) >= CANVAS_PSNR
+        page.evaluate("() => window.hgs.seek(0.4)")
+        assert psnr(canvas_pixels(page), reference("above", 0.4)) >= CANVAS_PSNR
+
+
+def test_play_moves_the_picture_and_pause_holds_it(browser: Browser, site: Site) -> None:
+    with view(browser, site, "side", 0.0) as page:
+        before = canvas_pixels(page)
+        page.evaluate("() => window.hgs.play()")
+        page.wait_for_function("() => window.hgs.state.time > 0.3")
+        page.evaluate("() => window.hgs.pause()")
+        stopped = page.evaluate("() => window.hgs.seek(window.hgs.state.time).then(() => window.hgs.state.time)")
+        after = canvas_pixels(page)
+        assert psnr(before, after) < 35
+        page.wait_for_timeout(200)
+        assert page.evaluate("() => window.hgs.state.time") == stopped
+        assert np.array_equal(canvas_pixels(page), after)
+
+
+def test_lost_context_comes_back_with_the_same_picture(browser: Browser, site: Site) -> None:
+    with view(browser, site, "side", 0.4) as page:
+        before = canvas_pixels(page)
+        page.evaluate(
+            """async () => {
+              const canvas = document.querySelector("canvas");
+              const context = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
+              const event = (name) => new Promise((resolve) => canvas.addEventListener(name, resolve, { once: true }));
+              const lost = event("webglcontextlost");
+              context.loseContext();
+              await lost;
+              await new Promise((resolve) => setTimeout(resolve)); // until the event has been dealt with
+              const restored = event("webglcontextrestored");
+              context.restoreContext();
+              await restored;
+              await window.hgs.seek(0.4);
+            }"""
+        )
+        assert np.array_equal(canvas_pixels(page), before)
+
+
+def test_broken_connection_is_taken_up_again(browser: Browser, site: Site, reference: Reference) -> None:
+    """The first connection is cut after its first chunk; the second one brings the rest."""
+    cut = """
+      const Original = WebSocket;
+      window.connections = 0;
+      window.WebSocket = class extends Original {
+        constructor(url) {
+          super(url);
+          if (++window.connections > 1) return;
+          let frames = 0;
+          this.addEventListener("message", () => { if (++frames === 2) this.close(3000); });
+        }
+      };
+    """
+    size = {"width": site.cameras[0].width, "height": site.cameras[0].height}
+    context = browser.new_context(viewport=size)
+    try:
+        context.add_init_script(cut)
+        page = context.new_page()
+        page.goto(exact(site, "side", 0.4))
+        page.wait_for_function("() => window.hgs?.ready.then(() => true)")
+        assert page.evaluate("() => window.connections") == 2
+        assert psnr(canvas_pixels(page), reference("side", 0.4)) >= CANVAS_PSNR
+    finally:
+        context.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "message"),
+    [
+        ("/view/nowhere", "no such scene"),
+        ("/view/clouds?camera=cam99", "camera cam99"),
+        ("/view/clouds?t=soon", "t=soon"),
+    ],
+)
+def test_page_says_what_is_wrong(browser: Browser, site: Site, address: str, message: str) -> None:
+    page = browser.new_page()
+    try:
+        page.goto(site.address + address)
+        page.get_by_role("alert").filter(has_text=message).wait_for()
+    finally:
+        page.close()
+
+
+def test_list_shows_scenes_and_leads_to_the_player(browser: Browser, site: Site) -> None:
+    page = browser.new_page()
+    try:
+        page.goto(site.address)
+        card = page.get_by_role("link", name="Clouds")
+        card.wait_for()
+        assert "splats" in card.inner_text()
+        page.wait_for_function("() => [...document.images].every((image) => image.complete && image.naturalWidth > 0)")
+        card.click()
+        page.wait_for_function("() => window.hgs?.ready.then(() => true)")
+        assert page.get_by_role("heading", name="Clouds").is_visible()
+    finally:
+        page.close()
+
+
+def controlled(browser: Browser, site: Site) -> Page:
+    """Open the page with its controls, standing still, wide enough for all of them."""
+    page = browser.new_page(viewport={"width": 800, "height": 500})
+    page.goto(f"{site.page}?paused=1&t=0.4")
+    page.wait_for_function("() => window.hgs?.ready.then(() => true)")
+    return page
+
+
+def test_dragging_turns_the_camera_and_zero_brings_it_back(browser: Browser, site: Site) -> None:
+    page = controlled(browser, site)
+    try:
+        before = canvas_pixels(page)
+        page.mouse.move(400, 250)
+        page.mouse.down()
+        page.mouse.move(500, 270, steps=4)
+        page.mouse.up()
+        page.evaluate("() => window.hgs.seek(0.4)")
+        assert psnr(canvas_pixels(page), before) < 30
+        page.keyboard.press("0")
+        page.evaluate("() => window.hgs.seek(0.4)")
+        assert np.array_equal(canvas_pixels(page), before)
+    finally:
+        page.close()
+
+
+def test_keyboard_plays_and_steps(browser: Browser, site: Site) -> None:
+    page = controlled(browser, site)
+    try:
+        page.keyboard.press(".")
+        assert page.evaluate("() => window.hgs.state.time") == pytest.approx(0.4 + 2 / 30)
+        page.keyboard.press("Space")
+        assert page.evaluate("() => window.hgs.state.playing")
+        page.get_by_role("button", name="Pause").click()
+        assert not page.evaluate("() => window.hgs.state.playing")
+    finally:
+        page.close()
+
+
+def test_picture_follows_the_size_of_the_window(browser: Browser, site: Site) -> None:
+    page = controlled(browser, site)
+    try:
+        page.set_viewport_size({"width": 390, "height": 700})
+        page.wait_for_function("() => window.hgs.state.width === 390 && window.hgs.state.height === 700")
+    finally:
+        page.close()
