@@ -14,7 +14,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -120,10 +120,15 @@ class PostgresLiveness:
             yield False
             return
         with connection:
-            since = self._first_seen_dead.setdefault(executor, _now())
-            if _now() - since >= self._grace:
-                yield True
-                return
+            try:
+                since = self._first_seen_dead.setdefault(executor, _now())
+                if _now() - since >= self._grace:
+                    yield True
+                    return
+            finally:
+                # The server ends a closed session only a little later; say it, so that the lock is free at once.
+                with suppress(sa.exc.DBAPIError):  # a broken connection has lost the lock anyway
+                    connection.execute(sa.select(sa.func.pg_advisory_unlock(_key(executor))))
         # The lock is free again here, so that a worker that only lost its connection can take it.
         yield False
 
