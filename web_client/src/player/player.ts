@@ -6,10 +6,10 @@ import { SceneStream, type StreamState } from "../protocol/stream";
 import { type Pixels, SplatRenderer } from "../renderer/renderer";
 import type { FromWorker, ToWorker } from "../worker/messages";
 import { placeChunks } from "../worker/placement";
-import { type DepthAxis, sameAxis } from "../worker/splat_order";
 import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { FrameRate } from "./frame_rate";
+import { type OrderKey, OrderRequests } from "./order_requests";
 import { sameView, type View } from "./view";
 
 export interface PlayerOptions {
@@ -36,17 +36,11 @@ export interface PlayerStats {
   readonly firstFrame: number | null;
 }
 
-/** What the worker was last asked for, and what the renderer last drew. */
-interface OrderKey {
-  readonly axis: DepthAxis;
-  readonly time: number;
-  readonly version: number;
-}
-
 export class ScenePlayer {
   readonly #options: PlayerOptions;
   readonly #renderer: SplatRenderer;
   readonly #worker: Worker;
+  readonly #orders: OrderRequests;
   readonly #stream: SceneStream;
   readonly #abort = new AbortController();
   readonly #sizes = new Map<string, number>(); // of chunks at the worker
@@ -55,25 +49,20 @@ export class ScenePlayer {
   #scene: { manifest: Manifest; buffer: SceneBuffer; clock: PlayerClock } | null = null;
   #animation = 0;
   #version = 0; // of what the worker has decoded
-  #pending: OrderKey | null = null;
-  #ordered: OrderKey | null = null;
-  #normalisedTime = 0;
-  #recycled: Uint32Array<ArrayBuffer> | undefined;
-  #current: Uint32Array<ArrayBuffer> | undefined;
   #drawn: View | null = null; // null when the picture is out of date
   #stalled = false;
   #streamState: StreamState = "connecting";
   #bytes = 0;
-  #dynamicSplats = 0;
   #firstFrame: number | null = null;
 
   /** @throws Error if the browser has no WebGL2. */
   constructor(options: PlayerOptions) {
     this.#options = options;
     this.#renderer = new SplatRenderer(options.canvas, () => {
-      this.#ordered = null;
+      this.#orders.forget();
       this.#drawn = null;
     });
+    this.#orders = new OrderRequests((message, transfer) => this.#tell(message, transfer), this.#renderer);
     this.#worker = new Worker(new URL("../worker/worker.ts", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#fromWorker(data);
     this.#worker.onerror = (event) => options.onError(`the decoder stopped: ${event.message || "it did not load"}`);
@@ -91,7 +80,6 @@ export class ScenePlayer {
         state: (state) => {
           this.#streamState = state;
         },
-        end: () => {},
         failed: options.onError,
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
@@ -115,7 +103,7 @@ export class ScenePlayer {
       bytes: this.#bytes,
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       splats: this.#renderer.count,
-      dynamicSplats: this.#dynamicSplats,
+      dynamicSplats: this.#orders.dynamicSplats,
       framesPerSecond: this.#frames.value,
       firstFrame: this.#firstFrame,
     };
@@ -164,8 +152,8 @@ export class ScenePlayer {
   /** The picture as it is on the canvas, or in floats without the canvas's rounding; null before there is one. */
   readPixels(float = false): Pixels | null {
     const view = this.#options.view();
-    if (!view || !this.#ordered) return null;
-    const shot = { ...view, time: this.#normalisedTime };
+    if (!view || !this.#orders.shown) return null;
+    const shot = { ...view, time: this.#orders.normalisedTime };
     return float ? this.#renderer.readFloatPixels(shot) : this.#renderer.readPixels(shot);
   }
 
@@ -215,13 +203,7 @@ export class ScenePlayer {
         this.#options.onError(message.message);
         break;
       case "ordered":
-        this.#recycled = this.#current;
-        this.#current = message.ids;
-        this.#renderer.setOrder(message.ids, message.count);
-        this.#normalisedTime = message.normalisedTime;
-        this.#dynamicSplats = message.dynamic;
-        this.#ordered = this.#pending;
-        this.#pending = null;
+        this.#orders.receive(message);
         this.#drawn = null;
         break;
     }
@@ -247,10 +229,10 @@ export class ScenePlayer {
       time,
       version: this.#version,
     };
-    if (!this.#pending && !sameOrder(this.#ordered, wanted)) this.#requestOrder(wanted);
-    if (this.#ordered && !sameView(this.#drawn, view)) {
+    this.#orders.want(wanted);
+    if (this.#orders.shown && !sameView(this.#drawn, view)) {
       // Drawn at the time of the order, so that what is drawn and what is alive always agree.
-      this.#renderer.draw({ ...view, time: this.#normalisedTime });
+      this.#renderer.draw({ ...view, time: this.#orders.normalisedTime });
       this.#drawn = view;
       this.#frames.count(now);
       if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
@@ -260,18 +242,9 @@ export class ScenePlayer {
 
   /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */
   #settled(wanted: OrderKey, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
-    const shown = this.#ordered;
+    const { shown } = this.#orders;
     if (!shown || this.#renderer.lost || !buffer.staticComplete || !buffer.ready(shown.time)) return false;
-    return clock.playing ? shown.version === wanted.version : sameOrder(shown, wanted);
-  }
-
-  #requestOrder(key: OrderKey): void {
-    this.#pending = key;
-    const { axis, time } = key;
-    const recycled = this.#recycled;
-    this.#recycled = undefined;
-    if (recycled) this.#tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
-    else this.#tell({ type: "order", axis, time });
+    return clock.playing ? shown.version === wanted.version : this.#orders.shows(wanted);
   }
 
   /** The server's playhead runs ahead while this one waits; tell it. */
@@ -289,8 +262,4 @@ export class ScenePlayer {
     if (document.hidden) this.#stream.pause(clock.time);
     else this.#stream.play(clock.time, clock.rate);
   }
-}
-
-function sameOrder(a: OrderKey | null, b: OrderKey): boolean {
-  return a !== null && a.version === b.version && a.time === b.time && sameAxis(a.axis, b.axis);
 }

@@ -31,8 +31,6 @@ export interface StreamEvents {
   /** Chunk bytes arrived, headers not counted. */
   progress(bytes: number): void;
   state(state: StreamState): void;
-  /** Everything is here. */
-  end(): void;
   /** The stream is over for a reason that coming back does not cure; one line for people. */
   failed(message: string): void;
 }
@@ -168,18 +166,9 @@ export class SceneStream {
       return;
     }
     const message = decodeMessage(bytes);
-    switch (message?.type) {
-      case "welcome":
-        this.#welcome(message.protocol, message.manifest);
-        break;
-      case "end":
-        this.events.end();
-        break;
-      case "error":
-        // Faults of the server may pass: the close that follows decides whether to come back.
-        if (message.code !== "internal") this.#fail(message.detail);
-        break;
-    }
+    if (message?.type === "welcome") this.#welcome(message.protocol, message.manifest);
+    // Faults of the server may pass: the close that follows decides whether to come back.
+    if (message?.type === "error" && message.code !== "internal") this.#fail(message.detail);
   }
 
   #welcome(protocol: number, manifest: Uint8Array): void {

@@ -1,0 +1,76 @@
+/** Keeps the order of the splats up to date: asks the worker for one at a time, and remembers what the last one is of. */
+
+import type { SplatRenderer } from "../renderer/renderer";
+import type { FromWorker, ToWorker } from "../worker/messages";
+import { type DepthAxis, sameAxis } from "../worker/splat_order";
+
+/** What an order is of. */
+export interface OrderKey {
+  readonly axis: DepthAxis;
+  /** Seconds. */
+  readonly time: number;
+  /** Counts what the worker has decoded. */
+  readonly version: number;
+}
+
+type Ordered = Extract<FromWorker, { type: "ordered" }>;
+
+export class OrderRequests {
+  #asked: OrderKey | null = null;
+  #shown: OrderKey | null = null;
+  #ids: Uint32Array<ArrayBuffer> | undefined; // of the order that is shown, until the next one comes
+  #spare: Uint32Array<ArrayBuffer> | undefined;
+  #normalisedTime = 0;
+  #dynamicSplats = 0;
+
+  constructor(
+    readonly tell: (message: ToWorker, transfer: Transferable[]) => void,
+    readonly renderer: SplatRenderer,
+  ) {}
+
+  /** What the order that is drawn now is of; null before the first. */
+  get shown(): OrderKey | null {
+    return this.#shown;
+  }
+
+  /** The segment's time at which the shown order's dynamics are to be drawn. */
+  get normalisedTime(): number {
+    return this.#normalisedTime;
+  }
+
+  get dynamicSplats(): number {
+    return this.#dynamicSplats;
+  }
+
+  /** Ask for an order unless it is there already or the worker is busy with one; call again at the next frame. */
+  want(key: OrderKey): void {
+    if (this.#asked || this.shows(key)) return;
+    this.#asked = key;
+    const { axis, time } = key;
+    const recycled = this.#spare;
+    this.#spare = undefined;
+    if (recycled) this.tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
+    else this.tell({ type: "order", axis, time }, []);
+  }
+
+  /** Take the worker's answer. */
+  receive(order: Ordered): void {
+    this.#spare = this.#ids;
+    this.#ids = order.ids;
+    this.#normalisedTime = order.normalisedTime;
+    this.#dynamicSplats = order.dynamic;
+    this.#shown = this.#asked;
+    this.#asked = null;
+    this.renderer.setOrder(order.ids, order.count);
+  }
+
+  shows(key: OrderKey): boolean {
+    const shown = this.#shown;
+    return shown !== null && shown.version === key.version && shown.time === key.time && sameAxis(shown.axis, key.axis);
+  }
+
+  /** The renderer has lost its order. */
+  forget(): void {
+    this.#shown = null;
+  }
+}

@@ -1,0 +1,43 @@
+import { describe, expect, it } from "vitest";
+import type { Job } from "../../src/protocol/api";
+import { describeFigures, describeProgress } from "../../src/ui/job_rows";
+
+const job = (fields: Partial<Job>): Job => ({
+  id: "a",
+  state: "running",
+  capture: "/captures/studio",
+  title: "Studio",
+  preset: "preview",
+  stage: null,
+  progress: null,
+  error: null,
+  scene: null,
+  created: 0,
+  updated: 0,
+  ...fields,
+});
+
+describe("describeProgress", () => {
+  it.each<[string, Partial<Job>]>([
+    ["Waiting", { state: "queued" }],
+    ["Starting", {}],
+    ["Encoding", { stage: "encode" }],
+    ["Training 1,840 / 4,000", { progress: { stage: "train", done: 1840, total: 4000, figures: {} } }],
+    ["Cancelled", { state: "cancelled", stage: "train" }],
+  ])("says %s", (text, fields) => {
+    expect(describeProgress(job(fields))).toBe(text);
+  });
+});
+
+describe("describeFigures", () => {
+  it("rounds to three digits but leaves counts whole", () => {
+    const figures = { loss: 0.04123, splats_static: 48210 };
+    const progress = { stage: "train", done: 1, total: 2, figures };
+    expect(describeFigures(job({ progress }))).toBe("loss 0.0412 · splats static 48,210");
+  });
+
+  it("says nothing of a job that has ended", () => {
+    const progress = { stage: "train", done: 1, total: 2, figures: { loss: 1 } };
+    expect(describeFigures(job({ state: "failed", progress }))).toBe("");
+  });
+});
