@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,6 +66,27 @@ class RunFolder:
         if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
             raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
+
+    @contextmanager
+    def exclusive(self, patience: float = 0.0) -> Iterator[None]:
+        """Hold the run's file lock, so that no two processes work on one run; the kernel frees it when one dies.
+
+        Waits `patience` seconds for another process to end.
+
+        Raises:
+            InputError: another process still works on the run.
+        """
+        deadline = time.monotonic() + patience
+        with (self.path / "run.lock").open("w") as lock:
+            while True:
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    if time.monotonic() >= deadline:
+                        raise InputError(self.path, "another process works on this run", "wait until it ends") from None
+                    time.sleep(0.1)
+            yield
 
     def read_spec(self) -> RunSpec:
         """Read run.json.

@@ -14,7 +14,6 @@ Exit status: 0 done, 1 failed, 2 bad input, 70 the worker is gone, 75 stopped.
 from __future__ import annotations
 
 import argparse
-import fcntl
 import importlib
 import json
 import os
@@ -28,6 +27,7 @@ from typing import IO, Any
 
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.run_folder import RunFolder
 from jobs.home import Home
 
 __all__ = ["STAGES", "main"]
@@ -51,8 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     report = _claim_stdout()
     try:
-        with (options.run / "run.lock").open("w") as lock:
-            _hold(lock, options.run)
+        with RunFolder(options.run).exclusive(patience=LOCK_WAIT):
             _run(options.stage, options.run, Home.from_environment(), _throttled(report, stop))
     except StageStopped:
         return STOPPED
@@ -89,18 +88,6 @@ def _claim_stdout() -> IO[str]:
     ours = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     return ours
-
-
-def _hold(lock: IO[Any], run: Path) -> None:
-    """Take the run's file lock, so that no two processes ever work on one run; the kernel frees it when we end."""
-    deadline = time.monotonic() + LOCK_WAIT
-    while True:
-        try:
-            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            if time.monotonic() > deadline:
-                raise RuntimeError(f"{run}: another process still works on this run") from None
-            time.sleep(0.1)
 
 
 def _throttled(report: IO[str], stop: threading.Event) -> ProgressCallback:

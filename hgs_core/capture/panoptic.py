@@ -59,6 +59,10 @@ def open_panoptic(path: Path, *, cache_bytes: int) -> Capture:
     cameras = [_camera(meta_path, meta, column) for column in range(len(meta["cam_id"][0]))]
     files = [[str(meta["fn"][frame][column]) for frame in range(frames)] for column in range(len(cameras))]
 
+    for name in (name for names in files for name in names):
+        if Path(name).is_absolute() or ".." in Path(name).parts:
+            raise InputError(meta_path, f"fn names {name!r}, outside ims/", "give paths below ims/")
+
     present: list[tuple[Path, int]] = []
     masked = []
     for camera, names in zip(cameras, files, strict=True):

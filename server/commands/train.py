@@ -29,9 +29,10 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
     from hgs_core.pipeline import STAGES, create_run
+    from hgs_core.run_folder import RunFolder
 
     create_run(options.out, options.capture, config)
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with RunFolder(options.out).exclusive(), Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
             for stage in STAGES.values():
                 stage(options.out, bars)

@@ -123,3 +123,14 @@ def test_a_run_folder_survives_a_damaged_spec(tmp_path: Path) -> None:
     (tmp_path / "run.json").write_text("{")
     with pytest.raises(InputError, match=r"run\.json"):
         RunFolder(tmp_path).read_spec()
+
+
+def test_two_processes_never_work_on_one_run(tmp_path: Path) -> None:
+    with (
+        RunFolder(tmp_path).exclusive(),
+        pytest.raises(InputError, match="another process works on this run"),
+        RunFolder(tmp_path).exclusive(patience=0.2),
+    ):
+        pass
+    with RunFolder(tmp_path).exclusive():
+        pass

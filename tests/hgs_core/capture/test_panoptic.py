@@ -133,6 +133,10 @@ def no_frames(meta: dict[str, Any]) -> None:
         meta[field] = []
 
 
+def stray_picture(meta: dict[str, Any]) -> None:
+    meta["fn"][2][1] = "../../secret.jpg"
+
+
 def bad_width(meta: dict[str, Any]) -> None:
     meta["w"] = "wide"
 
@@ -149,6 +153,7 @@ def bad_width(meta: dict[str, Any]) -> None:
         (text_pose, "not a matrix of numbers"),
         (no_frames, "lists no picture"),
         (bad_width, "w is 'wide'"),
+        (stray_picture, r"secret\.jpg', outside ims/"),
     ],
 )
 def test_inconsistent_meta_file(
