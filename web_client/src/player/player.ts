@@ -10,6 +10,7 @@ import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { FrameRate } from "./frame_rate";
 import { type OrderKey, OrderRequests } from "./order_requests";
+import { Stillness } from "./stillness";
 import { sameView, type View } from "./view";
 
 export interface PlayerOptions {
@@ -45,11 +46,13 @@ export class ScenePlayer {
   readonly #abort = new AbortController();
   readonly #sizes = new Map<string, number>(); // of chunks at the worker
   readonly #frames = new FrameRate();
+  readonly #stillness = new Stillness();
   readonly #waiting: (() => void)[] = [];
   #scene: { manifest: Manifest; buffer: SceneBuffer; clock: PlayerClock } | null = null;
   #animation = 0;
   #version = 0; // of what the worker has decoded
   #drawn: View | null = null; // null when the picture is out of date
+  #quick = false; // how it was drawn
   #stalled = false;
   #streamState: StreamState = "connecting";
   #bytes = 0;
@@ -230,21 +233,29 @@ export class ScenePlayer {
       version: this.#version,
     };
     this.#orders.want(wanted);
-    if (this.#orders.shown && !sameView(this.#drawn, view)) {
-      // Drawn at the time of the order, so that what is drawn and what is alive always agree.
-      this.#renderer.draw({ ...view, time: this.#orders.normalisedTime });
-      this.#drawn = view;
-      this.#frames.count(now);
-      if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
-    }
-    if (this.#settled(wanted, scene)) for (const resolve of this.#waiting.splice(0)) resolve();
+    const still = this.#stillness.update(view, clock.playing && !clock.stalled, now);
+    this.#draw(view, this.#renderer.slow && !still, now);
+    if (this.#settled(wanted, view, scene)) for (const resolve of this.#waiting.splice(0)) resolve();
+  }
+
+  /** Draw if the picture is out of date or was drawn quickly without need, once the device has done the last one. */
+  #draw(view: View, quick: boolean, now: number): void {
+    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
+    if (current || !this.#orders.shown || this.#renderer.busy(now)) return;
+    // Drawn at the time of the order, so that what is drawn and what is alive always agree.
+    this.#renderer.draw({ ...view, time: this.#orders.normalisedTime }, quick);
+    this.#drawn = view;
+    this.#quick = quick;
+    this.#frames.count(now);
+    if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
   }
 
   /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */
-  #settled(wanted: OrderKey, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
+  #settled(wanted: OrderKey, view: View, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
     const { shown } = this.#orders;
-    if (!shown || this.#renderer.lost || !buffer.staticComplete || !buffer.ready(shown.time)) return false;
-    return clock.playing ? shown.version === wanted.version : this.#orders.shows(wanted);
+    if (!shown || this.#renderer.lost || !sameView(this.#drawn, view)) return false;
+    if (!buffer.staticComplete || !buffer.ready(shown.time)) return false;
+    return clock.playing ? shown.version === wanted.version : !this.#quick && this.#orders.shows(wanted);
   }
 
   /** The server's playhead runs ahead while this one waits; tell it. */

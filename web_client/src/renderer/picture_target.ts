@@ -1,0 +1,63 @@
+/** An off-screen picture that splats are drawn into. */
+
+export type PixelFormat = "RGBA8" | "RGBA16F" | "RGBA32F";
+
+/** Whether the device draws and blends into textures of the format. */
+export function canDraw(gl: WebGL2RenderingContext, format: PixelFormat): boolean {
+  const float = gl.getExtension("EXT_color_buffer_float") !== null;
+  if (format === "RGBA32F") return float && gl.getExtension("EXT_float_blend") !== null;
+  return format === "RGBA8" || float || gl.getExtension("EXT_color_buffer_half_float") !== null;
+}
+
+export class PictureTarget {
+  readonly #gl: WebGL2RenderingContext;
+  readonly #texture: WebGLTexture;
+  readonly #framebuffer: WebGLFramebuffer;
+
+  /** Create the picture and bind it. The device must be able to draw into the format. */
+  constructor(
+    gl: WebGL2RenderingContext,
+    readonly width: number,
+    readonly height: number,
+    readonly format: PixelFormat,
+  ) {
+    this.#gl = gl;
+    this.#texture = gl.createTexture();
+    this.bindTexture(0);
+    // Eight bits are for quick pictures, which are shown larger than they are.
+    const filter = format === "RGBA8" ? gl.LINEAR : gl.NEAREST;
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl[format], width, height);
+    this.#framebuffer = gl.createFramebuffer();
+    this.bind();
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.#texture, 0);
+  }
+
+  /** Draw into it from now on. */
+  bind(): void {
+    this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, this.#framebuffer);
+  }
+
+  /** Offer the picture to shaders. */
+  bindTexture(unit: number): void {
+    this.#gl.activeTexture(this.#gl.TEXTURE0 + unit);
+    this.#gl.bindTexture(this.#gl.TEXTURE_2D, this.#texture);
+  }
+
+  /** RGBA, rows from the bottom; of the float formats. */
+  read(): Float32Array {
+    this.bind();
+    const data = new Float32Array(4 * this.width * this.height);
+    this.#gl.readPixels(0, 0, this.width, this.height, this.#gl.RGBA, this.#gl.FLOAT, data);
+    return data;
+  }
+
+  dispose(): void {
+    this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, null);
+    this.#gl.deleteFramebuffer(this.#framebuffer);
+    this.#gl.deleteTexture(this.#texture);
+  }
+}
