@@ -10,32 +10,9 @@ import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { FrameRate } from "./frame_rate";
 import { type OrderKey, OrderRequests } from "./order_requests";
+import type { PlayerOptions, PlayerStats } from "./player_types";
 import { Stillness } from "./stillness";
 import { sameView, type View } from "./view";
-
-export interface PlayerOptions {
-  readonly canvas: HTMLCanvasElement;
-  readonly streamUrl: string;
-  /** Seconds from which to show and load first. */
-  readonly time: number | null;
-  readonly playing: boolean;
-  /** From where the scene is seen now; asked at every frame. Null while that is not known. */
-  readonly view: () => View | null;
-  readonly onManifest: (manifest: Manifest) => void;
-  /** One line for people; playing may go on. */
-  readonly onError: (message: string) => void;
-}
-
-export interface PlayerStats {
-  readonly stream: StreamState;
-  readonly bytes: number;
-  readonly bytesTotal: number;
-  readonly splats: number;
-  readonly dynamicSplats: number;
-  readonly framesPerSecond: number;
-  /** Milliseconds from opening the page to the first picture; null before. */
-  readonly firstFrame: number | null;
-}
 
 export class ScenePlayer {
   readonly #options: PlayerOptions;

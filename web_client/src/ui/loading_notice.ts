@@ -1,6 +1,6 @@
 /** What lies over the picture while there is none, or when something is wrong. */
 
-import type { PlayerStats } from "../player/player";
+import type { PlayerStats } from "../player/player_types";
 import { element, setText } from "./element";
 import { formatBytes } from "./format";
 
