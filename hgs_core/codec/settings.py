@@ -20,9 +20,9 @@ class EncodeSettings:
     """
 
     position_error: float | None = None  # world units, per axis, at every moment of a splat's life; None: `pixel_error`
-    pixel_error: float = 0.25  # pixels of the capture at the cameras' median distance from the scene's centre
-    log_scale_error: float = 0.02  # i.e. 2 % of a splat's size
-    rotation_error: float = 0.0025  # distance of unit quaternions; twice that is an angle in radians
+    pixel_error: float = 0.07  # pixels of the capture at the cameras' median distance from the scene's centre
+    log_scale_error: float = 0.04  # i.e. 4 % of a splat's size
+    rotation_error: float = 0.005  # distance of unit quaternions; twice that is an angle in radians
     opacity_error: float = 1 / 510  # of the peak
     fade_error: float = 0.01  # of the opacity at any moment, because of the time attributes
     rgb_error: float = 1 / 510

@@ -74,11 +74,17 @@ def check_statics(before: StaticSplats, after: StaticSplats) -> None:
     before = before.take(kept)
     assert np.abs(after.means - before.means).max(initial=0) <= BOUND
     floor = math.log(SETTINGS.smallest_scale * BOUND)
-    assert np.abs(after.log_scales - np.maximum(before.log_scales, floor)).max(initial=0) <= 0.02 + 1e-6
-    assert np.abs(sigmoid(after.opacity_logits) - sigmoid(before.opacity_logits)).max(initial=0) <= 1 / 510 + 2e-6
+    assert (
+        np.abs(after.log_scales - np.maximum(before.log_scales, floor)).max(initial=0)
+        <= SETTINGS.log_scale_error + 1e-6
+    )
+    assert (
+        np.abs(sigmoid(after.opacity_logits) - sigmoid(before.opacity_logits)).max(initial=0)
+        <= SETTINGS.opacity_error + 2e-6
+    )
     norm = np.linalg.norm(before.quats, axis=1, keepdims=True)
     quats = np.where(norm > 0, before.quats / np.where(norm > 0, norm, 1), (1, 0, 0, 0))
-    assert (np.abs((after.quats * quats).sum(axis=1)) >= 1 - 0.0025**2 / 2 - 1e-6).all()
+    assert (np.abs((after.quats * quats).sum(axis=1)) >= 1 - SETTINGS.rotation_error**2 / 2 - 1e-6).all()
 
 
 def check_dynamics(before: DynamicSplats, after: DynamicSplats, until: float, frame: float) -> None:
@@ -94,7 +100,7 @@ def check_dynamics(before: DynamicSplats, after: DynamicSplats, until: float, fr
         coded, _, coded_opacities = evaluate(after, moment)
         assert np.abs(coded - positions).max(initial=0) <= BOUND * 1.001
         opacities = evaluate(slower, moment)[2]
-        assert np.abs(coded_opacities - opacities).max(initial=0) <= SETTINGS.fade_error + 1 / 510 + 2e-4
+        assert np.abs(coded_opacities - opacities).max(initial=0) <= SETTINGS.fade_error + SETTINGS.opacity_error + 2e-4
 
 
 def test_every_splat_decodes_within_its_bounds(tmp_path: Path, cameras: list[Camera]) -> None:
