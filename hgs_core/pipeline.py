@@ -17,6 +17,7 @@ from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder, RunSpec
 from hgs_core.train.config import TrainConfig
+from hgs_core.train.views import training_cameras
 
 __all__ = ["STAGES", "create_run", "encode", "initialise", "train"]
 
@@ -30,8 +31,7 @@ def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
         InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
     """
     opened = open_capture(capture)
-    held_out = {opened.camera_index(name) for name in config.hold_out}
-    left = len(opened.cameras) - len(held_out)
+    left = len(training_cameras(opened, config))
     if left < _MIN_CAMERAS:
         raise InputError(
             "config.hold_out",
@@ -50,7 +50,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     if folder.points.exists():
         return
     capture, config = _open(folder)
-    cameras = _training_cameras(capture, config)
+    cameras = training_cameras(capture, config)
     masks = motion_masks(capture, cameras, progress=progress)
     masks.save(folder.masks)
     points = initial_points(
@@ -118,11 +118,6 @@ def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
     capture = open_capture(spec.capture, cache_bytes=spec.config.frame_memory_mib << 20)
     spec.check_unchanged(capture)
     return capture, spec.config
-
-
-def _training_cameras(capture: Capture, config: TrainConfig) -> list[int]:
-    held_out = {capture.camera_index(name) for name in config.hold_out}
-    return [i for i in range(len(capture.cameras)) if i not in held_out]
 
 
 def _init_step(capture: Capture, config: TrainConfig) -> int:

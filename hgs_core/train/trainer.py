@@ -28,7 +28,7 @@ from hgs_core.train.initialise import scene_extent
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.targets import target_picture
-from hgs_core.train.views import ViewSchedule
+from hgs_core.train.views import ViewSchedule, training_cameras
 
 __all__ = ["Trainer", "clock_of"]
 
@@ -62,8 +62,7 @@ class Trainer:
         checkpoint: Path,
     ) -> None:
         self.capture, self.cameras, self.config, self.checkpoint = capture, cameras, config, checkpoint
-        held_out = {capture.camera_index(name) for name in config.hold_out}
-        training = tuple(i for i in range(len(cameras)) if i not in held_out)
+        training = training_cameras(capture, config)
         views = [cameras[i] for i in training]
         frame_bytes = max(3 * camera.width * camera.height for camera in views)
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.

@@ -6,9 +6,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["ViewSchedule"]
+from hgs_core.capture.capture import Capture
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["ViewSchedule", "training_cameras"]
 
 _VISITS = 2  # passes over the frames of a block before the next block is loaded
+
+
+def training_cameras(capture: Capture, config: TrainConfig) -> tuple[int, ...]:
+    """Return the indices of the cameras that initialisation and training may see: all that are not held out.
+
+    Raises:
+        InputError: a held-out camera is not one of the capture's.
+    """
+    held_out = {capture.camera_index(name) for name in config.hold_out}
+    return tuple(i for i in range(len(capture.cameras)) if i not in held_out)
 
 
 @dataclass(frozen=True)
