@@ -12,6 +12,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.render.reference import rasterize_reference
+from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
 
 __all__ = ["ring_of_cameras", "synthetic_scene", "write_capture"]
@@ -71,7 +72,7 @@ def write_capture(path: Path, cameras: int = 5, frames: int = 6, width: int = 64
     for frame in range(frames):
         time = frame / max(1, frames - 1)
         for view in views:
-            picture = rasterize_reference(static, dynamic, view, time, gradients="none").rgb.clamp(0, 1)
+            picture = rasterize_reference(static, dynamic, View(view, time, gradients="none")).rgb.clamp(0, 1)
             pixels = (picture.permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)
             file = path / "ims" / view.name / f"{frame:06d}.jpg"
             file.parent.mkdir(parents=True, exist_ok=True)

@@ -23,7 +23,6 @@ class Ellipses:
     conics: Tensor  # [V, 3] xx, xy, yy of the inverse screen covariance, 1 / pixels^2
     half_sizes: Tensor  # [V, 2] pixels; half-sides of the box outside which alpha < 1/255 (no gradient)
     depths: Tensor  # [V] camera-space z (no gradient)
-    sigmas: Tensor  # [V] pixels; standard deviation along the major axis (no gradient)
     opacities: Tensor  # [V]
     rgb: Tensor  # [V, 3]
 
@@ -75,7 +74,6 @@ def project(moment: Moment, camera: Camera) -> Ellipses:
         size = torch.tensor([camera.width, camera.height], dtype=dtype, device=device)
         seen = (det > 0) & (means + half > 0).all(1) & (means - half < size).all(1)
         keep = torch.nonzero(seen)[:, 0]
-        sigmas = ((a + c) / 2 + (((a - c) / 2).square() + b * b).sqrt()).sqrt()
     conics = torch.stack([c, -b, a], 1)[keep] / det[keep, None]
     return Ellipses(
         index[keep],
@@ -83,7 +81,6 @@ def project(moment: Moment, camera: Camera) -> Ellipses:
         conics,
         half[keep],
         z.detach()[keep],
-        sigmas[keep],
         opacities[keep],
         moment.rgb[index[keep]],
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -14,12 +13,10 @@ from hgs_core.errors import InputError
 from hgs_core.native import library
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
-from hgs_core.render.types import Render, ScreenStatistics
+from hgs_core.render.types import Gradients, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["Gradients", "rasterize"]
-
-Gradients = Literal["all", "static", "dynamic", "none"]
+__all__ = ["rasterize"]
 
 
 def rasterize(
@@ -33,6 +30,8 @@ def rasterize(
     gradients: Gradients = "all",
     tile_mask: npt.NDArray[np.bool_] | None = None,
     statistics: ScreenStatistics | None = None,
+    antialiased: bool = False,
+    depth: bool = False,
 ) -> Render:
     """Draw static and dynamic splats as `camera` sees them at one moment.
 
@@ -47,6 +46,9 @@ def rasterize(
         gradients: which parameters the backward pass reaches; the others cost nothing.
         tile_mask: [ceil(H/16), ceil(W/16)]; tiles that are False are not drawn: they show the background.
         statistics: is added to when the backward pass runs; rows are statics, then dynamics.
+        antialiased: fade splats thinner than the low-pass by as much as it widens them (docs/numerics.md,
+            "Antialiasing").
+        depth: also return the depth, weighted like the colour and without a background.
 
     Returns:
         The picture and its coverage, differentiable towards the parameters that require gradients.
@@ -58,11 +60,9 @@ def rasterize(
         backend = "cpu" if library.available() and _fits_cpu(static, dynamic) else "reference"
     if backend not in ("cpu", "reference"):
         raise InputError("backend", f"unknown backend {backend!r}", "use auto, cpu or reference")
-    draw = rasterize_cpu if backend == "cpu" else rasterize_reference
-    return draw(
-        static, dynamic, camera, time,
-        background=background, gradients=gradients, tile_mask=tile_mask, statistics=statistics,
-    )  # fmt: skip
+    red, green, blue = background
+    view = View(camera, time, (red, green, blue), tile_mask, antialiased, depth, gradients, statistics)
+    return rasterize_cpu(static, dynamic, view) if backend == "cpu" else rasterize_reference(static, dynamic, view)
 
 
 def _fits_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None) -> bool:

@@ -1,15 +1,19 @@
-"""What rendering returns and what it counts."""
+"""What rendering is asked for, what it returns and what it counts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-__all__ = ["Render", "ScreenStatistics"]
+from hgs_core.camera import Camera
+
+__all__ = ["Contributions", "Gradients", "Render", "ScreenStatistics", "View"]
+
+Gradients = Literal["all", "static", "dynamic", "none"]
 
 
 class Render(NamedTuple):
@@ -17,6 +21,17 @@ class Render(NamedTuple):
 
     rgb: Tensor  # [3, H, W] display-referred sRGB, background included; not clamped
     alpha: Tensor  # [H, W] 1 - transmittance, in [0, 1]
+    depth: Tensor | None = None  # [H, W] sum over splats of weight times z, world units; None unless asked for
+
+
+class Contributions(NamedTuple):
+    """How much of one picture every splat is: statics first, then dynamics; zero for what is not drawn.
+
+    A splat's weight in a pixel is w = T alpha: the share of the pixel's colour that is the splat's.
+    """
+
+    total: npt.NDArray[np.float32]  # [N + M] sum over pixels of w, pixels
+    peak: npt.NDArray[np.float32]  # [N + M] largest w of a pixel, in [0, 1)
 
 
 @dataclass(frozen=True)
@@ -29,13 +44,26 @@ class ScreenStatistics:
 
     grad_norm_sum: npt.NDArray[np.float32]  # [N] sum over passes of |dL / d mean2d|, the mean in pixels
     count: npt.NDArray[np.int32]  # [N] passes that saw the splat
-    max_radius: npt.NDArray[np.float32]  # [N] largest 3 sigma radius (major axis) seen, pixels
 
     @staticmethod
     def zeros(n: int) -> ScreenStatistics:
         """Return statistics of `n` splats that no pass has seen."""
-        return ScreenStatistics(np.zeros(n, np.float32), np.zeros(n, np.int32), np.zeros(n, np.float32))
+        return ScreenStatistics(np.zeros(n, np.float32), np.zeros(n, np.int32))
 
     def rows(self, selection: slice) -> ScreenStatistics:
         """Return the statistics of some splats, as views."""
-        return ScreenStatistics(self.grad_norm_sum[selection], self.count[selection], self.max_radius[selection])
+        return ScreenStatistics(self.grad_norm_sum[selection], self.count[selection])
+
+
+@dataclass(frozen=True)
+class View:
+    """Everything besides the splats that a picture depends on; `rasterize` describes the fields."""
+
+    camera: Camera
+    time: float = 0.0  # normalised
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tile_mask: npt.NDArray[np.bool_] | None = None  # [ceil(H/16), ceil(W/16)]
+    antialiased: bool = False
+    depth: bool = False
+    gradients: Gradients = "all"
+    statistics: ScreenStatistics | None = None

@@ -19,7 +19,7 @@ from hgs_core.train.adam import Adam
 
 __all__ = ["TrainState", "load_state", "save_state"]
 
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass

@@ -15,10 +15,10 @@ from torch import Tensor
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
-from hgs_core.render.rasterize import Gradients, rasterize
+from hgs_core.render.rasterize import rasterize
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic, tiles_to_pixels
-from hgs_core.render.types import ScreenStatistics
+from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState, load_state, save_state

@@ -9,6 +9,7 @@ import torch
 
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.tiles import tiles_of_dynamic, tiles_to_pixels
+from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats
 from tests.hgs_core.render.scenes import camera, dynamic_splats
 
@@ -19,7 +20,7 @@ def test_every_pixel_that_a_splat_covers_lies_in_a_touched_tile() -> None:
     small = dataclasses.replace(splats, log_scales=splats.log_scales - 2)
     for time in (0.0, 0.5, 1.0):
         tiles = tiles_of_dynamic(small, view, time)
-        covered = rasterize_reference(None, small, view, time).alpha.numpy() > 0
+        covered = rasterize_reference(None, small, View(view, time)).alpha.numpy() > 0
         assert tiles.shape == (5, 7)
         assert not (covered & ~tiles_to_pixels(tiles, 100, 70)).any()
         assert not tiles.all()

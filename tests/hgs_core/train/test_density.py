@@ -23,8 +23,7 @@ def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityRound:
 
 
 def pulls(values: list[float]) -> ScreenStatistics:
-    count = len(values)
-    return ScreenStatistics(np.array(values, np.float32) * 2, np.full(count, 2, np.int32), np.zeros(count, np.float32))
+    return ScreenStatistics(np.array(values, np.float32) * 2, np.full(len(values), 2, np.int32))
 
 
 def visible_statics(count: int) -> StaticSplats[Tensor]:
