@@ -92,15 +92,15 @@ def encode(run: Path, progress: ProgressCallback) -> None:
     folder = RunFolder(run)
     if folder.manifest.exists():
         return
-    capture, _ = _open(folder)
+    capture, config = _open(folder)
     scene = load_scene(folder.trained)
     progress(Progress("encode", 0, 2))
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
-    picture = thumbnail(scene, cameras[0])
+    picture = thumbnail(scene, cameras[0], antialiased=config.antialiased)
     progress(Progress("encode", 1, 2))
     encode_scene(
         scene, folder.scene, cameras=cameras, times=capture.times, title=capture.name, thumbnail=picture,
-        training=json.loads(folder.train_summary.read_text()),
+        training=json.loads(folder.train_summary.read_text()), antialiased=config.antialiased,
     )  # fmt: skip
     progress(Progress("encode", 2, 2))
 

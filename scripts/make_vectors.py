@@ -172,7 +172,7 @@ def manifest() -> dict[str, object]:
             for (segment, start, end), new, old in zip(times, chunks, needs, strict=True)
         ],
         "totals": {"splats_static": 30, "splats_dynamic": 70, "bytes_static": 300, "bytes_dynamic": 700},
-        "thumbnail": True, "training": {"psnr": 31.5}, "later": "ignored",
+        "thumbnail": True, "training": {"psnr": 31.5}, "antialiased": True, "later": "ignored",
     }  # fmt: skip
 
 
@@ -202,6 +202,7 @@ WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["totals", "bytes_static"], 301, "manifest.totals.bytes_static"),
     (["thumbnail"], "yes", "manifest.thumbnail"),
     (["training"], [], "manifest.training"),
+    (["antialiased"], 1, "manifest.antialiased"),
 ]
 
 

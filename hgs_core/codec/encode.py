@@ -53,12 +53,13 @@ def encode_scene(
     background: tuple[float, float, float] = (0.0, 0.0, 0.0),
     thumbnail: bytes | None = None,
     training: Mapping[str, Any] | None = None,
+    antialiased: bool = False,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
-    JSON can hold. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier
-    scene in the same folder are removed after that.
+    JSON can hold, `antialiased` whether the splats were trained to be drawn so. Equal arguments give equal bytes. The
+    manifest appears last and atomically; chunks of an earlier scene in the same folder are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -101,6 +102,7 @@ def encode_scene(
         slices=tuple(slices),
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
+        antialiased=antialiased,
     )
     _write(out, manifest, coded, thumbnail)
     return manifest

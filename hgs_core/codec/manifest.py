@@ -94,6 +94,7 @@ class Manifest:
     slices: tuple[SliceEntry, ...]  # in order of time
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
+    antialiased: bool = False  # the splats were trained to be drawn so
 
     @property
     def chunks(self) -> tuple[ChunkEntry, ...]:
@@ -140,6 +141,7 @@ class Manifest:
             "totals": vars(self.totals).copy(),
             "thumbnail": self.thumbnail,
             "training": dict(self.training),
+            "antialiased": self.antialiased,
         }
 
     @classmethod
@@ -173,6 +175,7 @@ class Manifest:
             slices=tuple(_slice(field) for field in root["slices"].items()),
             thumbnail=root["thumbnail"].flag(),
             training=root["training"].mapping(),
+            antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
         )
         _check_references(manifest, root)
         return manifest

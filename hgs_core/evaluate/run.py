@@ -53,7 +53,7 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
                 segment = scene.segment_at(float(seconds))
                 picture = rasterize(
                     scene.static, segment.dynamic, camera, segment.normalised(float(seconds)),
-                    background=manifest.background, gradients="none",
+                    background=manifest.background, gradients="none", antialiased=manifest.antialiased,
                 ).rgb.clamp(0, 1)  # fmt: skip
                 truth = target_picture(capture, index, frame, camera)
                 scores.append((psnr(picture, truth), ssim(picture, truth)))

@@ -51,6 +51,7 @@ class TrainConfig:
     prune_opacity: float = 0.005
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
+    antialiased: bool = False  # draw so, now and in every viewer: right from any distance (docs/training.md)
     checkpoint_every: int = 500  # cycles
     frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
@@ -136,6 +137,8 @@ def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
             raise InputError(f"{where}.{name}", f"{given!r} is not a number")
         if types[name] == "str" and not isinstance(given, str):
             raise InputError(f"{where}.{name}", f"{given!r} is not a string")
+        if types[name] == "bool" and not isinstance(given, bool):
+            raise InputError(f"{where}.{name}", f"{given!r} is not true or false")
         result[name] = {"int": int, "float": float}.get(types[name], lambda x: x)(given)
     return result
 

@@ -140,6 +140,7 @@ class Trainer:
         render = rasterize(
             state.static, state.dynamic, camera, moment,
             backend=self.config.backend, gradients=stage, tile_mask=tiles, statistics=state.statistics,
+            antialiased=self.config.antialiased,
         )  # fmt: skip
         picture = render.rgb
         if tiles is not None:

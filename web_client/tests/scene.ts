@@ -31,6 +31,7 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   totals: { splatsStatic: 0, splatsDynamic: 0, bytesStatic: 0, bytesDynamic: 0 },
   thumbnail: false,
   training: {},
+  antialiased: false,
   ...fields,
 });
 

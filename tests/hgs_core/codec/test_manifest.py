@@ -21,6 +21,12 @@ def test_every_field_survives_reading_and_writing() -> None:
     assert Manifest.from_json(document()).to_json() == known
 
 
+def test_a_manifest_without_the_optional_field_is_one_of_a_scene_that_is_not_antialiased() -> None:
+    older = document()
+    assert older.pop("antialiased") is True
+    assert Manifest.from_json(older).antialiased is False
+
+
 @pytest.mark.parametrize("case", json.loads((VECTORS / "invalid_manifest.json").read_text()), ids=str)
 def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
     changed: Any = document()

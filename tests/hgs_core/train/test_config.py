@@ -24,7 +24,7 @@ def test_json_round_trip(preset: str) -> None:
     [
         ("cycles", 0), ("cycles", 1.5), ("cycles", "many"), ("cycles", True), ("dssim", 1.5), ("hold_out", "cam00"),
         ("hold_out", ["a", "a"]), ("backend", "cuda9"), ("learning_rates", {"rgb": -1}), ("learning_rates", 3),
-        ("learning_rates", {"colour": 1}), ("no_such_field", 1), ("preset", 3),
+        ("learning_rates", {"colour": 1}), ("no_such_field", 1), ("preset", 3), ("antialiased", 1),
     ],
 )  # fmt: skip
 def test_a_bad_value_is_refused_by_name(field: str, value: Any) -> None:

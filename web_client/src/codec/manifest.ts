@@ -20,10 +20,13 @@ class Field {
     return this.value as Record<string, unknown>;
   }
 
+  has(name: string): boolean {
+    return Object.hasOwn(this.object(), name);
+  }
+
   get(name: string): Field {
-    const object = this.object();
-    if (!Object.hasOwn(object, name)) throw new ManifestError(`${this.path}.${name}`, "is missing");
-    return new Field(`${this.path}.${name}`, object[name]);
+    if (!this.has(name)) throw new ManifestError(`${this.path}.${name}`, "is missing");
+    return new Field(`${this.path}.${name}`, this.object()[name]);
   }
 
   items(count?: number): Field[] {
@@ -108,6 +111,7 @@ export function parseManifest(json: unknown): Manifest {
     },
     thumbnail: root.get("thumbnail").flag(),
     training: root.get("training").object(),
+    antialiased: root.has("antialiased") && root.get("antialiased").flag(),
   };
   checkReferences(manifest, root);
   return manifest;

@@ -119,4 +119,6 @@ export interface Manifest {
   /** True if thumbnail.jpg lies beside the manifest. */
   readonly thumbnail: boolean;
   readonly training: Readonly<Record<string, unknown>>;
+  /** True if the splats were trained to be drawn with antialiasing; false where the document does not say. */
+  readonly antialiased: boolean;
 }

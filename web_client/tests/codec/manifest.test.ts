@@ -19,6 +19,13 @@ describe("parseManifest", () => {
     expect(manifest.slices[1].needs).toEqual([manifest.slices[0].chunks[0].id]);
     expect(manifest.totals).toEqual({ splatsStatic: 30, splatsDynamic: 70, bytesStatic: 300, bytesDynamic: 700 });
     expect(manifest.training).toEqual({ psnr: 31.5 });
+    expect(manifest.antialiased).toBe(true);
+  });
+
+  it("takes a document without the optional field for one of a scene that is not antialiased", () => {
+    const { antialiased, ...document } = json("manifest.json");
+    expect(antialiased).toBe(true);
+    expect(parseManifest(document).antialiased).toBe(false);
   });
 
   it.each(json("invalid_manifest.json") as { at: (string | number)[]; value: unknown; field: string }[])(
