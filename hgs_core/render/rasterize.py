@@ -9,8 +9,7 @@ import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.errors import InputError
-from hgs_core.native import library
+from hgs_core.render.backends import choose_backend
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import Gradients, Render, ScreenStatistics, View
@@ -54,17 +53,10 @@ def rasterize(
         The picture and its coverage, differentiable towards the parameters that require gradients.
 
     Raises:
-        InputError: an unknown backend.
+        InputError: an unknown backend or gradient set, a mask of another shape, or a parameter that is not finite.
+        RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
     """
-    if backend == "auto":
-        backend = "cpu" if library.available() and _fits_cpu(static, dynamic) else "reference"
-    if backend not in ("cpu", "reference"):
-        raise InputError("backend", f"unknown backend {backend!r}", "use auto, cpu or reference")
     red, green, blue = background
     view = View(camera, time, (red, green, blue), tile_mask, antialiased, depth, gradients, statistics)
-    return rasterize_cpu(static, dynamic, view) if backend == "cpu" else rasterize_reference(static, dynamic, view)
-
-
-def _fits_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None) -> bool:
-    arrays = [splats.rgb for splats in (static, dynamic) if splats is not None]
-    return all(array.device.type == "cpu" and str(array.dtype) == "torch.float32" for array in arrays)
+    draw = rasterize_cpu if choose_backend(backend, static, dynamic) == "cpu" else rasterize_reference
+    return draw(static, dynamic, view)

@@ -1,19 +1,25 @@
-"""The reference backend: plain torch, any device, float32 or float64, autograd; the truth for every test."""
+"""The reference backend: plain torch, any device, float32 or float64, autograd; the truth for every test.
+
+Splats are projected in float64 whatever their type; pixels are computed in the type of the splats, at least float32.
+"""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TypeVar
 
 import torch
 from torch import Tensor
 
-from hgs_core.render.compositing import composite
+from hgs_core.render.compositing import blend, composite
+from hgs_core.render.constants import TILE
+from hgs_core.render.finite import refuse_non_finite
 from hgs_core.render.projection import Ellipses, project
 from hgs_core.render.temporal import Moment, alive, moment_of_dynamic, moment_of_static
-from hgs_core.render.types import Render, ScreenStatistics, View
+from hgs_core.render.types import Contributions, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["rasterize_reference"]
+__all__ = ["contributions_reference", "rasterize_reference"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -21,32 +27,86 @@ S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 def rasterize_reference(
     static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
 ) -> Render:
-    """Render as `hgs_core.render.rasterize` describes."""
-    camera, gradients, background = view.camera, view.gradients, view.background
-    moments, rows = [], []  # rows: where each moment's splats stand in the statistics
-    if static is not None and len(static):
-        moments.append(moment_of_static(_tracked(static, gradients in ("all", "static"))))
-        rows.append(torch.arange(len(static)))
-    if dynamic is not None and len(dynamic):
-        living = torch.nonzero(alive(dynamic, view.time))[:, 0]
-        tracked = _tracked(dynamic, gradients in ("all", "dynamic"))
-        moments.append(moment_of_dynamic(tracked.map(lambda array: array[living]), view.time))
-        rows.append(living.cpu() + (len(static) if static is not None else 0))
-    if not moments:
-        nothing = torch.zeros(camera.height, camera.width)
-        return Render(torch.tensor(background, dtype=nothing.dtype)[:, None, None] + nothing, nothing)
-    moment = Moment(*(torch.cat([getattr(m, f) for m in moments]) for f in Moment.__dataclass_fields__))
-    ellipses = project(moment, camera)
+    """Render as `hgs_core.render.rasterize` describes.
+
+    Raises:
+        InputError: a parameter that is looked at is not finite.
+        RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
+    """
+    camera, gradients = view.camera, view.gradients
+    ellipses, rows, dtype = _seen(
+        _tracked(static, gradients in ("all", "static")), _tracked(dynamic, gradients in ("all", "dynamic")), view
+    )
     if view.statistics is not None:
-        _collect(view.statistics, ellipses, torch.cat(rows)[ellipses.index.cpu()], gradients, len(static or ()))
-    mask = None if view.tile_mask is None else torch.as_tensor(view.tile_mask, device=moment.means.device)
-    image = composite(ellipses, camera.width, camera.height, mask)
-    backdrop = torch.tensor(background, dtype=image.dtype, device=image.device)[:, None, None]
-    return Render(image[:3] + (1 - image[3]) * backdrop, image[3])
+        _collect(view.statistics, ellipses, rows, gradients, len(static or ()))
+    mask = _mask(view, ellipses.means.device)
+    image = composite(ellipses, camera.width, camera.height, mask, dtype, view.depth)
+    backdrop = torch.tensor(view.background, dtype=dtype, device=image.device)[:, None, None]
+    return Render(image[:3] + (1 - image[3]) * backdrop, image[3], image[4] if view.depth else None)
 
 
-def _tracked(splats: S, wanted: bool) -> S:
-    return splats if wanted else splats.map(Tensor.detach)
+def contributions_reference(
+    static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
+) -> Contributions:
+    """Weigh as `hgs_core.render.contributions` describes.
+
+    Raises:
+        InputError: a parameter that is looked at is not finite.
+        RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
+    """
+    width, height = view.camera.width, view.camera.height
+    with torch.no_grad():
+        ellipses, rows, dtype = _seen(static, dynamic, view)
+        device = ellipses.means.device
+        total = torch.zeros(len(rows), dtype=torch.float64, device=device)
+        peak = torch.zeros(len(rows), dtype=dtype, device=device)
+        lane = torch.arange(TILE * TILE, device=device)
+        across = -(-width // TILE)
+        for batch in blend(ellipses, width, height, _mask(view, device), dtype):
+            column = (batch.tiles % across * TILE)[:, None] + lane % TILE
+            row = (batch.tiles // across * TILE)[:, None] + lane // TILE
+            inside = ((column < width) & (row < height))[:, None]  # [B, 1, 256]
+            weights = torch.where(inside, batch.weights, 0)
+            entry = batch.rows.flatten()
+            total.index_add_(0, entry, weights.sum(2, dtype=torch.float64).flatten())
+            peak.scatter_reduce_(0, entry, weights.amax(2).flatten(), "amax")
+        count = len(static or ()) + len(dynamic or ())
+        sums = torch.zeros(count, dtype=torch.float32)
+        sums[rows] = total.float().cpu()
+        peaks = torch.zeros(count, dtype=torch.float32)
+        peaks[rows] = peak.float().cpu()
+        return Contributions(sums.numpy(), peaks.numpy())
+
+
+def _tracked(splats: S | None, wanted: bool) -> S | None:
+    return splats if wanted or splats is None else splats.map(Tensor.detach)
+
+
+def _seen(
+    static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
+) -> tuple[Ellipses, Tensor, torch.dtype]:
+    """Return what is on the screen, which rows these are (statics, then dynamics), and the type of the pixels."""
+    refuse_non_finite(static, dynamic, view.time)
+    if static is None and dynamic is None:
+        static = StaticSplats.empty().map(torch.from_numpy)
+    moments, rows, dtype = [], [], torch.float32
+    if static is not None:
+        moments.append(moment_of_static(static))
+        rows.append(torch.arange(len(static)))
+        dtype = torch.promote_types(dtype, static.rgb.dtype)
+    if dynamic is not None:
+        living = torch.nonzero(alive(dynamic, view.time))[:, 0]
+        moments.append(moment_of_dynamic(dynamic.map(lambda array: array[living]), view.time))
+        rows.append(living.cpu() + len(static or ()))
+        dtype = torch.promote_types(dtype, dynamic.rgb.dtype)
+    names = [field.name for field in dataclasses.fields(Moment)]
+    moment = Moment(*(torch.cat([getattr(m, name) for m in moments]) for name in names))
+    ellipses = project(moment, view.camera, view.antialiased)
+    return ellipses, torch.cat(rows)[ellipses.index.cpu()], dtype
+
+
+def _mask(view: View, device: torch.device) -> Tensor | None:
+    return None if view.tile_mask is None else torch.as_tensor(view.tile_mask, device=device)
 
 
 def _collect(statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gradients: str, statics: int) -> None:

@@ -1,4 +1,8 @@
-"""The equations of time in torch: what a dynamic set looks like at one moment, differentiably."""
+"""The equations of time in torch: what a dynamic set looks like at one moment, differentiably.
+
+Parameters of any type are evaluated in float64: this costs little beside the pixels, and a position far from the origin
+keeps the digits that its place on the screen needs.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,7 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from hgs_core.render.constants import ALPHA_MIN
+from hgs_core.render.constants import ALPHA_MIN, TIME_LOG_PRECISION_MAX
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["Moment", "alive", "moment_of_dynamic", "moment_of_static"]
@@ -15,7 +19,7 @@ __all__ = ["Moment", "alive", "moment_of_dynamic", "moment_of_static"]
 
 @dataclass(frozen=True)
 class Moment:
-    """K splats at one moment, ready for projection."""
+    """K splats at one moment in float64, ready for projection."""
 
     means: Tensor  # [K, 3]
     log_scales: Tensor  # [K, 3]
@@ -26,25 +30,28 @@ class Moment:
 
 def moment_of_static(splats: StaticSplats[Tensor]) -> Moment:
     """Return static splats as they always are."""
-    return Moment(
-        splats.means, splats.log_scales, splats.quats, torch.sigmoid(splats.opacity_logits), splats.rgb
-    )  # fmt: skip
+    s = splats.map(Tensor.double)
+    return Moment(s.means, s.log_scales, s.quats, torch.sigmoid(s.opacity_logits), s.rgb)
 
 
 def alive(splats: DynamicSplats[Tensor], time: float) -> Tensor:
     """Return which splats [M] have an opacity of at least 1/255 at normalised `time` (exact culling)."""
     with torch.no_grad():
-        offset = time - splats.time_centers
-        decay = torch.exp(splats.time_log_precisions) * offset * offset
-        return torch.sigmoid(splats.opacity_logits) * torch.exp(-decay) >= ALPHA_MIN
+        offsets = time - splats.time_centers.double()
+        return _opacities(splats.opacity_logits.double(), splats.time_log_precisions.double(), offsets) >= ALPHA_MIN
 
 
 def moment_of_dynamic(splats: DynamicSplats[Tensor], time: float) -> Moment:
     """Evaluate dynamic splats at normalised `time` (docs/numerics.md, "Time")."""
-    d = (time - splats.time_centers)[:, None]
-    m = splats.motion
+    s = splats.map(Tensor.double)
+    offsets = time - s.time_centers
+    d, m = offsets[:, None], s.motion
     means = m[:, 0] + d * (m[:, 1] + d * (m[:, 2] + d * m[:, 3]))
-    quats = splats.rotation[:, 0] + d * splats.rotation[:, 1]
-    decay = torch.exp(-torch.exp(splats.time_log_precisions) * d[:, 0] * d[:, 0])
-    opacities = torch.sigmoid(splats.opacity_logits) * decay
-    return Moment(means, splats.log_scales, quats, opacities, splats.rgb)
+    quats = s.rotation[:, 0] + d * s.rotation[:, 1]
+    opacities = _opacities(s.opacity_logits, s.time_log_precisions, offsets)
+    return Moment(means, s.log_scales, quats, opacities, s.rgb)
+
+
+def _opacities(logits: Tensor, log_precisions: Tensor, offsets: Tensor) -> Tensor:
+    decay = torch.exp(log_precisions.clamp_max(TIME_LOG_PRECISION_MAX)) * offsets * offsets
+    return torch.sigmoid(logits) * torch.exp(-decay)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.camera import Camera
+from hgs_core.errors import InputError
+from hgs_core.render.constants import TILE
 
 __all__ = ["Contributions", "Gradients", "Render", "ScreenStatistics", "View"]
 
@@ -67,3 +70,18 @@ class View:
     depth: bool = False
     gradients: Gradients = "all"
     statistics: ScreenStatistics | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what no backend could draw.
+
+        Raises:
+            InputError: a time that is not finite, a mask of another shape than the picture's tiles, or an unknown
+                gradient set.
+        """
+        if not math.isfinite(self.time):
+            raise InputError("time", f"{self.time} is not finite", "give a normalised time, usually in [0, 1]")
+        tiles = (-(-self.camera.height // TILE), -(-self.camera.width // TILE))
+        if self.tile_mask is not None and self.tile_mask.shape != tiles:
+            raise InputError("tile_mask", f"shape {self.tile_mask.shape}", f"give one flag per tile, {tiles}")
+        if self.gradients not in get_args(Gradients):
+            raise InputError("gradients", f"unknown set {self.gradients!r}", f"use {', '.join(get_args(Gradients))}")

@@ -1,0 +1,39 @@
+"""How much of a picture every splat is: what pruning and the order of streaming are decided by."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.render.backends import choose_backend
+from hgs_core.render.reference import contributions_reference
+from hgs_core.render.types import Contributions, View
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+__all__ = ["contributions"]
+
+
+def contributions(
+    static: StaticSplats[Tensor] | None,
+    dynamic: DynamicSplats[Tensor] | None,
+    camera: Camera,
+    time: float = 0.0,
+    *,
+    backend: str = "auto",
+    tile_mask: npt.NDArray[np.bool_] | None = None,
+    antialiased: bool = False,
+) -> Contributions:
+    """Weigh the splats by what `rasterize` with the same arguments would draw of them.
+
+    Returns:
+        Sum and maximum, over the pixels of the tiles that are drawn, of every splat's weight T alpha.
+
+    Raises:
+        InputError: an unknown backend, or a parameter that is not finite.
+        RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
+    """
+    choose_backend(backend, static, dynamic)
+    view = View(camera, time, tile_mask=tile_mask, antialiased=antialiased, gradients="none")
+    return contributions_reference(static, dynamic, view)
