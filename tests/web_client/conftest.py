@@ -1,4 +1,4 @@
-"""A published scene on a real server, and a real browser."""
+"""Published scenes on a real server, and a real browser."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ BACKGROUND = (0.1, 0.2, 0.3)
 
 @dataclass(frozen=True)
 class Site:
-    """A running server with one scene."""
+    """A scene on a running server."""
 
     address: str  # http://host:port
     page: str  # the scene's page
@@ -41,56 +41,94 @@ class Site:
     end: float
 
 
-def _cameras() -> list[Camera]:
-    """Three cameras that look at the origin from the side, from above and askew, with unlike focal lengths.
-
-    Their directions are no simple ratios: on the codec's grid of positions those would give many splats equal depth.
-    """
-    eyes = {"side": (0.3178, -0.2239, -3.1927), "above": (1.5347, -2.4173, -1.2589), "askew": (-2.0431, 1.1379, 1.9667)}
-    cameras = []
-    for name, eye in eyes.items():
-        roll = 0.6 if name == "askew" else 0.0
-        forward = -np.array(eye, float) / np.linalg.norm(eye)
-        right = np.cross([0.0, 1.0, 0.0], forward)
-        right /= np.linalg.norm(right)
-        down = np.cross(forward, right)
-        pose = np.eye(4)
-        pose[:3, :3] = [np.cos(roll) * right + np.sin(roll) * down, np.cos(roll) * down - np.sin(roll) * right, forward]
-        pose[:3, 3] = -pose[:3, :3] @ eye
-        cameras.append(Camera(name, WIDTH, HEIGHT, 300.0, 280.0, 170.5, 92.0, pose))
-    return cameras
+def _pose(eye: tuple[float, float, float], roll: float = 0.0) -> np.ndarray:
+    """World-to-camera [4, 4] of a camera at `eye` that looks at the origin."""
+    forward = -np.array(eye, float) / np.linalg.norm(eye)
+    right = np.cross([0.0, 1.0, 0.0], forward)
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    pose = np.eye(4)
+    pose[:3, :3] = [np.cos(roll) * right + np.sin(roll) * down, np.cos(roll) * down - np.sin(roll) * right, forward]
+    pose[:3, 3] = -pose[:3, :3] @ eye
+    return pose
 
 
-def _scene() -> HybridScene[np.ndarray]:
-    """A still cloud, and clouds in two segments of one second that fly, turn, appear and vanish."""
-    r = np.random.default_rng(3)
+def _single(value: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(value, np.float32)
 
-    def single(value: np.ndarray) -> np.ndarray:
-        return np.ascontiguousarray(value, np.float32)
 
-    def dynamic(count: int) -> DynamicSplats[np.ndarray]:
-        motion = np.zeros((count, 4, 3))
-        motion[:, 0] = r.uniform(-0.8, 0.8, (count, 3))
-        motion[:, 1:] = r.normal(size=(count, 3, 3)) * 0.4
-        return DynamicSplats(
-            single(motion),
-            single(r.normal(size=(count, 2, 4)) * [[[1.0], [0.5]]]),
-            single(np.log(r.uniform(0.03, 0.15, (count, 3)))),
-            single(r.normal(1.0, 1.5, count)),
-            single(r.uniform(0, 1, count)),
-            single(r.uniform(-2, 5, count)),
-            single(r.uniform(0, 1, (count, 3))),
-        )
-
-    count = 2500
-    static = StaticSplats(
-        single(r.uniform(-1, 1, (count, 3))),
-        single(np.log(r.uniform(0.01, 0.12, (count, 3)))),
-        single(r.normal(size=(count, 4))),
-        single(r.normal(0.0, 2.0, count)),
-        single(r.uniform(0, 1, (count, 3))),
+def _static(r: np.random.Generator, count: int, scales: np.ndarray) -> StaticSplats[np.ndarray]:
+    return StaticSplats(
+        _single(r.uniform(-1, 1, (count, 3))),
+        _single(np.log(scales)),
+        _single(r.normal(size=(count, 4))),
+        _single(r.normal(0.0, 2.0, count)),
+        _single(r.uniform(0, 1, (count, 3))),
     )
-    return HybridScene(static, (Segment(0.0, 1.0, dynamic(400)), Segment(1.0, 2.0, dynamic(300))))
+
+
+def _dynamic(r: np.random.Generator, count: int, smallest: float, largest: float) -> DynamicSplats[np.ndarray]:
+    motion = np.zeros((count, 4, 3))
+    motion[:, 0] = r.uniform(-0.8, 0.8, (count, 3))
+    motion[:, 1:] = r.normal(size=(count, 3, 3)) * 0.4
+    return DynamicSplats(
+        _single(motion),
+        _single(r.normal(size=(count, 2, 4)) * [[[1.0], [0.5]]]),
+        _single(np.log(r.uniform(smallest, largest, (count, 3)))),
+        _single(r.normal(1.0, 1.5, count)),
+        _single(r.uniform(0, 1, count)),
+        _single(r.uniform(-2, 5, count)),
+        _single(r.uniform(0, 1, (count, 3))),
+    )
+
+
+def _encode_clouds(out: Path) -> None:
+    """A still cloud, and clouds in two segments of one second that fly, turn, appear and vanish.
+
+    Three cameras look at it from the side, from above and askew, with unlike focal lengths. Their directions are no
+    simple ratios: on the codec's grid of positions those would give many splats equal depth.
+    """
+    r = np.random.default_rng(3)
+    segments = (Segment(0.0, 1.0, _dynamic(r, 400, 0.03, 0.15)), Segment(1.0, 2.0, _dynamic(r, 300, 0.03, 0.15)))
+    poses = {
+        "side": _pose((0.3178, -0.2239, -3.1927)),
+        "above": _pose((1.5347, -2.4173, -1.2589)),
+        "askew": _pose((-2.0431, 1.1379, 1.9667), roll=0.6),
+    }
+    thumbnail = BytesIO()
+    Image.new("RGB", (64, 40), (90, 60, 120)).save(thumbnail, "JPEG")
+    encode_scene(
+        HybridScene(_static(r, 2500, r.uniform(0.01, 0.12, (2500, 3))), segments),
+        out,
+        cameras=[Camera(name, WIDTH, HEIGHT, 300.0, 280.0, 170.5, 92.0, pose) for name, pose in poses.items()],
+        times=np.linspace(0.0, 2.0, FRAMES),
+        title="Clouds",
+        background=BACKGROUND,
+        thumbnail=thumbnail.getvalue(),
+    )
+
+
+def _encode_dust(out: Path) -> None:
+    """Grains and needles, which most are thinner than a pixel of the camera "far"; said to be trained antialiased.
+
+    Before the camera "close" the needles are a tenth of a pixel thin and a thousand pixels long.
+    """
+    r = np.random.default_rng(4)
+    grains, needles = 4000, 60
+    scales = np.exp(r.uniform(np.log(0.003), np.log(0.03), (grains + needles, 3)))
+    scales[grains:] = [0.0005, 0.0005, 4.0]
+    encode_scene(
+        HybridScene(_static(r, grains + needles, scales), (Segment(0.0, 1.0, _dynamic(r, 500, 0.005, 0.03)),)),
+        out,
+        cameras=[
+            Camera("far", 96, 64, 240.0, 240.0, 48.0, 32.0, _pose((1.1178, -2.2239, -7.5927))),
+            Camera("close", WIDTH, HEIGHT, 300.0, 300.0, 160.0, 100.0, _pose((-0.4431, 0.6379, 1.2667))),
+        ],
+        times=np.linspace(0.0, 1.0, FRAMES),
+        title="Dust",
+        background=BACKGROUND,
+        antialiased=True,
+    )
 
 
 @pytest.fixture(scope="session")
@@ -103,25 +141,16 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="session")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
-    """Serve the scene as `hgs serve` does, in a process of its own."""
+def sites(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Site]]:
+    """Serve the scenes as `hgs serve` does, in a process of its own."""
     if not (REPOSITORY / "server" / "viewer" / "index.html").is_file():
         pytest.skip("the viewer is not built: run npm ci && npm run build in web_client")
-    run = tmp_path_factory.mktemp("runs") / "clouds"
+    folder = tmp_path_factory.mktemp("runs")
     home = tmp_path_factory.mktemp("home")
-    thumbnail = BytesIO()
-    Image.new("RGB", (64, 40), (90, 60, 120)).save(thumbnail, "JPEG")
-    encode_scene(
-        _scene(),
-        run / "scene",
-        cameras=_cameras(),
-        times=np.linspace(0.0, 2.0, FRAMES),
-        title="Clouds",
-        background=BACKGROUND,
-        thumbnail=thumbnail.getvalue(),
-    )
-    manifest = load_manifest(run / "scene")
-    command = [sys.executable, "-m", "server.cli", "serve", str(run), "--port", "0", "--workers", "0"]
+    runs = [folder / "clouds", folder / "dust"]
+    for run, encode in zip(runs, (_encode_clouds, _encode_dust), strict=True):
+        encode(run / "scene")
+    command = [sys.executable, "-m", "server.cli", "serve", *map(str, runs), "--port", "0", "--workers", "0"]
     log = home / "server.log"
     with log.open("wb") as errors:
         server = subprocess.Popen(
@@ -134,10 +163,27 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
         )
     try:
         assert server.stdout is not None
-        page = server.stdout.readline().strip()
-        assert page.startswith("http"), log.read_text()
-        address = page.partition("/view/")[0]
-        yield Site(address, page, decode_scene(run / "scene"), manifest.cameras, manifest.start, manifest.end)
+        pages = [server.stdout.readline().strip() for _ in runs]
+        assert all(page.startswith("http") for page in pages), log.read_text()
+        yield [_site(page, run / "scene") for page, run in zip(pages, runs, strict=True)]
     finally:
         server.terminate()
         server.communicate(timeout=30)
+
+
+def _site(page: str, folder: Path) -> Site:
+    manifest = load_manifest(folder)
+    address = page.partition("/view/")[0]
+    return Site(address, page, decode_scene(folder), manifest.cameras, manifest.start, manifest.end)
+
+
+@pytest.fixture(scope="session")
+def site(sites: list[Site]) -> Site:
+    """Clouds of splats wider than a pixel."""
+    return sites[0]
+
+
+@pytest.fixture(scope="session")
+def dust(sites: list[Site]) -> Site:
+    """Splats thinner than a pixel, to be drawn with antialiasing."""
+    return sites[1]

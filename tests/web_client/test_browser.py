@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from scripts.browser_check import canvas_floats, canvas_pixels, open_viewer, psn
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
+    from hgs_core.camera import Camera
     from tests.web_client.conftest import Site
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
@@ -24,39 +26,40 @@ CANVAS_PSNR = 40.0  # dB; the canvas rounds to 8 bits after every splat
 Reference = Callable[[str, float], npt.NDArray[np.float64]]
 
 
-@pytest.fixture(scope="session")
-def reference(site: Site) -> Reference:
-    """Return a function (camera, seconds) -> the reference picture of the decoded scene, [H, W, 3]."""
+def reference_picture(site: Site, name: str, seconds: float, *, antialiased: bool) -> npt.NDArray[np.float64]:
+    """The reference rasterizer's picture of the decoded scene, [H, W, 3]."""
     import torch
 
     from hgs_core.render import rasterize
 
-    pictures: dict[tuple[str, float], npt.NDArray[np.float64]] = {}
     scene = site.scene.map(lambda array: torch.tensor(array, dtype=torch.float64))
+    segment = scene.segment_at(seconds)
+    render = rasterize(
+        scene.static, segment.dynamic, camera_named(site, name), segment.normalised(seconds),
+        background=(0.1, 0.2, 0.3), backend="reference", gradients="none", antialiased=antialiased,
+    )  # fmt: skip
+    picture: npt.NDArray[np.float64] = render.rgb.permute(1, 2, 0).numpy()
+    return picture
 
-    def draw(name: str, seconds: float) -> npt.NDArray[np.float64]:
-        if (name, seconds) not in pictures:
-            camera = next(camera for camera in site.cameras if camera.name == name)
-            segment = scene.segment_at(seconds)
-            render = rasterize(
-                scene.static, segment.dynamic, camera, segment.normalised(seconds),
-                background=(0.1, 0.2, 0.3), backend="reference", gradients="none",
-            )  # fmt: skip
-            pictures[name, seconds] = render.rgb.permute(1, 2, 0).numpy()
-        return pictures[name, seconds]
 
-    return draw
+@pytest.fixture(scope="session")
+def reference(site: Site) -> Reference:
+    """Return a function (camera, seconds) -> the reference picture of the clouds."""
+    return functools.cache(lambda name, seconds: reference_picture(site, name, seconds, antialiased=False))
+
+
+def camera_named(site: Site, name: str) -> Camera:
+    return next(camera for camera in site.cameras if camera.name == name)
 
 
 def exact(site: Site, camera: str, seconds: float) -> str:
-    shape = site.cameras[0]
+    shape = camera_named(site, camera)
     return f"{site.page}?camera={camera}&t={seconds}&width={shape.width}&height={shape.height}&paused=1&exact=1"
 
 
-def view(browser: Browser, site: Site, camera: str, seconds: float):  # type: ignore[no-untyped-def]
-    return open_viewer(
-        browser, exact(site, camera, seconds), width=site.cameras[0].width, height=site.cameras[0].height
-    )
+def view(browser: Browser, site: Site, camera: str, seconds: float, more: str = ""):  # type: ignore[no-untyped-def]
+    shape = camera_named(site, camera)
+    return open_viewer(browser, exact(site, camera, seconds) + more, width=shape.width, height=shape.height)
 
 
 @pytest.mark.parametrize(
@@ -69,6 +72,20 @@ def test_canvas_shows_the_reference_picture(
         truth = reference(camera, seconds)
         assert psnr(canvas_floats(page), truth) >= FLOAT_PSNR
         assert psnr(canvas_pixels(page), truth) >= CANVAS_PSNR
+
+
+@pytest.mark.parametrize("camera", ["far", "close"])
+def test_splats_thinner_than_a_pixel_are_drawn_as_the_scene_asks_or_the_other_way_to_compare(
+    browser: Browser, dust: Site, camera: str
+) -> None:
+    shown = []
+    for more, antialiased in (("", True), ("&antialiased=0", False)):
+        truth = reference_picture(dust, camera, 0.4, antialiased=antialiased)
+        with view(browser, dust, camera, 0.4, more) as page:
+            assert psnr(canvas_floats(page), truth) >= FLOAT_PSNR
+            assert psnr(canvas_pixels(page), truth) >= CANVAS_PSNR
+            shown.append(canvas_floats(page))
+    assert psnr(*shown) < 30
 
 
 def test_screen_shows_what_the_canvas_holds(browser: Browser, site: Site) -> None:
@@ -146,6 +163,37 @@ def test_broken_connection_is_taken_up_again(browser: Browser, site: Site, refer
         page.goto(exact(site, "side", 0.4))
         page.wait_for_function("() => window.hgs?.ready.then(() => true)")
         assert page.evaluate("() => window.connections") == 2
+        assert psnr(canvas_pixels(page), reference("side", 0.4)) >= CANVAS_PSNR
+    finally:
+        context.close()
+
+
+def test_damaged_chunk_is_fetched_again(browser: Browser, site: Site, reference: Reference) -> None:
+    """One bit of the stream's first chunk is wrong."""
+    damage = """
+      const Original = WebSocket;
+      window.WebSocket = class extends Original {
+        constructor(url) {
+          super(url);
+          const flip = ({ data }) => {
+            const bytes = new Uint8Array(data);
+            if (bytes[0] !== 1) return;
+            bytes[100] ^= 1;
+            this.removeEventListener("message", flip);
+          };
+          this.addEventListener("message", flip);
+        }
+      };
+    """
+    context = browser.new_context(viewport={"width": site.cameras[0].width, "height": site.cameras[0].height})
+    try:
+        context.add_init_script(damage)
+        page = context.new_page()
+        fetched: list[str] = []
+        page.on("request", lambda request: fetched.append(request.url))
+        page.goto(exact(site, "side", 0.4))
+        page.wait_for_function("() => window.hgs?.ready.then(() => true)")
+        assert len([url for url in fetched if "/v1/chunks/" in url]) == 1
         assert psnr(canvas_pixels(page), reference("side", 0.4)) >= CANVAS_PSNR
     finally:
         context.close()

@@ -2,11 +2,13 @@
 
 import { parseManifest } from "../codec/manifest";
 import type { Manifest } from "../codec/types";
+import { fetchChunk } from "../protocol/api";
 import { SceneStream, type StreamState } from "../protocol/stream";
-import { type Pixels, SplatRenderer } from "../renderer/renderer";
+import { type Pixels, type Shot, SplatRenderer } from "../renderer/renderer";
 import type { FromWorker, ToWorker } from "../worker/messages";
 import { placeChunks } from "../worker/placement";
 import { SceneBuffer } from "./buffer";
+import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
 import { FrameRate } from "./frame_rate";
 import { type OrderKey, OrderRequests } from "./order_requests";
@@ -20,8 +22,8 @@ export class ScenePlayer {
   readonly #worker: Worker;
   readonly #orders: OrderRequests;
   readonly #stream: SceneStream;
+  readonly #chunks: ChunkIntake;
   readonly #abort = new AbortController();
-  readonly #sizes = new Map<string, number>(); // of chunks at the worker
   readonly #frames = new FrameRate();
   readonly #stillness = new Stillness();
   readonly #waiting: (() => void)[] = [];
@@ -46,14 +48,19 @@ export class ScenePlayer {
     this.#worker = new Worker(new URL("../worker/worker.ts", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#fromWorker(data);
     this.#worker.onerror = (event) => options.onError(`the decoder stopped: ${event.message || "it did not load"}`);
+    this.#chunks = new ChunkIntake(
+      {
+        decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
+        consumed: (bytes) => this.#stream.consumed(bytes),
+        failed: options.onError,
+      },
+      fetchChunk,
+    );
     this.#stream = new SceneStream(
       options.streamUrl,
       {
         manifest: (bytes) => this.#begin(bytes),
-        chunk: (id, bytes) => {
-          this.#sizes.set(id, bytes.length);
-          this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]);
-        },
+        chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
         progress: (bytes) => {
           this.#bytes += bytes;
         },
@@ -133,7 +140,7 @@ export class ScenePlayer {
   readPixels(float = false): Pixels | null {
     const view = this.#options.view();
     if (!view || !this.#orders.shown) return null;
-    const shot = { ...view, time: this.#orders.normalisedTime };
+    const shot = this.#shot(view);
     return float ? this.#renderer.readFloatPixels(shot) : this.#renderer.readPixels(shot);
   }
 
@@ -142,6 +149,7 @@ export class ScenePlayer {
     cancelAnimationFrame(this.#animation);
     this.#abort.abort();
     this.#stream.close();
+    this.#chunks.dispose();
     this.#worker.terminate();
     this.#renderer.dispose();
   }
@@ -176,22 +184,16 @@ export class ScenePlayer {
         else this.#renderer.writeDynamics(message.first, message.texels);
         this.#scene?.buffer.arrived(message.id);
         this.#version++;
-        this.#consumed(message.id);
+        this.#chunks.decoded(message.id);
         break;
       case "failed":
-        this.#consumed(message.id);
-        this.#options.onError(message.message);
+        void this.#chunks.damaged(message.id, message.message);
         break;
       case "ordered":
         this.#orders.receive(message);
         this.#drawn = null;
         break;
     }
-  }
-
-  #consumed(id: string): void {
-    this.#stream.consumed(this.#sizes.get(id) ?? 0);
-    this.#sizes.delete(id);
   }
 
   #frame(now: number): void {
@@ -219,12 +221,17 @@ export class ScenePlayer {
   #draw(view: View, quick: boolean, now: number): void {
     const current = sameView(this.#drawn, view) && (quick || !this.#quick);
     if (current || !this.#orders.shown || this.#renderer.busy(now)) return;
-    // Drawn at the time of the order, so that what is drawn and what is alive always agree.
-    this.#renderer.draw({ ...view, time: this.#orders.normalisedTime }, quick);
+    this.#renderer.draw(this.#shot(view), quick);
     this.#drawn = view;
     this.#quick = quick;
     this.#frames.count(now);
     if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
+  }
+
+  /** At the time of the order, so that what is drawn and what is alive always agree. */
+  #shot(view: View): Shot {
+    const antialiased = this.#options.antialiased ?? this.#scene?.manifest.antialiased ?? false;
+    return { ...view, time: this.#orders.normalisedTime, antialiased };
   }
 
   /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */

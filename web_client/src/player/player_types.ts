@@ -10,6 +10,8 @@ export interface PlayerOptions {
   /** Seconds from which to show and load first. */
   readonly time: number | null;
   readonly playing: boolean;
+  /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
+  readonly antialiased: boolean | null;
   /** From where the scene is seen now; asked at every frame. Null while that is not known. */
   readonly view: () => View | null;
   readonly onManifest: (manifest: Manifest) => void;

@@ -49,30 +49,53 @@ export function streamUrl(scene: string, page: { protocol: string; host: string 
 /** The server answered with a problem, or not at all; the message is one line for people. */
 export class ApiError extends Error {}
 
-async function request(path: string, init: RequestInit = {}): Promise<Record<string, unknown>> {
+async function request(path: string, init: RequestInit = {}): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, { ...init, headers: { Accept: "application/json" } });
+    response = await fetch(path, init);
   } catch {
     throw new ApiError("The server cannot be reached.");
   }
-  const body: unknown = await response.json().catch(() => null);
-  const fields = typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
   if (!response.ok) {
-    const detail = typeof fields.detail === "string" ? fields.detail : response.statusText;
-    throw new ApiError(`The server answered ${response.status}: ${detail}`);
+    const { detail } = await fields(response);
+    const reason = typeof detail === "string" ? detail : response.statusText;
+    throw new ApiError(`The server answered ${response.status}: ${reason}`);
   }
-  return fields;
+  return response;
+}
+
+/** The members of a JSON body; none if it is something else. */
+async function fields(response: Response): Promise<Record<string, unknown>> {
+  const body: unknown = await response.json().catch(() => null);
+  return typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
+}
+
+async function requestJson(path: string, signal: AbortSignal): Promise<Record<string, unknown>> {
+  return fields(await request(path, { signal, headers: { Accept: "application/json" } }));
 }
 
 /** @throws ApiError */
 export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
-  return ((await request("/v1/scenes", { signal })).scenes ?? []) as Scene[];
+  return ((await requestJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
 }
 
 /** @throws ApiError */
 export async function listJobs(signal: AbortSignal): Promise<Job[]> {
-  return ((await request("/v1/jobs", { signal })).jobs ?? []) as Job[];
+  return ((await requestJson("/v1/jobs", signal)).jobs ?? []) as Job[];
+}
+
+/**
+ * The bytes of a chunk, past every cache, in which a damaged copy may lie.
+ *
+ * @throws ApiError
+ */
+export async function fetchChunk(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+  const response = await request(`/v1/chunks/${id}`, { signal, cache: "reload" });
+  try {
+    return new Uint8Array(await response.arrayBuffer());
+  } catch {
+    throw new ApiError("The server cannot be reached.");
+  }
 }
 
 /** @throws ApiError */

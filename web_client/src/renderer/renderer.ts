@@ -22,13 +22,21 @@ const UNIFORMS = [
   "size",
   "time",
   "near",
+  "antialiased",
 ] as const;
 
-/** What one picture shows: from where, and at which normalised time of the segment whose dynamics the order names. */
+/** What one picture shows, and how. */
 export interface Shot {
   readonly pose: Pose;
   readonly camera: Intrinsics;
+  /** Normalised time of the segment whose dynamics the order names. */
   readonly time: number;
+  /**
+   * Fade splats thinner than the low-pass, which else show too wide and too strong from afar (docs/numerics.md,
+   * "Antialiasing"). On a page the player decides; the eyes of a headset always set it: their pictures are small and
+   * never stand still.
+   */
+  readonly antialiased: boolean;
 }
 
 /** Rows from the top, RGBA; bytes from the canvas, floats (linear in the same units, 0 to 1) from the float target. */
@@ -201,7 +209,7 @@ export class SplatRenderer {
     this.#dynamics.create(gl);
   }
 
-  #submit({ pose, camera, time }: Shot): void {
+  #submit({ pose, camera, time, antialiased }: Shot): void {
     const gl = this.#gl;
     const u = this.#program.uniforms;
     gl.viewport(0, 0, camera.width, camera.height);
@@ -223,6 +231,7 @@ export class SplatRenderer {
     gl.uniform2f(u.size, camera.width, camera.height);
     gl.uniform1f(u.time, time);
     gl.uniform1f(u.near, camera.near);
+    gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
     const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
     gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
   }

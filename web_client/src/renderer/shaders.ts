@@ -24,13 +24,16 @@ uniform vec2 centre;          // principal point, pixels from the top left
 uniform vec2 size;            // picture, pixels
 uniform float time;           // normalised time of the segment
 uniform float near;           // world units
+uniform bool antialiased;
 
 flat out vec2 mean2d;         // pixels from the top left
-flat out vec3 conic;          // xx, xy, yy
+flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y)
 flat out vec4 colour;         // rgb, opacity
 
 const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
+const float LARGEST = 1e18;   // pixels squared: what is wider would overflow
+const float FAINTEST = 0.005 * 0.005;
 const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
 const int WIDTH_BITS = ${Math.log2(TEXTURE_WIDTH)};
 
@@ -49,7 +52,7 @@ mat3 rotationOf(vec4 q) {     // w, x, y, z
 void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);   // outside: drawn nowhere
   mean2d = vec2(0.0);
-  conic = vec3(0.0);
+  falloff = vec3(0.0);
   colour = vec4(0.0);
 
   uint rank = uint(gl_InstanceID) * ${QUADS_PER_INSTANCE}u + uint(gl_VertexID >> 2);
@@ -86,7 +89,7 @@ void main() {
   }
 
   vec3 p = rotation * position + translation;
-  if (p.z < near || !(paint.a >= VISIBLE)) return;
+  if (p.z < near) return;
   vec2 uv = p.xy / p.z;
   vec2 margin = 0.15 * size / focal;        // 0.3 tan of half the field of view
   vec2 w = clamp(uv, -centre / focal - margin, (size - centre) / focal + margin);
@@ -98,8 +101,13 @@ void main() {
   float xx = dot(jx, jx) + LOW_PASS;
   float xy = dot(jx, jy);
   float yy = dot(jy, jy) + LOW_PASS;
-  float determinant = xx * yy - xy * xy;
-  if (!(determinant > 0.0)) return;
+  if (!(xx <= LARGEST && yy <= LARGEST)) return;
+  // The determinants without and with the low-pass, expanded: xx * yy - xy * xy cancels for long thin splats.
+  vec3 area = cross(jx, jy);
+  float sharp = dot(area, area);
+  float determinant = sharp + LOW_PASS * (dot(jx, jx) + dot(jy, jy)) + LOW_PASS * LOW_PASS;
+  if (antialiased) paint.a *= sqrt(max(FAINTEST, sharp / determinant));
+  if (!(paint.a >= VISIBLE)) return;
 
   // The ellipse on which alpha falls to 1/255, spanned along its own axes: fewer pixels than its upright box.
   float reach = sqrt(2.0 * log(255.0 * paint.a));
@@ -114,7 +122,7 @@ void main() {
   vec2 offset = reach * (corner.x * sqrt(major) * axis + corner.y * sqrt(minor) * vec2(-axis.y, axis.x));
 
   mean2d = focal * uv + centre;
-  conic = vec3(yy, -xy, xx) / determinant;
+  falloff = vec3(sqrt(yy / determinant), xy / yy, inversesqrt(yy));
   colour = paint;
   vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
   gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
@@ -126,14 +134,14 @@ precision highp float;
 
 uniform vec2 size;
 flat in vec2 mean2d;
-flat in vec3 conic;
+flat in vec3 falloff;
 flat in vec4 colour;
 out vec4 result;
 
 void main() {
   vec2 delta = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - mean2d;
-  float power = -0.5 * (conic.x * delta.x * delta.x + conic.z * delta.y * delta.y) - conic.y * delta.x * delta.y;
-  float alpha = min(0.99, colour.a * exp(power));
+  vec2 deviations = vec2(falloff.x * (delta.x - falloff.y * delta.y), falloff.z * delta.y);
+  float alpha = min(0.99, colour.a * exp(-0.5 * dot(deviations, deviations)));
   if (alpha < 1.0 / 255.0) discard;
   result = vec4(colour.rgb * alpha, alpha);
 }

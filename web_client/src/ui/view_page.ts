@@ -74,6 +74,7 @@ class ViewPage {
       streamUrl: streamUrl(scene),
       time: parameters.time,
       playing: !parameters.paused,
+      antialiased: parameters.antialiased,
       view: () => this.#viewpoint.view(),
       onManifest: (manifest) => {
         this.#viewpoint.begin(manifest);

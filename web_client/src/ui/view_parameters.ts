@@ -11,6 +11,8 @@ export interface ViewParameters {
   readonly size: { readonly width: number; readonly height: number } | null;
   /** `exact`: 1 for the picture alone, from exactly the capture camera's pose and intrinsics. */
   readonly exact: boolean;
+  /** `antialiased`: 1 to fade splats thinner than a pixel, 0 not to, to compare; null to do what the scene asks for. */
+  readonly antialiased: boolean | null;
 }
 
 const LARGEST = 8192;
@@ -34,10 +36,10 @@ export function parseViewParameters(search: string): ViewParameters {
     }
     return value;
   };
-  const flag = (name: string): boolean => {
+  const flag = (name: string): boolean | null => {
     const text = parameters.get(name);
     if (text !== null && text !== "0" && text !== "1") throw new Error(`${name}=${text} in the address is not 0 or 1`);
-    return text === "1";
+    return text === null ? null : text === "1";
   };
 
   const width = pixels("width");
@@ -46,8 +48,9 @@ export function parseViewParameters(search: string): ViewParameters {
   return {
     time: finite("t"),
     camera: parameters.get("camera"),
-    paused: flag("paused"),
+    paused: flag("paused") ?? false,
     size: width !== null && height !== null ? { width, height } : null,
-    exact: flag("exact"),
+    exact: flag("exact") ?? false,
+    antialiased: flag("antialiased"),
   };
 }
