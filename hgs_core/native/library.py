@@ -24,7 +24,7 @@ from hgs_core.errors import InputError
 
 __all__ = ["available", "check", "instruction_set", "load", "supported", "thread_count"]
 
-ABI_VERSION = 2  # HGS_ABI_VERSION of src/hgs_native.h
+ABI_VERSION = 3  # HGS_ABI_VERSION of src/hgs_native.h
 LEVELS = ("v2", "v3", "v4")
 SUFFIX = ".dylib" if sys.platform == "darwin" else ".so"
 
@@ -79,12 +79,13 @@ def check(status: int) -> None:
 
     Raises:
         MemoryError: the kernels could not allocate their buffers.
+        FloatingPointError: a parameter of a splat is NaN or infinite.
         RuntimeError: any other failure, in the library's words.
     """
     if status == 0:
         return
     message = load().hgs_status_message(status).decode()
-    raise MemoryError(message) if status == 1 else RuntimeError(message)
+    raise {1: MemoryError, 4: FloatingPointError}.get(status, RuntimeError)(message)
 
 
 @functools.cache

@@ -5,72 +5,46 @@ from __future__ import annotations
 import ctypes
 from collections import deque
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.camera import Camera
-from hgs_core.native.arrays import Floats, address, pointers
+from hgs_core.native.arrays import Floats, address
 from hgs_core.native.library import check, load, thread_count
+from hgs_core.native.structs import (
+    DYNAMIC_SHAPES,
+    STATIC_SHAPES,
+    CDynamicGradients,
+    CDynamicSplats,
+    CMeasurements,
+    CPicture,
+    CScreenStatistics,
+    CStaticGradients,
+    CStaticSplats,
+    CView,
+    c_camera,
+    gradients_struct,
+    splats_struct,
+)
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["DYNAMIC_SHAPES", "STATIC_SHAPES", "Raster"]
-
-# Shape of one row of every parameter, in the order of the C structs.
-STATIC_SHAPES: Mapping[str, tuple[int, ...]] = {
-    "means": (3,),
-    "log_scales": (3,),
-    "quats": (4,),
-    "opacity_logits": (),
-    "rgb": (3,),
-}
-DYNAMIC_SHAPES: Mapping[str, tuple[int, ...]] = {
-    "motion": (4, 3),
-    "rotation": (2, 4),
-    "log_scales": (3,),
-    "opacity_logits": (),
-    "time_centers": (),
-    "time_log_precisions": (),
-    "rgb": (3,),
-}
+__all__ = ["Measurements", "Raster"]
 
 
-class _Camera(ctypes.Structure):
-    _fields_ = (
-        ("width", ctypes.c_int32),
-        ("height", ctypes.c_int32),
-        ("fx", ctypes.c_float),
-        ("fy", ctypes.c_float),
-        ("cx", ctypes.c_float),
-        ("cy", ctypes.c_float),
-        ("rotation", ctypes.c_float * 9),
-        ("translation", ctypes.c_float * 3),
-        ("near_plane", ctypes.c_float),
-    )
+class Measurements(NamedTuple):
+    """What the last calls of a rendering did."""
 
-
-class _StaticSplats(ctypes.Structure):
-    _fields_ = [("count", ctypes.c_int64), *pointers(STATIC_SHAPES)]
-
-
-class _DynamicSplats(ctypes.Structure):
-    _fields_ = [("count", ctypes.c_int64), *pointers(DYNAMIC_SHAPES)]
-
-
-class _StaticGradients(ctypes.Structure):
-    _fields_ = pointers(STATIC_SHAPES)
-
-
-class _DynamicGradients(ctypes.Structure):
-    _fields_ = pointers(DYNAMIC_SHAPES)
-
-
-class _ScreenStatistics(ctypes.Structure):
-    _fields_ = pointers(("grad_norm_sum", "count", "max_radius"))
-
-
-Struct = TypeVar("Struct", bound=ctypes.Structure)
+    project: float  # seconds: splats to the screen
+    bin: float  # seconds: sorting by depth, and the lists of the tiles
+    composite: float  # seconds
+    composite_backward: float  # seconds
+    project_backward: float  # seconds
+    visible_static: int  # splats
+    visible_dynamic: int  # splats
+    tile_entries: int  # pairs of splats and tiles
+    evaluations: int  # pairs of splats and pixels that were composited, whole vectors of pixels counted
 
 
 # Workspaces that no rendering uses: handing them on keeps their buffers, and the caches, warm. A deque needs no lock,
@@ -98,6 +72,7 @@ class Raster:
 
     rgb: Floats  # [3, H, W] background included; not clamped
     alpha: Floats  # [H, W] 1 - transmittance
+    depth: Floats | None  # [H, W] sum of weight times z; None unless asked for
 
     def __init__(
         self,
@@ -108,6 +83,8 @@ class Raster:
         *,
         background: tuple[float, float, float] = (0.0, 0.0, 0.0),
         tile_mask: npt.NDArray[np.bool_] | None = None,
+        antialiased: bool = False,
+        depth: bool = False,
         threads: int | None = None,
     ) -> None:
         """Draw both sets at normalised `time`.
@@ -119,45 +96,68 @@ class Raster:
             time: normalised time of the dynamic set.
             background: colour behind everything.
             tile_mask: [ceil(H / 16), ceil(W / 16)]; tiles that are False show the background.
+            antialiased: compensate opacities for the low-pass filter (docs/numerics.md, "Antialiasing").
+            depth: whether `depth` is wanted.
             threads: default `thread_count()`.
 
         Raises:
-            ValueError: an array of another shape or type.
+            ValueError: an array of another shape or type, or a picture that is too large.
+            FloatingPointError: a parameter that was looked at is NaN or infinite.
             RuntimeError: no compiled library, or more than 2^31 - 1 pairs of splats and tiles.
             MemoryError: not enough memory for them.
         """
         self._workspace: int | None = None
         self._threads = threads or thread_count()
-        self._static = _fill(_StaticSplats(), static, STATIC_SHAPES)
-        self._dynamic = _fill(_DynamicSplats(), dynamic, DYNAMIC_SHAPES)
-        self._arrays = (static, dynamic)  # the structs point into them
-        self._shape = (camera.height, camera.width)
+        self._static = splats_struct(CStaticSplats(), static, STATIC_SHAPES)
         mask = None
         if tile_mask is not None:
             tiles = (-(-camera.height // 16), -(-camera.width // 16))
             mask = address("tile_mask", tile_mask, tiles, np.bool_)
+        self._view = CView(c_camera(camera), time, background, antialiased, mask, 0)
+        self._shape = (camera.height, camera.width)
+        self._kept = (static, tile_mask)  # the structs point into them
+        self._workspace = _take_workspace()
+        self._draw(dynamic, depth)
+
+    def again(self, dynamic: DynamicSplats[Floats] | None, time: float, depth: bool = False) -> None:
+        """Draw the same statics from the same camera with other dynamics, or at another time, into new pictures.
+
+        The statics are neither projected nor sorted again. Raises what the constructor raises; RuntimeError also after
+        `release`.
+        """
+        if self._workspace is None:
+            raise RuntimeError("again after release")
+        self._view.time = time
+        self._view.reuse_statics = 1
+        self._draw(dynamic, depth)
+
+    def _draw(self, dynamic: DynamicSplats[Floats] | None, depth: bool) -> None:
+        self._dynamic = splats_struct(CDynamicSplats(), dynamic, DYNAMIC_SHAPES)
+        self._dynamic_arrays = dynamic
         self.rgb = np.empty((3, *self._shape), np.float32)
         self.alpha = np.empty(self._shape, np.float32)
-        self._workspace = _take_workspace()
+        self.depth = np.empty(self._shape, np.float32) if depth else None
         status = load().hgs_rasterize(
             ctypes.c_void_p(self._workspace),
-            ctypes.byref(_camera(camera)),
+            ctypes.byref(self._view),
             ctypes.byref(self._static),
             ctypes.byref(self._dynamic),
-            ctypes.c_float(time),
-            (ctypes.c_float * 3)(*background),
-            ctypes.c_void_p(mask),
             self._threads,
-            ctypes.c_void_p(self.rgb.ctypes.data),
-            ctypes.c_void_p(self.alpha.ctypes.data),
+            ctypes.byref(self._picture()),
         )
+        if status:
+            self.release()
         check(status)
+
+    def _picture(self) -> CPicture:
+        depth = None if self.depth is None else self.depth.ctypes.data
+        return CPicture(self.rgb.ctypes.data, self.alpha.ctypes.data, depth)
 
     def __del__(self) -> None:
         self.release()
 
     def release(self) -> None:
-        """Let the next rendering use the workspace; `backward` is not possible afterwards."""
+        """Let the next rendering use the workspace; nothing but the pictures is left afterwards."""
         if self._workspace is not None:
             _free_workspaces.append(self._workspace)
             self._workspace = None
@@ -168,7 +168,8 @@ class Raster:
         grad_alpha: Floats | None,
         grad_static: Mapping[str, Floats] | None,
         grad_dynamic: Mapping[str, Floats] | None,
-        statistics: tuple[Floats, npt.NDArray[np.int32], Floats] | None = None,
+        statistics: tuple[Floats, npt.NDArray[np.int32]] | None = None,
+        grad_depth: Floats | None = None,
     ) -> None:
         """Differentiate the rendering with respect to the sets that are given somewhere to write to.
 
@@ -177,74 +178,65 @@ class Raster:
             grad_alpha: [H, W] dL / d alpha, or None if that is zero.
             grad_static: parameter name -> array of its shape, overwritten; None leaves the statics out.
             grad_dynamic: the same for the dynamics.
-            statistics: gradient norm sums, counts and radii of `hgs_core.render.ScreenStatistics`, added to.
+            statistics: gradient norm sums and counts of `hgs_core.render.ScreenStatistics`, added to.
+            grad_depth: [H, W] dL / d depth, or None if that is zero.
 
         Raises:
-            ValueError: an array of another shape or type.
+            ValueError: an array of another shape or type, or a gradient of a depth that was not asked for.
             RuntimeError: `release` was called.
             MemoryError: not enough memory for the gradients of the tiles.
         """
         if self._workspace is None:
             raise RuntimeError("backward after release")
+        if grad_depth is not None and self.depth is None:
+            raise ValueError("a gradient of the depth needs a rendering with depth=True")
         count = self._static.count + self._dynamic.count
         gathered = None
         if statistics is not None:
-            gathered = _ScreenStatistics(
-                address("grad_norm_sum", statistics[0], (count,)),
-                address("count", statistics[1], (count,), np.int32),
-                address("max_radius", statistics[2], (count,)),
+            gathered = CScreenStatistics(
+                address("grad_norm_sum", statistics[0], (count,)), address("count", statistics[1], (count,), np.int32)
             )
-        into_static = _gradients(_StaticGradients(), grad_static, self._static.count, STATIC_SHAPES)
-        into_dynamic = _gradients(_DynamicGradients(), grad_dynamic, self._dynamic.count, DYNAMIC_SHAPES)
+        gradient = CPicture(
+            address("grad_rgb", grad_rgb, (3, *self._shape)),
+            None if grad_alpha is None else address("grad_alpha", grad_alpha, self._shape),
+            None if grad_depth is None else address("grad_depth", grad_depth, self._shape),
+        )
         status = load().hgs_rasterize_backward(
             ctypes.c_void_p(self._workspace),
             ctypes.byref(self._static),
             ctypes.byref(self._dynamic),
-            ctypes.c_void_p(self.rgb.ctypes.data),
-            ctypes.c_void_p(self.alpha.ctypes.data),
-            ctypes.c_void_p(address("grad_rgb", grad_rgb, (3, *self._shape))),
-            ctypes.c_void_p(None if grad_alpha is None else address("grad_alpha", grad_alpha, self._shape)),
-            into_static,
-            into_dynamic,
+            ctypes.byref(self._picture()),
+            ctypes.byref(gradient),
+            gradients_struct(CStaticGradients(), grad_static, self._static.count, STATIC_SHAPES),
+            gradients_struct(CDynamicGradients(), grad_dynamic, self._dynamic.count, DYNAMIC_SHAPES),
             None if gathered is None else ctypes.byref(gathered),
             self._threads,
         )
         check(status)
 
+    def contributions(self) -> tuple[Floats, Floats]:
+        """Return the sum over the pixels and the largest of every splat's weights, [N + M] each, statics first.
 
-def _camera(camera: Camera) -> _Camera:
-    pose = camera.world_to_camera
-    return _Camera(
-        camera.width,
-        camera.height,
-        camera.fx,
-        camera.fy,
-        camera.cx,
-        camera.cy,
-        (ctypes.c_float * 9)(*pose[:3, :3].ravel()),
-        (ctypes.c_float * 3)(*pose[:3, 3]),
-        camera.near,
-    )
+        Raises:
+            RuntimeError: `release` was called.
+            MemoryError: not enough memory for one number per splat and tile.
+        """
+        if self._workspace is None:
+            raise RuntimeError("contributions after release")
+        count = self._static.count + self._dynamic.count
+        total, peak = np.empty(count, np.float32), np.empty(count, np.float32)
+        places = [ctypes.c_void_p(array.ctypes.data) for array in (total, peak)]
+        check(load().hgs_contributions(ctypes.c_void_p(self._workspace), self._threads, *places))
+        return total, peak
 
+    def measurements(self) -> Measurements:
+        """Return where the time of the last calls went, and how much there was to do.
 
-def _fill(
-    struct: Struct, splats: StaticSplats[Floats] | DynamicSplats[Floats] | None, shapes: Mapping[str, tuple[int, ...]]
-) -> Struct:
-    """Point the fields of a set's struct at its arrays; an absent set stays empty."""
-    if splats is not None:
-        count = len(splats)
-        struct.count = count
-        for name, array in splats.items():
-            setattr(struct, name, address(name, array, (count, *shapes[name])))
-    return struct
-
-
-def _gradients(
-    struct: ctypes.Structure, arrays: Mapping[str, Floats] | None, count: int, shapes: Mapping[str, tuple[int, ...]]
-) -> Any:
-    """Return a reference to the struct of where gradients go, or None for a set that is left out."""
-    if arrays is None:
-        return None
-    for name, array in arrays.items():
-        setattr(struct, name, address(f"gradient of {name}", array, (count, *shapes[name])))
-    return ctypes.byref(struct)
+        Raises:
+            RuntimeError: `release` was called.
+        """
+        if self._workspace is None:
+            raise RuntimeError("measurements after release")
+        found = CMeasurements()
+        load().hgs_measure(ctypes.c_void_p(self._workspace), ctypes.byref(found))
+        return Measurements(*(getattr(found, name) for name in Measurements._fields))

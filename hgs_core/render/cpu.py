@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TypeVar
 
 import numpy as np
 import torch
@@ -11,33 +13,69 @@ from torch import Tensor
 
 from hgs_core.native.arrays import Floats
 from hgs_core.native.raster import Raster
-from hgs_core.render.types import Render, View
+from hgs_core.render.finite import refuse_non_finite
+from hgs_core.render.types import Contributions, Render, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["rasterize_cpu"]
+__all__ = ["FixedViewCpu", "contributions_cpu", "rasterize_cpu"]
+
+S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
 
 def rasterize_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View) -> Render:
     """Render as `hgs_core.render.rasterize` describes; parameters of another type are computed in float32.
 
     Raises:
-        ValueError: an array of the wrong shape.
+        InputError: a parameter that is not finite.
+        ValueError: an array of the wrong shape, or a picture of more than 65,535 pixels along a side.
         RuntimeError: no compiled library, or more than 2^31 - 1 pairs of splats and tiles.
         MemoryError: not enough memory for them.
     """
-    static_tensors = _prepared(static, view.gradients in ("all", "static"))
-    dynamic_tensors = _prepared(dynamic, view.gradients in ("all", "dynamic"))
-    arrays = (view, len(static_tensors), *static_tensors, *dynamic_tensors)
-    rgb, alpha = _Rasterize.apply(*arrays)  # type: ignore[no-untyped-call]
-    return Render(rgb, alpha)
+    static = _prepared(static, view.gradients in ("all", "static"))
+    dynamic = _prepared(dynamic, view.gradients in ("all", "dynamic"))
+    tensors = [array for splats in (static, dynamic) if splats is not None for _, array in splats.items()]
+    with _non_finite_named(static, dynamic, view.time):
+        picture = _Rasterize.apply(view, static is not None, *tensors)  # type: ignore[no-untyped-call]
+    return Render(*picture)
 
 
-def _prepared(splats: StaticSplats[Tensor] | DynamicSplats[Tensor] | None, wanted: bool) -> list[Tensor]:
-    """Return the fields as contiguous float32 tensors, cut off from autograd if no gradient is wanted."""
+def contributions_cpu(
+    static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
+) -> Contributions:
+    """Weigh the splats as `hgs_core.render.contributions` describes; raises what `rasterize_cpu` raises."""
+    static, dynamic = _prepared(static, False), _prepared(dynamic, False)
+    with _non_finite_named(static, dynamic, view.time):
+        raster = _raster(_arrays(static), _arrays(dynamic), view)
+    weighed = Contributions(*raster.contributions())
+    raster.release()
+    return weighed
+
+
+class FixedViewCpu:
+    """Frames from one camera: the statics are projected and sorted for the first one only."""
+
+    def __init__(self, static: StaticSplats[Tensor] | None, view: View) -> None:
+        """Remember what all frames share; `view` gives everything but the time and whether the depth is wanted."""
+        self._static, self._view = _prepared(static, False), view
+        self._raster: Raster | None = None
+
+    def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
+        """Draw one moment; raises what `rasterize_cpu` raises."""
+        dynamic = _prepared(dynamic, False)
+        with _non_finite_named(self._static, dynamic, time):
+            if self._raster is None:
+                view = dataclasses.replace(self._view, time=time, depth=depth)
+                self._raster = _raster(_arrays(self._static), _arrays(dynamic), view)
+            else:
+                self._raster.again(_arrays(dynamic), time, depth)
+        return Render(*_pictures(self._raster))
+
+
+def _prepared(splats: S | None, wanted: bool) -> S | None:
+    """Make the fields contiguous float32 tensors, cut off from autograd if no gradient is wanted."""
     if splats is None:
-        return []
-    arrays = [array if wanted else array.detach() for _, array in splats.items()]
-    return [array.to("cpu", torch.float32).contiguous() for array in arrays]
+        return None
+    return splats.map(lambda array: (array if wanted else array.detach()).to("cpu", torch.float32).contiguous())
 
 
 def _array(tensor: Tensor) -> Floats:
@@ -45,48 +83,77 @@ def _array(tensor: Tensor) -> Floats:
     return array
 
 
+def _arrays(splats: Any) -> Any:
+    """Return a set of tensors as a set of arrays."""
+    return None if splats is None else splats.map(_array)
+
+
+def _raster(static: StaticSplats[Floats] | None, dynamic: DynamicSplats[Floats] | None, view: View) -> Raster:
+    return Raster(
+        static,
+        dynamic,
+        view.camera,
+        view.time,
+        background=view.background,
+        tile_mask=None if view.tile_mask is None else np.ascontiguousarray(view.tile_mask, np.bool_),
+        antialiased=view.antialiased,
+        depth=view.depth,
+    )
+
+
+def _pictures(raster: Raster) -> tuple[Tensor, Tensor, Tensor | None]:
+    depth = None if raster.depth is None else torch.from_numpy(raster.depth)
+    return torch.from_numpy(raster.rgb), torch.from_numpy(raster.alpha), depth
+
+
+@contextmanager
+def _non_finite_named(
+    static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, time: float
+) -> Iterator[None]:
+    """Turn the kernels' complaint about some parameter into one that names it."""
+    try:
+        yield
+    except FloatingPointError:
+        refuse_non_finite(static, dynamic, time)
+        raise
+
+
 class _Rasterize(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, view: View, n: int, *tensors: Tensor) -> tuple[Tensor, Tensor]:
-        arrays = [_array(tensor) for tensor in tensors]  # the first n: all fields of the static set, or none
-        raster = Raster(
-            StaticSplats(*arrays[:n]) if n else None,
-            DynamicSplats(*arrays[n:]) if arrays[n:] else None,
-            view.camera,
-            view.time,
-            background=view.background,
-            tile_mask=None if view.tile_mask is None else np.ascontiguousarray(view.tile_mask, np.bool_),
-        )
-        rgb, alpha = torch.from_numpy(raster.rgb), torch.from_numpy(raster.alpha)
+    def forward(ctx: Any, view: View, has_static: bool, *tensors: Tensor) -> tuple[Tensor, Tensor, Tensor | None]:
+        arrays = [_array(tensor) for tensor in tensors]
+        n = len(dataclasses.fields(StaticSplats)) if has_static else 0
+        static = StaticSplats(*arrays[:n]) if n else None
+        raster = _raster(static, DynamicSplats(*arrays[n:]) if arrays[n:] else None, view)
+        pictures = _pictures(raster)
         if any(ctx.needs_input_grad):
             # Saving the tensors lets autograd notice parameters or pictures that were changed in place since.
-            ctx.save_for_backward(rgb, alpha, *tensors)
+            ctx.save_for_backward(*(p for p in pictures if p is not None), *tensors)
             ctx.set_materialize_grads(False)
             ctx.statistics, ctx.raster, ctx.static_fields = view.statistics, raster, n
         else:
             raster.release()
-        return rgb, alpha
+        return pictures
 
     @staticmethod
-    def backward(ctx: Any, grad_rgb: Tensor | None, grad_alpha: Tensor | None) -> tuple[Tensor | None, ...]:
-        _, _, *tensors = ctx.saved_tensors
+    def backward(
+        ctx: Any, grad_rgb: Tensor | None, grad_alpha: Tensor | None, grad_depth: Tensor | None
+    ) -> tuple[Tensor | None, ...]:
         statistics, raster, n = ctx.statistics, ctx.raster, ctx.static_fields
+        tensors = ctx.saved_tensors[2 if raster.depth is None else 3 :]
         if grad_rgb is None:
             grad_rgb = torch.zeros(raster.rgb.shape)
         wanted = [
             torch.empty_like(tensor) if needed else None
             for tensor, needed in zip(tensors, ctx.needs_input_grad[2:], strict=True)
         ]
-        gathered = None
-        if statistics is not None:
-            radii = np.zeros_like(statistics.grad_norm_sum)
-            gathered = (statistics.grad_norm_sum, statistics.count, radii)
         raster.backward(
             _array(grad_rgb.contiguous()),
             None if grad_alpha is None else _array(grad_alpha.contiguous()),
             _named(StaticSplats, wanted[:n]),
             _named(DynamicSplats, wanted[n:]),
-            gathered,
+            None if statistics is None else (statistics.grad_norm_sum, statistics.count),
+            None if grad_depth is None else _array(grad_depth.contiguous()),
         )
         return None, None, *wanted
 

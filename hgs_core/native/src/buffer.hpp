@@ -1,6 +1,7 @@
 // An array that only grows, so that repeated calls allocate nothing.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <new>
 #include <type_traits>
@@ -20,12 +21,15 @@ class Buffer {
   Buffer &operator=(Buffer &&) = delete;
   ~Buffer() { release(); }
 
-  // Make room for `size` elements; earlier contents are lost when it has to grow.
-  T *reserve(size_t size) {
+  // Make room for `size` elements; earlier contents are lost when it has to grow, but for the first `kept`.
+  T *reserve(size_t size, size_t kept = 0) {
     if (size > capacity_) {
-      release();
       const size_t rounded = size + size / 4 + 64;  // a little more, so that slow growth does not reallocate each time
-      data_ = static_cast<T *>(::operator new(rounded * sizeof(T), kAlignment));
+      if (kept == 0) release();
+      T *const fresh = static_cast<T *>(::operator new(rounded * sizeof(T), kAlignment));
+      std::copy_n(data_, kept, fresh);
+      release();
+      data_ = fresh;
       capacity_ = rounded;
     }
     return data_;

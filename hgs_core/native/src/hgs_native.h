@@ -2,13 +2,13 @@
  *
  * Arrays are contiguous, row-major and float32 unless noted. Pictures are planes: [3][height][width]. Nothing here
  * throws: functions that can fail return an hgs_status. All functions may be called from several threads at once, each
- * with a workspace of its own, and give the same bits for any number of threads. */
+ * with a workspace of its own, and give the same bits for any number of threads. `threads` is at least 1. */
 #ifndef HGS_NATIVE_H
 #define HGS_NATIVE_H
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 2
+#define HGS_ABI_VERSION 3
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -19,18 +19,41 @@ enum hgs_status {
   HGS_OK = 0,
   HGS_OUT_OF_MEMORY = 1,
   HGS_TOO_MANY_TILE_ENTRIES = 2, /* more than 2^31 - 1 (splat, tile) pairs */
-  HGS_FAILED = 3                 /* for instance no thread could be started */
+  HGS_FAILED = 3,                /* for instance no thread could be started */
+  HGS_NOT_FINITE = 4             /* a parameter of a splat that was looked at is NaN or infinite */
 };
 
 /* An undistorted pinhole camera, OpenCV axes. A world point X is at (x, y, z) = rotation X + translation in the camera
- * and at pixel (fx x / z + cx, fy y / z + cy). */
+ * and at pixel (fx x / z + cx, fy y / z + cy). Doubles, because positions on the screen are computed in them. */
 typedef struct hgs_camera {
-  int32_t width, height; /* pixels */
-  float fx, fy, cx, cy;  /* pixels */
-  float rotation[9];     /* [3][3], world to camera */
-  float translation[3];
-  float near_plane; /* world units; splats whose centre has a smaller z are not drawn */
+  int32_t width, height; /* pixels, 1 to HGS_MAX_SIDE */
+  double fx, fy, cx, cy; /* pixels */
+  double rotation[9];    /* [3][3], world to camera */
+  double translation[3];
+  double near_plane; /* world units; splats whose centre has a smaller z are not drawn */
 } hgs_camera;
+
+#define HGS_MAX_SIDE 65535
+
+/* What to draw, besides the splats. */
+typedef struct hgs_view {
+  hgs_camera camera;
+  double time;         /* normalised time of the dynamic splats */
+  float background[3]; /* colour behind everything */
+  int32_t antialiased; /* 1: opacities are multiplied by what the low-pass filter spreads them over; 0: they are not */
+  /* [ceil(height / 16)][ceil(width / 16)] bytes; tiles that are 0 show the background. NULL = draw all. */
+  const uint8_t *tile_mask;
+  /* 1: camera, tile mask, antialiasing and static splats are those of the workspace's last rendering, which succeeded:
+   * the statics are neither projected nor listed again. */
+  int32_t reuse_statics;
+} hgs_view;
+
+/* A picture, or the gradient of one. */
+typedef struct hgs_picture {
+  float *rgb;   /* [3][height][width] background included; not clamped */
+  float *alpha; /* [height][width] 1 - transmittance */
+  float *depth; /* [height][width] sum of weight times camera-space z; NULL = not wanted */
+} hgs_picture;
 
 /* Splats that never change. */
 typedef struct hgs_static_splats {
@@ -67,8 +90,16 @@ typedef struct hgs_dynamic_gradients {
 typedef struct hgs_screen_statistics {
   float *grad_norm_sum; /* += |dL / d screen mean|, the mean in pixels */
   int32_t *count;       /* += 1 */
-  float *max_radius;    /* max= 3 standard deviations along the splat's major axis on the screen, pixels */
 } hgs_screen_statistics;
+
+/* What the last calls on a workspace did. */
+typedef struct hgs_measurements {
+  double project, bin, composite;                 /* seconds of hgs_rasterize */
+  double composite_backward, project_backward;    /* seconds of hgs_rasterize_backward */
+  int64_t visible_static, visible_dynamic;        /* splats */
+  int64_t tile_entries;                           /* (splat, tile) pairs */
+  int64_t evaluations;                            /* (splat, pixel) pairs composited, whole vectors of pixels counted */
+} hgs_measurements;
 
 /* The buffers of one rendering, and what its backward pass needs to know. */
 typedef struct hgs_workspace hgs_workspace;
@@ -85,27 +116,33 @@ HGS_API const char *hgs_status_message(int32_t status);
 HGS_API hgs_workspace *hgs_workspace_create(void);
 HGS_API void hgs_workspace_destroy(hgs_workspace *workspace);
 
-/* Render both sets at normalised `time`.
- *
- * tile_mask: [ceil(height / 16)][ceil(width / 16)] bytes; tiles that are 0 show the background. NULL = draw all.
- * background: [3].  threads: at least 1.
- * rgb: out, [3][height][width].  alpha: out, [height][width]. */
-HGS_API int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_camera *camera, const hgs_static_splats *statics,
-                              const hgs_dynamic_splats *dynamics, float time, const float *background,
-                              const uint8_t *tile_mask, int32_t threads, float *rgb, float *alpha);
+/* Render both sets. */
+HGS_API int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_static_splats *statics,
+                              const hgs_dynamic_splats *dynamics, int32_t threads, const hgs_picture *picture);
 
 /* Differentiate the last hgs_rasterize of `workspace`, which may be done several times.
  *
  * statics, dynamics: the parameters given to hgs_rasterize, unchanged.
- * rgb, alpha: what it returned.  grad_rgb, grad_alpha: dL / d of the same; grad_alpha may be NULL (zero).
+ * picture: what it returned.  gradient: dL / d of the same; alpha and depth may be NULL (zero), depth has to be if the
+ *     picture has none.
  * grad_statics, grad_dynamics: the gradient set; NULL leaves that set out altogether.
  * statistics: may be NULL. */
 HGS_API int32_t hgs_rasterize_backward(hgs_workspace *workspace, const hgs_static_splats *statics,
-                                       const hgs_dynamic_splats *dynamics, const float *rgb, const float *alpha,
-                                       const float *grad_rgb, const float *grad_alpha,
-                                       const hgs_static_gradients *grad_statics,
+                                       const hgs_dynamic_splats *dynamics, const hgs_picture *picture,
+                                       const hgs_picture *gradient, const hgs_static_gradients *grad_statics,
                                        const hgs_dynamic_gradients *grad_dynamics,
                                        const hgs_screen_statistics *statistics, int32_t threads);
+
+/* What every splat contributed to the last hgs_rasterize of `workspace`.
+ *
+ * total: out, [N + M], statics first: sum of the splat's weights over the pixels.  peak: out, [N + M]: the largest. */
+HGS_API int32_t hgs_contributions(hgs_workspace *workspace, int32_t threads, float *total, float *peak);
+
+HGS_API void hgs_measure(const hgs_workspace *workspace, hgs_measurements *measurements);
+
+/* Floating-point operations per second that `threads` threads reach when they do nothing but fused multiply-adds of
+ * this library's vector width (each counts twice), measured for about `seconds`; 0 if the threads cannot be started. */
+HGS_API double hgs_fma_peak(int32_t threads, double seconds);
 
 /* (1 - dssim_weight) mean |image - target| + dssim_weight (1 - SSIM(image, target)), and its gradient.
  *

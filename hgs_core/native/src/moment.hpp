@@ -27,6 +27,20 @@ inline void gather(const float *array, const Rows &rows, Vec *out) {
   for (int c = 0; c < width; ++c) out[c] = load(columns[c]);
 }
 
+// Becomes NaN in the lanes of values that are not finite: zero times any other is zero.
+class NonFinite {
+ public:
+  template <int width>
+  void look_at(const Vec *values) {
+    for (int c = 0; c < width; ++c) sum_ += values[c] * 0.0f;
+  }
+  bool found() const { return lane_bits(greater_equal(sum_, Vec{})) != kAllLanes; }
+
+ private:
+  static constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
+  Vec sum_{};
+};
+
 // Write rows, unless nobody wants the array.
 template <int width>
 inline void scatter(float *array, const Rows &rows, const Vec *values) {
@@ -42,30 +56,38 @@ inline void scatter(float *array, const Rows &rows, const Vec *values) {
 inline Vec sigmoid(Vec x) { return 1.0f / (1.0f + exp(-x)); }
 
 // Both kinds of splats offer the same to projection: `opacity` alone, because most dynamic splats are dead at any time
-// and are left out on its account, then the shape; and the way back.
+// and are left out on its account, then the shape; and the way back. What they read is reported to `bad`.
 struct StaticMoment {
   const hgs_static_splats &splats;
 
   int64_t count() const { return splats.count; }
-  const float *rgb() const { return splats.rgb; }
 
-  Vec opacity(const Rows &rows) const {
+  Vec opacity(const Rows &rows, NonFinite &bad) const {
     Vec logit;
     gather<1>(splats.opacity_logits, rows, &logit);
+    bad.look_at<1>(&logit);
     return sigmoid(logit);
   }
 
-  Shape shape(const Rows &rows) const {
+  Shape shape(const Rows &rows, NonFinite &bad) const {
     Shape s;
-    gather<3>(splats.means, rows, s.mean);
+    Vec mean[3];
+    gather<3>(splats.means, rows, mean);
     gather<3>(splats.log_scales, rows, s.log_scale);
     gather<4>(splats.quats, rows, s.quat);
+    gather<3>(splats.rgb, rows, s.rgb);
+    bad.look_at<3>(mean);
+    bad.look_at<3>(s.log_scale);
+    bad.look_at<4>(s.quat);
+    bad.look_at<3>(s.rgb);
+    for (int i = 0; i < 3; ++i) s.mean[i] = widen(mean[i]);
     return s;
   }
 
   void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
                 const hgs_static_gradients &out) const {
-    const Vec sigma = opacity(rows), d_logit = d_opacity * sigma * (1.0f - sigma);
+    NonFinite ignored;  // the forward pass has looked
+    const Vec sigma = opacity(rows, ignored), d_logit = d_opacity * sigma * (1.0f - sigma);
     scatter<3>(out.means, rows, d_shape.mean);
     scatter<3>(out.log_scales, rows, d_shape.log_scale);
     scatter<4>(out.quats, rows, d_shape.quat);
@@ -76,31 +98,41 @@ struct StaticMoment {
 
 struct DynamicMoment {
   const hgs_dynamic_splats &splats;
-  float time;
+  double time;
 
   int64_t count() const { return splats.count; }
-  const float *rgb() const { return splats.rgb; }
 
-  Vec opacity(const Rows &rows) const {
-    const Fade f = fade(rows);
+  Vec opacity(const Rows &rows, NonFinite &bad) const {
+    const Fade f = fade(rows, bad);
     return f.sigma * f.decay;
   }
 
-  Shape shape(const Rows &rows) const {
+  Shape shape(const Rows &rows, NonFinite &bad) const {
     Shape s;
-    Vec motion[12], rotation[8];
-    const Vec d = offset(rows);
+    Vec center, motion[12], rotation[8];
+    gather<1>(splats.time_centers, rows, &center);
     gather<12>(splats.motion, rows, motion);
     gather<8>(splats.rotation, rows, rotation);
     gather<3>(splats.log_scales, rows, s.log_scale);
-    for (int i = 0; i < 3; ++i) s.mean[i] = motion[i] + d * (motion[3 + i] + d * (motion[6 + i] + d * motion[9 + i]));
+    gather<3>(splats.rgb, rows, s.rgb);
+    bad.look_at<12>(motion);
+    bad.look_at<8>(rotation);
+    bad.look_at<3>(s.log_scale);
+    bad.look_at<3>(s.rgb);
+    const Wide wide = offset(center);
+    const Vec d = narrow(wide);
+    for (int i = 0; i < 3; ++i) {
+      s.mean[i] = widen(motion[i]) +
+                  wide * (widen(motion[3 + i]) + wide * (widen(motion[6 + i]) + wide * widen(motion[9 + i])));
+    }
     for (int i = 0; i < 4; ++i) s.quat[i] = rotation[i] + d * rotation[4 + i];
     return s;
   }
 
   void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
                 const hgs_dynamic_gradients &out) const {
-    const Fade f = fade(rows);
+    NonFinite ignored;  // the forward pass has looked
+    const Fade f = fade(rows, ignored);
     const Vec d = f.offset, opacity = f.sigma * f.decay;
     Vec motion[12], rotation[8], d_motion[12], d_rotation[8];
     gather<12>(splats.motion, rows, motion);
@@ -133,17 +165,17 @@ struct DynamicMoment {
     Vec offset, precision, sigma, decay;
   };
 
-  Vec offset(const Rows &rows) const {
-    Vec center;
-    gather<1>(splats.time_centers, rows, &center);
-    return time - center;
-  }
+  Wide offset(Vec center) const { return broadcast_wide(time) - widen(center); }
 
-  Fade fade(const Rows &rows) const {
-    Vec log_precision, logit;
+  Fade fade(const Rows &rows, NonFinite &bad) const {
+    Vec center, log_precision, logit;
+    gather<1>(splats.time_centers, rows, &center);
     gather<1>(splats.time_log_precisions, rows, &log_precision);
     gather<1>(splats.opacity_logits, rows, &logit);
-    const Vec d = offset(rows), s = exp(log_precision);
+    bad.look_at<1>(&center);
+    bad.look_at<1>(&log_precision);
+    bad.look_at<1>(&logit);
+    const Vec d = narrow(offset(center)), s = exp(log_precision);
     return {d, s, sigmoid(logit), exp(-s * d * d)};
   }
 };

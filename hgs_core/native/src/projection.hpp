@@ -1,32 +1,37 @@
 // From splats in space to ellipses on the screen, kLanes splats at a time (docs/numerics.md, "Projection").
 #pragma once
 
-#include "simd.hpp"
-#include "workspace.hpp"
+#include "screen.hpp"
+#include "wide.hpp"
 
 namespace hgs {
 
 // The camera and the range to which the Jacobian's direction is clamped.
 struct CameraModel {
-  float R[9], t[3];
-  float fx, fy, cx, cy;
+  hgs_camera exact;
+  float R[9], fx, fy;
   float u_min, u_max, v_min, v_max;
+  bool antialiased;
 
-  explicit CameraModel(const hgs_camera &c) : fx(c.fx), fy(c.fy), cx(c.cx), cy(c.cy) {
-    for (int i = 0; i < 9; ++i) R[i] = c.rotation[i];
-    for (int i = 0; i < 3; ++i) t[i] = c.translation[i];
-    const float width = static_cast<float>(c.width), height = static_cast<float>(c.height);
-    const float margin_x = kFrustumMargin * 0.5f * width / fx, margin_y = kFrustumMargin * 0.5f * height / fy;
-    u_min = -cx / fx - margin_x;
-    u_max = (width - cx) / fx + margin_x;
-    v_min = -cy / fy - margin_y;
-    v_max = (height - cy) / fy + margin_y;
+  explicit CameraModel(const hgs_view &view)
+      : exact(view.camera),
+        fx(static_cast<float>(exact.fx)),
+        fy(static_cast<float>(exact.fy)),
+        antialiased(view.antialiased != 0) {
+    for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(exact.rotation[i]);
+    const double margin_x = kFrustumMargin * 0.5 * exact.width / exact.fx;
+    const double margin_y = kFrustumMargin * 0.5 * exact.height / exact.fy;
+    u_min = static_cast<float>(-exact.cx / exact.fx - margin_x);
+    u_max = static_cast<float>((exact.width - exact.cx) / exact.fx + margin_x);
+    v_min = static_cast<float>(-exact.cy / exact.fy - margin_y);
+    v_max = static_cast<float>((exact.height - exact.cy) / exact.fy + margin_y);
   }
 };
 
 // Splats at one moment.
 struct Shape {
-  Vec mean[3], log_scale[3], quat[4];
+  Wide mean[3];
+  Vec log_scale[3], quat[4], rgb[3];
 };
 
 struct ShapeGradient {
@@ -35,8 +40,9 @@ struct ShapeGradient {
 
 // dL / d of what compositing reads.
 struct ScreenGradient {
-  Vec mean_x, mean_y;                       // pixels
-  Vec conic_xx, conic_xy, conic_yy;         // conic_xy counts both off-diagonal elements
+  Vec mean_x, mean_y;                // pixels
+  Vec conic_xx, conic_xy, conic_yy;  // conic_xy counts both off-diagonal elements
+  Vec log_opacity, depth;
 };
 
 // A projected splat and the intermediate values that its derivative needs.
@@ -51,9 +57,11 @@ struct Projection {
   Vec axes[9];         // camera rotation x splat rotation: columns are the splat's unit axes in the camera
   Vec e_x[3], e_y[3];  // Jacobian x axes
   Vec cross[3];        // e_1 x e_2, e_2 x e_0, e_0 x e_1
+  Vec area;            // determinant of C without the low-pass filter
   Vec cov_xx, cov_xy, cov_yy;
   Vec conic_xx, conic_xy, conic_yy, conic_determinant;
-  Vec mean_x, mean_y;
+  Wide mean_x, mean_y;        // pixels
+  Vec distance_to_near_plane;  // z minus the near plane
 };
 
 inline void rotation_matrix(const Vec *q, Vec *R) {
@@ -71,27 +79,38 @@ inline void rotation_matrix(const Vec *q, Vec *R) {
 
 inline Projection project(const CameraModel &camera, const Shape &shape) {
   Projection p;
-  const float *R = camera.R;
+  const float *const R = camera.R;
 
   for (int j = 0; j < 3; ++j) p.variance[j] = exp(2.0f * shape.log_scale[j]);
   const Vec *q = shape.quat;
   const Vec norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   const Mask usable = greater_equal(norm2, broadcast(1e-24f));
-  p.inverse_norm = keep(usable, 1.0f / sqrt(norm2));
+  // By way of the largest component: the square of a long quaternion overflows.
+  const Vec unit = 1.0f / max(max(abs(q[0]), abs(q[1])), max(abs(q[2]), abs(q[3])));
+  Vec scaled_norm2{};
+  for (int i = 0; i < 4; ++i) scaled_norm2 += (q[i] * unit) * (q[i] * unit);
+  p.inverse_norm = keep(usable, unit / sqrt(scaled_norm2));
   for (int i = 0; i < 4; ++i) p.unit_quat[i] = keep(usable, q[i] * p.inverse_norm);
   p.unit_quat[0] = select(usable, p.unit_quat[0], broadcast(1.0f));
 
-  const Vec *m = shape.mean;
-  const Vec x = R[0] * m[0] + R[1] * m[1] + R[2] * m[2] + camera.t[0];
-  const Vec y = R[3] * m[0] + R[4] * m[1] + R[5] * m[2] + camera.t[1];
-  p.z = R[6] * m[0] + R[7] * m[1] + R[8] * m[2] + camera.t[2];
-  p.inverse_z = 1.0f / p.z;
-  p.u = x * p.inverse_z;
-  p.v = y * p.inverse_z;
+  // In double precision: on the screen, float32 would leave errors of 1e-5 pixels, and 1e6 units from the origin, any.
+  const hgs_camera &c = camera.exact;
+  const Wide *m = shape.mean;
+  const auto in_camera = [&](int i) {
+    return c.rotation[3 * i] * m[0] + c.rotation[3 * i + 1] * m[1] + c.rotation[3 * i + 2] * m[2] +
+           broadcast_wide(c.translation[i]);
+  };
+  const Wide z = in_camera(2), inverse_z = broadcast_wide(1.0) / z;
+  const Wide u = in_camera(0) * inverse_z, v = in_camera(1) * inverse_z;
+  p.mean_x = c.fx * u + broadcast_wide(c.cx);
+  p.mean_y = c.fy * v + broadcast_wide(c.cy);
+  p.distance_to_near_plane = narrow(z - broadcast_wide(c.near_plane));
+  p.z = narrow(z);
+  p.inverse_z = narrow(inverse_z);
+  p.u = narrow(u);
+  p.v = narrow(v);
   p.u_clamped = clamp(p.u, camera.u_min, camera.u_max);
   p.v_clamped = clamp(p.v, camera.v_min, camera.v_max);
-  p.mean_x = camera.fx * p.u + camera.cx;
-  p.mean_y = camera.fy * p.v + camera.cy;
 
   Vec Q[9];
   rotation_matrix(p.unit_quat, Q);
@@ -113,6 +132,7 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
     yy += p.variance[j] * p.e_y[j] * p.e_y[j];
     area += p.variance[k] * p.variance[l] * p.cross[j] * p.cross[j];
   }
+  p.area = area;
   p.cov_xx = xx + kLowPass;
   p.cov_xy = xy;
   p.cov_yy = yy + kLowPass;
@@ -122,6 +142,9 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
   p.conic_yy = p.cov_xx * p.conic_determinant;
   return p;
 }
+
+// What antialiasing multiplies the squared opacity by: the share of its peak that the low-pass filter leaves a splat.
+inline Vec compensation2(const Projection &p) { return p.area * p.conic_determinant; }
 
 inline ShapeGradient project_backward(const CameraModel &camera, const Projection &p, const ScreenGradient &g) {
   ShapeGradient out;
@@ -138,13 +161,29 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
     f_y[j] = g_xy * y_x[j] + g.conic_yy * y_y[j];
   }
 
+  // With antialiasing, ln opacity has the term ln(det C0 / det C) / 2, C0 being C without the filter. Its gradient by C is
+  // H = (C0^-1 - C^-1) / 2; the vectors a_j = H e_j are added to what the conic contributes.
+  Vec a_x[3] = {}, a_y[3] = {}, a_scale[3] = {};
+  if (camera.antialiased) {
+    const Mask free = greater(compensation2(p), broadcast(kCompensationMin2));
+    const Vec weight = keep(free, 0.5f * g.log_opacity), inverse_area = keep(free, 1.0f / p.area);
+    for (int j = 0; j < 3; ++j) {
+      const int k = (j + 1) % 3, l = (j + 2) % 3;
+      const Vec with_k = p.variance[k] * p.cross[l], with_l = p.variance[l] * p.cross[k];
+      a_x[j] = weight * (inverse_area * (with_k * p.e_y[k] - with_l * p.e_y[l]) - y_x[j]);
+      a_y[j] = weight * (inverse_area * (with_l * p.e_x[l] - with_k * p.e_x[k]) - y_y[j]);
+      a_scale[j] = 2.0f * p.variance[j] * (p.e_x[j] * a_x[j] + p.e_y[j] * a_y[j]);
+    }
+  }
+
   // Scales: d(C^-1) = -C^-1 dC C^-1 gives dL / d ln s_j = -2 s_j^2 y_j^T G y_j. Rotation: a turn by t about axis j of the
   // splat mixes the other two axes, so dL / dt = 2 (s_l^2 - s_k^2) y_k^T G y_l, and dq = q (0, t) / 2.
   Vec turn[3];
   for (int j = 0; j < 3; ++j) {
     const int k = (j + 1) % 3, l = (j + 2) % 3;
-    out.log_scale[j] = -2.0f * p.variance[j] * (y_x[j] * f_x[j] + y_y[j] * f_y[j]);
-    turn[j] = 2.0f * (p.variance[l] - p.variance[k]) * (y_x[k] * f_x[l] + y_y[k] * f_y[l]);
+    out.log_scale[j] = a_scale[j] - 2.0f * p.variance[j] * (y_x[j] * f_x[j] + y_y[j] * f_y[j]);
+    turn[j] = 2.0f * (p.variance[l] - p.variance[k]) *
+              (y_x[k] * f_x[l] + y_y[k] * f_y[l] - p.e_x[k] * a_x[l] - p.e_y[k] * a_y[l]);
   }
   const Vec *q = p.unit_quat, twice = 2.0f * p.inverse_norm;
   out.quat[0] = -twice * (q[1] * turn[0] + q[2] * turn[1] + q[3] * turn[2]);
@@ -157,8 +196,8 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   const Vec jxz = -jx * p.u_clamped, jyz = -jy * p.v_clamped;
   Vec d_jx{}, d_jxz{}, d_jy{}, d_jyz{};
   for (int j = 0; j < 3; ++j) {
-    const Vec d_x = -2.0f * p.variance[j] * (p.conic_xx * f_x[j] + p.conic_xy * f_y[j]);
-    const Vec d_y = -2.0f * p.variance[j] * (p.conic_xy * f_x[j] + p.conic_yy * f_y[j]);
+    const Vec d_x = 2.0f * p.variance[j] * (a_x[j] - p.conic_xx * f_x[j] - p.conic_xy * f_y[j]);
+    const Vec d_y = 2.0f * p.variance[j] * (a_y[j] - p.conic_xy * f_x[j] - p.conic_yy * f_y[j]);
     d_jx += d_x * p.axes[j];
     d_jxz += d_x * p.axes[6 + j];
     d_jy += d_y * p.axes[3 + j];
@@ -171,7 +210,7 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   const Vec d_u = camera.fx * g.mean_x - keep(u_free, jx * d_jxz);
   const Vec d_v = camera.fy * g.mean_y - keep(v_free, jy * d_jyz);
   const Vec d_x = d_u * p.inverse_z, d_y = d_v * p.inverse_z;
-  const Vec d_z = -p.inverse_z * (d_u * p.u + d_v * p.v + d_jx * jx + d_jxz * jxz + d_jy * jy + d_jyz * jyz);
+  const Vec d_z = g.depth - p.inverse_z * (d_u * p.u + d_v * p.v + d_jx * jx + d_jxz * jxz + d_jy * jy + d_jyz * jyz);
   const float *R = camera.R;
   for (int i = 0; i < 3; ++i) out.mean[i] = R[i] * d_x + R[3 + i] * d_y + R[6 + i] * d_z;
   return out;

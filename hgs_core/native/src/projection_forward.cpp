@@ -1,99 +1,147 @@
-// Culling and projection of both sets into the workspace.
+// Culling and projection of a set into the workspace.
+#include <atomic>
+
 #include "moment.hpp"
 #include "thread_pool.hpp"
+#include "workspace.hpp"
 
 namespace hgs {
 namespace {
 
 constexpr int kChunk = 1024;  // splats that a thread takes at a time; their visible ones are stored together
 
-int64_t chunks_of(int64_t count) { return (count + kChunk - 1) / kChunk; }
+// The pixels along one axis whose centres lie within `half` of the mean, limited to the picture.
+struct Extent {
+  Vec first, last;
 
-// Project the candidates and append the visible ones to `out`; returns the new end.
-template <class Moment>
-ScreenSplat *project_rows(const CameraModel &model, const hgs_camera &camera, const Moment &moment, const Rows &rows,
-                          ScreenSplat *out) {
-  const Projection p = project(model, moment.shape(rows));
-  const Vec opacity = moment.opacity(rows), log2_opacity = log2(opacity);
-  const Vec reach = (log2_opacity - kLog2AlphaMin) * (2.0f * kLn2);
-  const Vec half_x = sqrt(reach * p.cov_xx), half_y = sqrt(reach * p.cov_yy);
-  // Written so that a splat with NaN anywhere fails.
-  const Vec zero{};
-  Mask seen = both(greater_equal(p.z, broadcast(camera.near_plane)), greater(p.conic_determinant, zero));
-  seen = both(seen, both(greater(p.mean_x + half_x, zero), greater(p.mean_y + half_y, zero)));
-  seen = both(seen, both(greater(broadcast(static_cast<float>(camera.width)), p.mean_x - half_x),
-                         greater(broadcast(static_cast<float>(camera.height)), p.mean_y - half_y)));
-  const uint32_t seen_lanes = lane_bits(seen);
-  if (seen_lanes == 0) return out;
-
-  constexpr float kScale = -0.5f * kLog2E;
-  const Vec columns[] = {p.mean_x, p.mean_y, kScale * p.conic_xx, 2.0f * kScale * p.conic_xy, kScale * p.conic_yy,
-                         log2_opacity, half_x, half_y, p.conic_determinant, reach, opacity, p.z};
-  constexpr int kColumns = sizeof(columns) / sizeof(columns[0]);
-  alignas(64) float f[kColumns][kLanes];
-  for (int c = 0; c < kColumns; ++c) store(f[c], columns[c]);
-  for (int k = 0; k < rows.count; ++k) {
-    if (!(seen_lanes >> k & 1)) continue;
-    const float *rgb = moment.rgb() + static_cast<size_t>(rows.row[k]) * 3;
-    *out++ = {f[0][k], f[1][k], f[2][k], f[3][k], f[4][k], f[5][k],  rgb[0],   rgb[1],
-              rgb[2],  f[6][k], f[7][k], f[8][k], f[9][k], f[10][k], f[11][k], rows.row[k]};
+  Extent(Vec origin, Vec mean, Vec half, int size) {
+    constexpr float kFar = 1 << 21;
+    const Vec side = broadcast(static_cast<float>(size));
+    const Vec low = ceil(clamp(mean - half - (0.5f + kPixelSlack), -kFar, kFar)) + origin;
+    const Vec high = floor(clamp(mean + half - (0.5f - kPixelSlack), -kFar, kFar)) + origin;
+    // An empty extent ends up beyond the edges, and is then made (1, 0).
+    first = max(low, Vec{});
+    last = min(high, side - 1.0f);
+    const Mask some = greater_equal(last, first);
+    first = select(some, first, broadcast(1.0f));
+    last = keep(some, last);
   }
-  return out;
-}
 
-// Project splats [begin, end) to `out`; returns how many are visible.
-template <class Moment>
-uint32_t project_chunk(const CameraModel &model, const hgs_camera &camera, const Moment &moment, int64_t begin,
-                       int64_t end, ScreenSplat *out) {
-  // First those that are opaque enough to be seen, so that projection has full vectors to work on.
-  uint32_t candidates[kChunk];
-  int count = 0;
-  for (int64_t i = begin; i < end; i += kLanes) {
-    const int lanes = static_cast<int>(std::min<int64_t>(kLanes, end - i));
-    const Rows rows(lanes, [&](int k) { return static_cast<uint32_t>(i + k); });
-    const uint32_t alive = lane_bits(greater_equal(moment.opacity(rows), broadcast(kAlphaMin)));
-    for (int k = 0; k < lanes; ++k) {
-      candidates[count] = rows.row[k];
-      count += alive >> k & 1;
+  Vec tiles() const { return floor(last * (1.0f / kTile)) - floor(first * (1.0f / kTile)) + 1.0f; }
+};
+
+struct Chunk {
+  const CameraModel &model;
+  ScreenSplat *out;       // the next visible splat
+  int64_t entry_bound = 0;
+  NonFinite bad;
+
+  // Project the candidates and append those that are visible.
+  template <class Moment>
+  void project_rows(const Moment &moment, const Rows &rows) {
+    const hgs_camera &camera = model.exact;
+    const Shape shape = moment.shape(rows, bad);
+    const Projection p = project(model, shape);
+    Vec opacity = moment.opacity(rows, bad);
+    if (model.antialiased) opacity *= sqrt(max(compensation2(p), broadcast(kCompensationMin2)));
+    const Vec log2_opacity = log2(opacity);
+    const Vec reach = (log2_opacity - kLog2AlphaMin) * (2.0f * kLn2);
+    const Vec half_x = sqrt(reach * p.cov_xx), half_y = sqrt(reach * p.cov_yy);
+
+    constexpr double kFar = 1 << 22;
+    const Wide origin_x = round(clamp(p.mean_x, -kFar, kFar)), origin_y = round(clamp(p.mean_y, -kFar, kFar));
+    const Vec from_x = narrow(origin_x), from_y = narrow(origin_y);
+    const Vec mean_x = narrow(p.mean_x - origin_x), mean_y = narrow(p.mean_y - origin_y);
+    const Extent columns(from_x, mean_x, half_x, camera.width), lines(from_y, mean_y, half_y, camera.height);
+
+    // Written so that a splat with NaN anywhere fails.
+    const Vec zero{}, limit = broadcast(kCovarianceMax);
+    Mask seen = both(greater_equal(p.distance_to_near_plane, zero), greater(p.conic_determinant, zero));
+    seen = both(seen, both(greater(limit, p.cov_xx), greater(limit, p.cov_yy)));
+    seen = both(seen, greater_equal(opacity, broadcast(kAlphaMin)));
+    seen = both(seen, both(greater(from_x + mean_x + half_x, zero), greater(from_y + mean_y + half_y, zero)));
+    seen = both(seen, both(greater(broadcast(static_cast<float>(camera.width)), from_x + mean_x - half_x),
+                           greater(broadcast(static_cast<float>(camera.height)), from_y + mean_y - half_y)));
+    const uint32_t seen_lanes = lane_bits(seen) & ((2u << (rows.count - 1)) - 1);
+    if (seen_lanes == 0) return;
+
+    constexpr float kScale = 0.5f * kLog2E;
+    const Vec root_x = sqrt(kScale * p.conic_xx), root_y = kScale * p.conic_xy / root_x;
+    const Vec fall_y = kScale / p.cov_yy;
+    const Vec values[] = {from_x, from_y, mean_x, mean_y, root_x, root_y, fall_y, log2_opacity, shape.rgb[0],
+                          shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first, lines.last,
+                          columns.tiles() * lines.tiles()};
+    constexpr int kValues = sizeof(values) / sizeof(values[0]);
+    alignas(64) float f[kValues][kLanes];
+    for (int i = 0; i < kValues; ++i) store(f[i], values[i]);
+    const auto pixel = [](float x) { return static_cast<uint16_t>(x); };
+    for (int k = 0; k < rows.count; ++k) {
+      if (!(seen_lanes >> k & 1)) continue;
+      *out++ = {f[0][k], f[1][k], f[2][k], f[3][k], f[4][k], f[5][k], f[6][k], f[7][k], f[8][k], f[9][k], f[10][k],
+                f[11][k], pixel(f[12][k]), pixel(f[13][k]), pixel(f[14][k]), pixel(f[15][k]), rows.row[k]};
+      entry_bound += static_cast<int64_t>(f[16][k]);
     }
   }
-  ScreenSplat *next = out;
-  for (int i = 0; i < count; i += kLanes) {
-    const Rows rows(std::min(kLanes, count - i), [&](int k) { return candidates[i + k]; });
-    next = project_rows(model, camera, moment, rows, next);
+
+  // Project splats [begin, end).
+  template <class Moment>
+  void project_range(const Moment &moment, int64_t begin, int64_t end) {
+    // First those that are opaque enough to be seen, so that projection has full vectors to work on.
+    uint32_t candidates[kChunk];
+    int count = 0;
+    for (int64_t i = begin; i < end; i += kLanes) {
+      const int lanes = static_cast<int>(std::min<int64_t>(kLanes, end - i));
+      const Rows rows(lanes, [&](int k) { return static_cast<uint32_t>(i + k); });
+      const uint32_t alive = lane_bits(greater_equal(moment.opacity(rows, bad), broadcast(kAlphaMin)));
+      for (int k = 0; k < lanes; ++k) {
+        candidates[count] = rows.row[k];
+        count += alive >> k & 1;
+      }
+    }
+    for (int i = 0; i < count; i += kLanes) {
+      project_rows(moment, Rows(std::min(kLanes, count - i), [&](int k) { return candidates[i + k]; }));
+    }
   }
-  return static_cast<uint32_t>(next - out);
+};
+
+template <class Moment>
+hgs_status project_set(const hgs_view &view, const Moment &moment, ScreenSet &set, int threads) {
+  const CameraModel model(view);
+  const int64_t count = moment.count(), chunks = (count + kChunk - 1) / kChunk;
+  set.count = count;
+  set.splats.reserve(count);
+  set.chunk_visible.reserve(chunks);
+  std::atomic<int64_t> entry_bound{0};
+  std::atomic<bool> finite{true};
+  parallel_for(threads, chunks, 1, [&](int64_t c) {
+    const int64_t begin = c * kChunk;
+    ScreenSplat *const first = set.splats.data() + begin;
+    Chunk chunk{model, first, 0, {}};
+    chunk.project_range(moment, begin, std::min(count, begin + kChunk));
+    set.chunk_visible[c] = static_cast<uint32_t>(chunk.out - first);
+    entry_bound.fetch_add(chunk.entry_bound, std::memory_order_relaxed);
+    if (chunk.bad.found()) finite.store(false, std::memory_order_relaxed);
+  });
+  if (!finite) return HGS_NOT_FINITE;
+
+  uint32_t *const visible = set.visible.reserve(count);
+  set.visible_count = 0;
+  set.entry_bound = entry_bound;
+  for (int64_t c = 0; c < chunks; ++c) {
+    const auto begin = static_cast<uint32_t>(c * kChunk);
+    for (uint32_t k = 0; k < set.chunk_visible[c]; ++k) visible[set.visible_count++] = begin + k;
+  }
+  return HGS_OK;
 }
 
 }  // namespace
 
-void project_splats(Workspace &w, const hgs_static_splats &statics, const hgs_dynamic_splats &dynamics, int threads) {
-  const CameraModel model(w.camera);
-  const int64_t static_chunks = chunks_of(statics.count), chunks = static_chunks + chunks_of(dynamics.count);
-  w.splats.reserve(statics.count + dynamics.count);
-  w.chunk_counts.reserve(chunks);
-  const auto chunk_begin = [&](int64_t c) {  // its first place in `splats`
-    return c < static_chunks ? c * kChunk : statics.count + (c - static_chunks) * kChunk;
-  };
+hgs_status project_statics(Workspace &w, const hgs_static_splats &splats, int threads) {
+  return project_set(w.view, StaticMoment{splats}, w.statics, threads);
+}
 
-  parallel_for(threads, chunks, 1, [&](int64_t c) {
-    ScreenSplat *const out = w.splats.data() + chunk_begin(c);
-    if (c < static_chunks) {
-      const int64_t begin = c * kChunk, end = std::min(statics.count, begin + kChunk);
-      w.chunk_counts[c] = project_chunk(model, w.camera, StaticMoment{statics}, begin, end, out);
-    } else {
-      const int64_t begin = (c - static_chunks) * kChunk, end = std::min(dynamics.count, begin + kChunk);
-      w.chunk_counts[c] = project_chunk(model, w.camera, DynamicMoment{dynamics, w.time}, begin, end, out);
-    }
-  });
-
-  uint32_t *visible = w.visible.reserve(statics.count + dynamics.count);
-  w.visible_static = w.visible_count = 0;
-  for (int64_t c = 0; c < chunks; ++c) {
-    const auto begin = static_cast<uint32_t>(chunk_begin(c));
-    for (uint32_t k = 0; k < w.chunk_counts[c]; ++k) visible[w.visible_count++] = begin + k;
-    if (c < static_chunks) w.visible_static = w.visible_count;
-  }
+hgs_status project_dynamics(Workspace &w, const hgs_dynamic_splats &splats, int threads) {
+  return project_set(w.view, DynamicMoment{splats, w.view.time}, w.dynamics, threads);
 }
 
 }  // namespace hgs

@@ -51,7 +51,7 @@ inline Vec lane_numbers() {
   return v;
 }
 
-// ---- masks: keep(m, v) zeroes the lanes outside m, set_sign(m, v) makes those in m negative ------------------------
+// ---- masks: keep(m, v) zeroes the lanes outside m --------------------------------------------------------------------
 
 #if HGS_AVX512
 
@@ -59,15 +59,10 @@ using Mask = __mmask16;
 inline Mask greater_equal(Vec a, Vec b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GE_OQ); }
 inline Mask greater(Vec a, Vec b) { return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_GT_OQ); }
 inline Mask both(Mask a, Mask b) { return a & b; }
-inline Mask first_only(Mask a, Mask b) { return _kandn_mask16(b, a); }
 inline bool any(Mask m) { return m != 0; }
 inline uint32_t lane_bits(Mask m) { return m; }
 inline Vec select(Mask m, Vec yes, Vec no) { return (Vec)_mm512_mask_blend_ps(m, (__m512)no, (__m512)yes); }
 inline Vec keep(Mask m, Vec v) { return (Vec)_mm512_maskz_mov_ps(m, (__m512)v); }
-inline Vec set_sign(Mask m, Vec v) {
-  const __m512i x = _mm512_castps_si512((__m512)v);
-  return (Vec)_mm512_castsi512_ps(_mm512_mask_or_epi32(x, m, x, _mm512_set1_epi32(INT32_MIN)));
-}
 inline Vec min(Vec a, Vec b) { return (Vec)_mm512_min_ps((__m512)a, (__m512)b); }
 inline Vec max(Vec a, Vec b) { return (Vec)_mm512_max_ps((__m512)a, (__m512)b); }
 inline Vec sqrt(Vec x) { return (Vec)_mm512_sqrt_ps((__m512)x); }
@@ -78,10 +73,8 @@ using Mask = VecInt;
 inline Mask greater_equal(Vec a, Vec b) { return a >= b; }
 inline Mask greater(Vec a, Vec b) { return a > b; }
 inline Mask both(Mask a, Mask b) { return a & b; }
-inline Mask first_only(Mask a, Mask b) { return a & ~b; }
 inline Vec select(Mask m, Vec yes, Vec no) { return m ? yes : no; }
 inline Vec keep(Mask m, Vec v) { return from_bits(bits_of(v) & (VecBits)m); }
-inline Vec set_sign(Mask m, Vec v) { return from_bits(bits_of(v) | ((VecBits)m & 0x80000000u)); }
 #if HGS_AVX2
 inline uint32_t lane_bits(Mask m) { return static_cast<uint32_t>(_mm256_movemask_ps((__m256)m)); }
 inline Vec min(Vec a, Vec b) { return (Vec)_mm256_min_ps((__m256)a, (__m256)b); }
@@ -104,6 +97,8 @@ inline bool any(Mask m) { return lane_bits(m) != 0; }
 
 #endif
 
+inline Vec negative(Vec x) { return from_bits(bits_of(x) | 0x80000000u); }
+inline Vec abs(Vec x) { return from_bits(bits_of(x) & 0x7fffffffu); }
 inline Vec clamp(Vec x, float low, float high) { return min(max(x, broadcast(low)), broadcast(high)); }
 
 // ---- functions ------------------------------------------------------------------------------------------------------
@@ -135,8 +130,22 @@ inline Vec exp2(Vec x) {
   return from_bits(bits_of(p) + (bits_of(shifted) << 23));
 }
 
-// e^x, saturating at 2^-120 and 2^120.
-inline Vec exp(Vec x) { return exp2(clamp(x * kLog2E, -120.0f, 120.0f)); }
+// e^x, relative error 1e-7, saturating at 2^-120 and 2^120. The rest of x log2(e) beyond an integer is taken in two steps,
+// so that large x keep their digits (exactly so where there are fused multiply-adds).
+inline Vec exp(Vec x) {
+  constexpr float kRound = 12582912.0f;                                // as above
+  constexpr float kLog2EHigh = 1.44269502f, kLog2ELow = 1.92596299e-8f;  // log2(e)
+  x = clamp(x, -120.0f * kLn2, 120.0f * kLn2);
+  const Vec shifted = x * kLog2EHigh + kRound;
+  const Vec f = (x * kLog2EHigh - (shifted - kRound)) + x * kLog2ELow;
+  Vec p = f * 1.535336188e-4f + 1.339887442e-3f;
+  p = p * f + 9.618437358e-3f;
+  p = p * f + 5.550332471e-2f;
+  p = p * f + 2.402264791e-1f;
+  p = p * f + 6.931472029e-1f;
+  p = p * f + 1.0f;
+  return from_bits(bits_of(p) + (bits_of(shifted) << 23));
+}
 
 // log2(x) for positive normal x. With x = 2^e m, m in [sqrt(1/2), sqrt(2)), ln m = 2 atanh((m - 1) / (m + 1)).
 inline Vec log2(Vec x) {
@@ -150,6 +159,14 @@ inline Vec log2(Vec x) {
   for (int i = 0; i < kLanes; ++i) e[i] = static_cast<float>(exponent[i]);
   return e + 2.0f * kLog2E * s * series;
 }
+
+// The largest whole number that is not above x, for |x| < 2^22.
+inline Vec floor(Vec x) {
+  constexpr float kRound = 12582912.0f;
+  const Vec nearest = (x + kRound) - kRound;
+  return nearest - keep(greater(nearest, x), broadcast(1.0f));
+}
+inline Vec ceil(Vec x) { return -floor(-x); }
 
 // ---- sums over the lanes --------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-// What the forward and the backward pass over a tile share: the layout of its pixels and the blending of one splat.
+// What the passes over a tile share: the layout of its pixels, the order of its splats and the blending of one of them.
 #pragma once
 
 #include <algorithm>
@@ -23,24 +23,64 @@ struct TilePlace {
   TilePlace(const Workspace &w, int tile)
       : x(tile % w.tiles_x * kTile),
         y(tile / w.tiles_x * kTile),
-        width(std::min(kTile, w.camera.width - x)),
-        height(std::min(kTile, w.camera.height - y)) {}
+        width(std::min(kTile, w.width() - x)),
+        height(std::min(kTile, w.height() - y)) {}
 
-  size_t offset(const Workspace &w, int row) const { return static_cast<size_t>(y + row) * w.camera.width + x; }
-};
+  size_t offset(const Workspace &w, int row) const { return static_cast<size_t>(y + row) * w.width() + x; }
 
-// The part of a splat's exponent that is the same along a row: power = dx (xx dx + linear[row]) + constant[row].
-struct RowTerms {
-  alignas(64) float dy[kTile], linear[kTile], constant[kTile];
-
-  void set(const ScreenSplat &s, const Vec *row_centres) {
-    for (int i = 0; i < kTile / kLanes; ++i) {
-      const Vec d = row_centres[i] - s.mean_y;
-      store(dy + i * kLanes, d);
-      store(linear + i * kLanes, d * s.xy);
-      store(constant + i * kLanes, d * d * s.yy + s.log2_opacity);
+  // Fill T with 1 inside the picture; pixels beyond it are finished from the start.
+  void start_transmittance(float *T) const {
+    for (int row = 0; row < kTile; ++row) {
+      for (int x = 0; x < kTile; ++x) T[pixel_index(x, row)] = x < width && row < height ? 1.0f : -1.0f;
     }
   }
+};
+
+// One set's part of a tile's list.
+struct TileRun {
+  const ScreenSplat *splats;
+  const TileEntry *next, *end, *last;  // last: of the whole set, for prefetching beyond the tile
+
+  TileRun(const Workspace &w, const ScreenSet &set, const Buffer<uint32_t> *ends, int tile)
+      : splats(set.splats.data()),
+        next(set.entries.data() + set.tile_begin[tile]),
+        end(set.entries.data() + (ends == nullptr ? set.tile_begin[tile + 1] : (*ends)[tile])),
+        last(set.entries.data() + w.entry_count(set) - 1) {}
+
+  bool done() const { return next == end; }
+  float depth() const { return splats[next->splat].depth; }
+};
+
+// The splats of a tile by depth, statics first where depths are equal.
+class TileList {
+ public:
+  struct Item {
+    const TileEntry &entry;
+    const ScreenSplat &splat;
+    bool dynamic;
+  };
+
+  // All of them, or those that the forward pass came to.
+  static TileList all(const Workspace &w, int tile) { return {w, nullptr, nullptr, tile}; }
+  static TileList drawn(const Workspace &w, int tile) { return {w, &w.statics.tile_end, &w.dynamics.tile_end, tile}; }
+
+  bool done() const { return statics.done() && dynamics.done(); }
+
+  Item take() {
+    const bool dynamic = statics.done() || (!dynamics.done() && dynamics.depth() < statics.depth());
+    TileRun &run = dynamic ? dynamics : statics;
+    __builtin_prefetch(&run.splats[std::min(run.next + kPrefetch, run.last)->splat]);
+    const TileEntry &entry = *run.next++;
+    return {entry, run.splats[entry.splat], dynamic};
+  }
+
+  TileRun statics, dynamics;
+
+ private:
+  static constexpr int kPrefetch = 16;  // entries ahead
+
+  TileList(const Workspace &w, const Buffer<uint32_t> *static_ends, const Buffer<uint32_t> *dynamic_ends, int tile)
+      : statics(w, w.statics, static_ends, tile), dynamics(w, w.dynamics, dynamic_ends, tile) {}
 };
 
 // Pixel centres of a tile: of the first block's columns, and of its rows in vectors.
@@ -55,6 +95,34 @@ struct TileCentres {
   }
 };
 
+// The part of a splat's exponent that is the same along a row.
+struct RowTerms {
+  alignas(64) float dy[kTile], linear[kTile], constant[kTile];
+
+  RowTerms(const ScreenSplat &s, const TileCentres &centres) {
+    for (int i = 0; i < kTile / kLanes; ++i) {
+      const Vec d = centres.rows[i] - s.origin_y - s.mean_y;
+      store(dy + i * kLanes, d);
+      store(linear + i * kLanes, d * s.root_y);
+      store(constant + i * kLanes, s.log2_opacity - d * d * s.fall_y);
+    }
+  }
+};
+
+// A splat in one block of columns.
+struct BlockTerms {
+  Vec dx, scaled_dx;
+
+  BlockTerms(const ScreenSplat &s, const TileCentres &centres, int block)
+      : dx(centres.columns + (static_cast<float>(block * kLanes) - s.origin_x) - s.mean_x), scaled_dx(s.root_x * dx) {}
+
+  // log2 of the alpha of a row's pixels.
+  Vec power(const RowTerms &rows, int y) const {
+    const Vec t = scaled_dx + rows.linear[y];
+    return rows.constant[y] - t * t;
+  }
+};
+
 // One splat over one vector of pixels. A finished pixel keeps its transmittance with the sign set, so that it costs no
 // memory of its own and fails every later test.
 struct Blend {
@@ -66,11 +134,19 @@ struct Blend {
     const Mask visible = greater_equal(power, broadcast(kLog2AlphaMin));
     unclamped_alpha = exp2(power);
     alpha = min(unclamped_alpha, broadcast(kAlphaMax));
-    const Vec attempt = alpha * T;
-    drawn = both(visible, greater(T - attempt, broadcast(kTransmittanceMin)));
-    weight = keep(drawn, attempt);
-    transmittance = set_sign(first_only(visible, drawn), T - weight);
+    const Vec attempt = keep(visible, alpha * T), after = T - attempt;
+    const Mask unfinished = greater(after, broadcast(kTransmittanceMin));
+    drawn = both(visible, unfinished);
+    weight = keep(unfinished, attempt);
+    transmittance = select(unfinished, after, negative(T));
   }
 };
+
+// Whether no pixel of a tile takes any more light.
+inline bool finished(const float *T) {
+  Vec most = load(T);
+  for (int i = kLanes; i < kTilePixels; i += kLanes) most = max(most, load(T + i));
+  return !any(greater(most, Vec{}));
+}
 
 }  // namespace hgs

@@ -16,7 +16,8 @@ import pytest
 
 from hgs_core.camera import Camera
 from hgs_core.native import library
-from hgs_core.native.raster import DYNAMIC_SHAPES, STATIC_SHAPES, Raster
+from hgs_core.native.raster import Raster
+from hgs_core.native.structs import DYNAMIC_SHAPES, STATIC_SHAPES
 from hgs_core.scene import DynamicSplats, StaticSplats
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 from tests.tolerances import assert_close
@@ -41,7 +42,7 @@ def everything(threads: int, view: Camera) -> bytes:
     into_static = {name: np.empty_like(array) for name, array in static.items()}
     into_dynamic = {name: np.empty_like(array) for name, array in dynamic.items()}
     n = len(static) + len(dynamic)
-    statistics = (np.zeros(n, np.float32), np.zeros(n, np.int32), np.zeros(n, np.float32))
+    statistics = (np.zeros(n, np.float32), np.zeros(n, np.int32))
     raster.backward(grad_rgb, grad_alpha, into_static, into_dynamic, statistics)
     results = [raster.rgb, raster.alpha, *into_static.values(), *into_dynamic.values(), *statistics]
     return b"".join(array.tobytes() for array in results)
@@ -105,16 +106,27 @@ def test_a_workspace_is_used_again_after_a_larger_picture() -> None:
     assert everything(2, camera(40, 24)) == small
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize(("kind", "field"), [(0, f) for f in STATIC_SHAPES] + [(1, f) for f in DYNAMIC_SHAPES])
+def test_what_is_not_finite_is_refused_and_nothing_of_it_stays(kind: int, field: str, value: float) -> None:
+    sets = scene(50, 50)
+    sets[1].time_centers[7], sets[1].opacity_logits[7] = 0.3, 4.0  # alive
+    expected = Raster(*sets, camera(), 0.3, threads=2).rgb
+    broken = [splats.map(np.copy) for splats in sets]
+    getattr(broken[kind], field)[7] = value
+    with pytest.raises(FloatingPointError, match="not finite"):
+        Raster(broken[0], broken[1], camera(), 0.3, threads=2)
+    np.testing.assert_array_equal(Raster(*sets, camera(), 0.3, threads=2).rgb, expected)
+
+
 @pytest.mark.parametrize("field", [*STATIC_SHAPES])
-@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e30])
-def test_a_broken_splat_harms_no_other(field: str, value: float) -> None:
+@pytest.mark.parametrize("value", [1e30, -1e30])
+def test_an_extreme_splat_harms_no_other(field: str, value: float) -> None:
     static, _ = scene(50)
-    broken = static.map(np.copy)
-    getattr(broken, field)[7] = value
-    if field == "rgb":
-        broken.opacity_logits[7] = -10.0  # a colour is not looked at unless it is drawn
-    raster = Raster(broken, None, camera(), threads=1)
-    assert np.isfinite(raster.alpha).all()
+    extreme = static.map(np.copy)
+    getattr(extreme, field)[7] = value
+    raster = Raster(extreme, None, camera(), threads=1)
+    assert np.isfinite(raster.rgb).all()
     assert (raster.alpha >= 0).all()
     assert (raster.alpha <= 1).all()
 
@@ -129,8 +141,8 @@ def test_no_splats() -> None:
 
 
 def test_more_tile_entries_than_can_be_counted_are_refused() -> None:
-    count = 1 << 15
-    view = dataclasses.replace(camera(), width=1 << 20, height=1)  # 2^16 tiles
+    count = 1 << 19
+    view = dataclasses.replace(camera(), width=65535, height=16)  # 2^12 tiles
     static = StaticSplats(
         means=np.tile(np.array([0, 0, 1], np.float32), (count, 1)),
         log_scales=np.full((count, 3), 10, np.float32),
@@ -140,6 +152,47 @@ def test_more_tile_entries_than_can_be_counted_are_refused() -> None:
     )
     with pytest.raises(RuntimeError, match="more than 2\\^31"):
         Raster(static, None, view)
+
+
+def test_pictures_too_large_for_the_boxes_of_splats_are_refused() -> None:
+    with pytest.raises(ValueError, match="65535 pixels"):
+        Raster(None, None, dataclasses.replace(camera(), width=65536, height=1))
+
+
+def test_drawing_again_gives_the_bits_of_a_new_rendering() -> None:
+    static, dynamic = scene()
+    for threads in (1, 3):
+        raster = Raster(static, dynamic, camera(120, 88), 0.1, threads=threads, antialiased=True)
+        for time, depth in ((0.3, False), (0.9, True)):
+            raster.again(dynamic, time, depth)
+            fresh = Raster(static, dynamic, camera(120, 88), time, threads=threads, antialiased=True, depth=depth)
+            np.testing.assert_array_equal(raster.rgb, fresh.rgb)
+            if depth:
+                np.testing.assert_array_equal(raster.depth, fresh.depth)
+            else:
+                assert raster.depth is None
+        raster.again(None, 0.0)
+        np.testing.assert_array_equal(raster.rgb, Raster(static, None, camera(120, 88), antialiased=True).rgb)
+
+
+def test_contributions_add_up_to_the_coverage() -> None:
+    raster = Raster(*scene(), camera(120, 88), 0.3)
+    total, peak = raster.contributions()
+    assert total.shape == peak.shape == (500,)
+    np.testing.assert_allclose(total.sum(dtype=np.float64), raster.alpha.sum(dtype=np.float64), rtol=1e-5)
+    assert (peak <= total).all()
+    assert peak.max() < 1
+
+
+def test_the_measurements_count_what_was_drawn() -> None:
+    static, dynamic = scene()
+    found = Raster(static, dynamic, camera(120, 88), 0.3).measurements()
+    assert 0 < found.visible_static <= len(static)
+    assert 0 < found.visible_dynamic < len(dynamic)
+    assert found.tile_entries >= found.visible_static
+    assert found.evaluations > found.tile_entries
+    assert min(found.project, found.bin, found.composite) > 0
+    assert found.composite_backward == 0
 
 
 def test_refuses_arrays_it_would_misread() -> None:

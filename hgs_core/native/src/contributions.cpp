@@ -1,0 +1,71 @@
+// How much of the picture every splat makes up: the sum of its weights over the pixels, and the largest of them.
+#include <algorithm>
+
+#include "thread_pool.hpp"
+#include "tile.hpp"
+
+namespace hgs {
+namespace {
+
+struct Contribution {
+  float total, peak;
+};
+
+// One contribution per slot of each set, in the memory of the gradients, which this overwrites.
+Contribution &of_slot(ScreenSet &set, uint32_t slot) { return reinterpret_cast<Contribution *>(set.slots.data())[slot]; }
+
+Contribution visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T) {
+  const RowTerms rows(s, centres);
+  Vec total{}, peak{};
+  for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+    const BlockTerms columns(s, centres, block);
+    for (int y = box.y0; y <= box.y1; ++y) {
+      const int i = block * kBlockSize + y * kLanes;
+      const Blend blend(columns.power(rows, y), load(T + i));
+      store(T + i, blend.transmittance);
+      total += blend.weight;
+      peak = max(peak, blend.weight);
+    }
+  }
+  float most = 0.0f;
+  for (int k = 0; k < kLanes; ++k) most = std::max(most, peak[k]);
+  return {sum(total), most};
+}
+
+void visit_tile(Workspace &w, int tile) {
+  const TilePlace place(w, tile);
+  const TileCentres centres(place);
+  alignas(64) float T[kTilePixels];
+  place.start_transmittance(T);
+  for (ScreenSet *set : {&w.statics, &w.dynamics}) {
+    for (uint32_t e = set->tile_end[tile]; e < set->tile_begin[tile + 1]; ++e) of_slot(*set, set->entries[e].slot) = {};
+  }
+  for (TileList list = TileList::drawn(w, tile); !list.done();) {
+    const TileList::Item item = list.take();
+    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry.box, centres, T);
+  }
+}
+
+void sum_slots(ScreenSet &set, int threads, float *total, float *peak) {
+  std::fill_n(total, set.count, 0.0f);
+  std::fill_n(peak, set.count, 0.0f);
+  parallel_for(threads, set.visible_count, 1024, [&](int64_t i) {
+    const uint32_t splat = set.visible[i], row = set.splats[splat].row;
+    for (uint32_t k = 0; k < set.slot_count[splat]; ++k) {
+      const Contribution &c = of_slot(set, set.first_slot[splat] + k);
+      total[row] += c.total;
+      peak[row] = std::max(peak[row], c.peak);
+    }
+  });
+}
+
+}  // namespace
+
+void sum_contributions(Workspace &w, int threads, float *total, float *peak) {
+  for (ScreenSet *set : {&w.statics, &w.dynamics}) set->slots.reserve(w.entry_count(*set));
+  parallel_for(threads, w.tile_count(), 4, [&](int64_t tile) { visit_tile(w, static_cast<int>(tile)); });
+  sum_slots(w.statics, threads, total, peak);
+  sum_slots(w.dynamics, threads, total + w.statics.count, peak + w.statics.count);
+}
+
+}  // namespace hgs

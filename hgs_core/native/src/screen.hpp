@@ -1,0 +1,89 @@
+// What projection, binning and compositing hand to each other, and the constants they share.
+#pragma once
+
+#include <cstdint>
+
+#include "buffer.hpp"
+#include "hgs_native.h"
+
+namespace hgs {
+
+// docs/numerics.md derives these; hgs_core/render/constants.py has the same ones.
+constexpr int kTile = 16;  // pixels
+constexpr float kLowPass = 0.3f;  // pixels^2
+constexpr float kAlphaMin = 1.0f / 255.0f;
+constexpr float kLog2AlphaMin = -7.99435343685886f;
+constexpr float kAlphaMax = 0.99f;
+constexpr float kTransmittanceMin = 1e-4f;
+constexpr double kFrustumMargin = 0.3;
+constexpr float kCompensationMin2 = 0.005f * 0.005f;
+constexpr float kCovarianceMax = 1e18f;  // pixels^2
+
+// Covers the rounding of the edges of boxes, pixels. A pixel inside a box but outside its ellipse costs time only.
+constexpr float kPixelSlack = 1e-3f;
+
+// Pixels, inclusive; empty when x1 < x0 or y1 < y0.
+struct PixelRange {
+  int x0, x1, y0, y1;
+  bool empty() const { return x1 < x0 || y1 < y0; }
+};
+
+// An ellipse on the screen, one cache line. At the offset (dx, dy) from the mean, its alpha is 2 to the power of
+//     log2_opacity - (root_x dx + root_y dy)^2 - fall_y dy^2,
+// the quadratic form of docs/numerics.md as a sum of squares: nothing cancels for long thin splats.
+// The mean is a whole pixel and a remainder, so that offsets are exact far from the picture's corner too.
+struct alignas(64) ScreenSplat {
+  float origin_x, origin_y;  // whole numbers, pixels
+  float mean_x, mean_y;      // from the origin, pixels
+  float root_x, root_y;      // 1 / pixel
+  float fall_y;              // 1 / pixel^2
+  float log2_opacity;        // at least kLog2AlphaMin
+  float r, g, b;
+  float depth;               // camera-space z
+  uint16_t x0, x1, y0, y1;   // pixels whose alpha can reach 1/255, inclusive; x1 < x0 when there are none
+  uint32_t row;              // in its own parameter arrays
+
+  PixelRange box() const { return {x0, x1, y0, y1}; }
+};
+static_assert(sizeof(ScreenSplat) == 64);
+
+// Pixels of a tile, inclusive, relative to its corner.
+struct TileBox {
+  uint8_t x0, x1, y0, y1;
+};
+
+// A splat in a tile.
+struct TileEntry {
+  uint32_t splat;  // in `splats` of its set
+  uint32_t slot;   // in `slots` of its set
+  TileBox box;
+};
+
+// What a (splat, tile) pair adds to the gradient of a splat: sums over the tile's pixels of dL / d colour, dL / d depth
+// and, with h = dL / d ln(alpha) of a pixel and (dx, dy) its offset from the mean, of h times the powers of the offset.
+enum GradientTerm { kHdx, kHdy, kHdx2, kHdxdy, kHdy2, kRed, kGreen, kBlue, kH, kDepth, kGradientTerms };
+
+struct alignas(16) GradientSlot {
+  float terms[kGradientTerms];
+};
+
+// One set of splats on the screen. Static and dynamic splats are projected, sorted and listed apart, so that statics can
+// be kept from one moment to the next; compositing merges the two lists of a tile by depth.
+struct ScreenSet {
+  int64_t count = 0;  // splats of the set
+
+  Buffer<ScreenSplat> splats;     // [count]; only the places in `visible` are in use
+  Buffer<uint32_t> chunk_visible;  // visible splats per chunk of projection
+  Buffer<uint32_t> visible;       // [visible_count] places in `splats`, ascending
+  int64_t visible_count = 0;
+  int64_t entry_bound = 0;  // (splat, tile) pairs, counting all tiles of every box
+
+  Buffer<uint32_t> order;  // `visible` by depth
+  Buffer<TileEntry> entries;  // tile after tile, by depth
+  Buffer<uint32_t> tile_begin;  // [tiles + 1] in `entries`
+  Buffer<uint32_t> tile_end;    // [tiles] where the forward pass found every pixel finished
+  Buffer<uint32_t> first_slot, slot_count;  // [count]: the slots of a splat are consecutive
+  Buffer<GradientSlot> slots;               // [entries]
+};
+
+}  // namespace hgs

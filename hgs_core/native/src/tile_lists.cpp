@@ -1,0 +1,125 @@
+// The list of every tile.
+//
+// A splat enters the tiles that its visible ellipse reaches, with the box of pixels it can change there. Lists are made
+// without atomics: every thread emits a consecutive part of the splats in order of depth, and a prefix sum over
+// (tile, thread) tells where its emissions go, so the lists do not depend on the number of threads.
+#include <algorithm>
+#include <utility>
+
+#include "depth_sort.hpp"
+#include "ellipse.hpp"
+#include "thread_pool.hpp"
+
+namespace hgs {
+namespace {
+
+constexpr int64_t kPrefetch = 8;  // splats ahead
+
+// Emits splats into the tiles they reach.
+class Emitter {
+ public:
+  Emitter(const Workspace &w, ThreadEmissions &out)
+      : tiles_x_(w.tiles_x),
+        tile_mask_(w.view.tile_mask),
+        emissions_(out.emissions),
+        tile_counts_(out.tile_counts.reserve(w.tile_count())) {
+    std::fill_n(tile_counts_, w.tile_count(), 0);
+  }
+
+  // Returns into how many tiles.
+  uint32_t emit(uint32_t splat, const ScreenSplat &s) {
+    const PixelRange box = s.box();
+    if (box.empty()) return 0;
+    const int tx0 = box.x0 / kTile, tx1 = box.x1 / kTile, ty0 = box.y0 / kTile, ty1 = box.y1 / kTile;
+    const size_t before = count_;
+    next_ = emissions_.reserve(before + static_cast<size_t>(tx1 - tx0 + 1) * (ty1 - ty0 + 1), before) + before;
+    visit(splat, s, box, tx0, tx1, ty0, ty1);
+    count_ = next_ - emissions_.data();
+    return static_cast<uint32_t>(count_ - before);
+  }
+
+  size_t count() const { return count_; }
+
+ private:
+  void visit(uint32_t splat, const ScreenSplat &s, const PixelRange &box, int tx0, int tx1, int ty0, int ty1) {
+    if (tx0 == tx1 && ty0 == ty1) {
+      add(splat, tx0, ty0, box);
+      return;
+    }
+    const Ellipse ellipse(s);
+    for (int ty = ty0; ty <= ty1; ++ty) {
+      const int top = std::max(box.y0, ty * kTile), bottom = std::min(box.y1, ty * kTile + kTile - 1);
+      PixelRange row{box.x0, box.x1, top, bottom};
+      if (ty0 != ty1) row = ellipse.narrow_x(row);
+      if (row.empty()) continue;
+      for (int tx = row.x0 / kTile; tx <= row.x1 / kTile; ++tx) {
+        PixelRange part{std::max(row.x0, tx * kTile), std::min(row.x1, tx * kTile + kTile - 1), top, bottom};
+        if (tx0 != tx1) part = ellipse.narrow_y(part);
+        if (!part.empty()) add(splat, tx, ty, part);
+      }
+    }
+  }
+
+  void add(uint32_t splat, int tx, int ty, const PixelRange &r) {
+    const auto tile = static_cast<uint32_t>(ty * tiles_x_ + tx);
+    if (tile_mask_ != nullptr && tile_mask_[tile] == 0) return;
+    const auto x = [&](int i) { return static_cast<uint8_t>(i - tx * kTile); };
+    const auto y = [&](int i) { return static_cast<uint8_t>(i - ty * kTile); };
+    *next_++ = {splat, tile, {x(r.x0), x(r.x1), y(r.y0), y(r.y1)}};
+    ++tile_counts_[tile];
+  }
+
+  const int tiles_x_;
+  const uint8_t *const tile_mask_;
+  Buffer<Emission> &emissions_;
+  uint32_t *const tile_counts_;
+  Emission *next_ = nullptr;
+  size_t count_ = 0;
+};
+
+}  // namespace
+
+void list_by_tile(Workspace &w, ScreenSet &set, int threads) {
+  sort_by_depth(set, w.scratch, threads);
+  const int tiles = w.tile_count();
+  const int64_t visible = set.visible_count;
+  set.first_slot.reserve(set.count);
+  set.slot_count.reserve(set.count);
+  std::vector<ThreadEmissions> &scratch = w.scratch.threads;
+  if (scratch.size() < static_cast<size_t>(threads)) scratch.resize(threads);
+
+  parallel_ranges(threads, visible, [&](int thread, int64_t begin, int64_t end) {
+    Emitter emitter(w, scratch[thread]);
+    for (int64_t i = begin; i < end; ++i) {
+      __builtin_prefetch(&set.splats[set.order[std::min(i + kPrefetch, end - 1)]]);
+      const uint32_t splat = set.order[i];
+      set.first_slot[splat] = static_cast<uint32_t>(emitter.count());
+      set.slot_count[splat] = emitter.emit(splat, set.splats[splat]);
+    }
+    scratch[thread].count = emitter.count();
+  });
+
+  // Turn the counts into places: tile after tile and, within a tile, thread after thread.
+  uint32_t *const tile_begin = set.tile_begin.reserve(tiles + 1);
+  set.tile_end.reserve(tiles);
+  uint32_t total = 0;
+  for (int tile = 0; tile < tiles; ++tile) {
+    tile_begin[tile] = total;
+    for (int t = 0; t < threads; ++t) total += std::exchange(scratch[t].tile_counts[tile], total);
+  }
+  tile_begin[tiles] = total;
+
+  TileEntry *const entries = set.entries.reserve(total);
+  parallel_ranges(threads, visible, [&](int thread, int64_t begin, int64_t end) {
+    ThreadEmissions &mine = scratch[thread];
+    uint32_t slot = 0;
+    for (int t = 0; t < thread; ++t) slot += static_cast<uint32_t>(scratch[t].count);
+    for (int64_t i = begin; i < end; ++i) set.first_slot[set.order[i]] += slot;
+    for (size_t i = 0; i < mine.count; ++i) {
+      const Emission &e = mine.emissions[i];
+      entries[mine.tile_counts[e.tile]++] = {e.splat, slot++, e.box};
+    }
+  });
+}
+
+}  // namespace hgs
