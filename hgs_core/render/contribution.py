@@ -8,6 +8,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.render.backends import choose_backend
+from hgs_core.render.cpu import contributions_cpu
 from hgs_core.render.reference import contributions_reference
 from hgs_core.render.types import Contributions, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
@@ -34,6 +35,6 @@ def contributions(
         InputError: an unknown backend, or a parameter that is not finite.
         RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
     """
-    choose_backend(backend, static, dynamic)
     view = View(camera, time, tile_mask=tile_mask, antialiased=antialiased, gradients="none")
-    return contributions_reference(static, dynamic, view)
+    weigh = contributions_cpu if choose_backend(backend, static, dynamic) == "cpu" else contributions_reference
+    return weigh(static, dynamic, view)

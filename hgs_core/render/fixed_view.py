@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 
 from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.render.backends import choose_backend
-from hgs_core.render.rasterize import rasterize
-from hgs_core.render.types import Render
+from hgs_core.render.cpu import FixedViewCpu
+from hgs_core.render.reference import rasterize_reference
+from hgs_core.render.types import Render, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["FixedView"]
@@ -18,7 +20,7 @@ __all__ = ["FixedView"]
 class FixedView:
     """Draws the moments of a scene from one camera, without gradients.
 
-    The static splats must not change between frames.
+    The compiled backend projects and sorts the static splats for the first frame only; they must not change afterwards.
     """
 
     def __init__(
@@ -35,19 +37,27 @@ class FixedView:
         Raises:
             InputError: an unknown backend.
         """
-        self.static, self.camera = static, camera
-        self.background, self.antialiased = background, antialiased
-        self.backend = choose_backend(backend, static)
+        red, green, blue = background
+        view = View(camera, background=(red, green, blue), antialiased=antialiased, gradients="none")
+        kind = FixedViewCpu if choose_backend(backend, static) == "cpu" else _FixedViewReference
+        self._frames = kind(static, view)
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float = 0.0, depth: bool = False) -> Render:
         """Draw the scene at normalised `time`, as `rasterize` would.
 
         Raises:
-            InputError: a parameter that is not finite.
+            InputError: a time or a parameter that is not finite.
             RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
         """
-        return rasterize(
-            self.static, dynamic, self.camera, time,
-            background=self.background, backend=self.backend, gradients="none",
-            antialiased=self.antialiased, depth=depth,
-        )  # fmt: skip
+        return self._frames.frame(dynamic, time, depth)
+
+
+@dataclasses.dataclass(frozen=True)
+class _FixedViewReference:
+    """The reference backend has nothing to gain from a fixed view."""
+
+    static: StaticSplats[Tensor] | None
+    view: View
+
+    def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
+        return rasterize_reference(self.static, dynamic, dataclasses.replace(self.view, time=time, depth=depth))
