@@ -1,0 +1,95 @@
+"""`hgs bench raster`: speed and error of the rasterizers on this machine."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from hgs_core.atomic import write_bytes
+from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
+from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
+from hgs_core.errors import InputError
+from server.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "bench", help="measure speed and error", description="Measure the parts of HGS on this machine."
+    )
+    parts = parser.add_subparsers(metavar="PART", required=True)
+    raster: argparse.ArgumentParser = parts.add_parser(
+        "raster",
+        help="the rasterizers",
+        description="Measure how fast the rasterizers train on synthetic scenes and how far they are from float64.",
+    )
+    raster.add_argument(
+        "--json",
+        metavar="FILE",
+        nargs="?",
+        const="-",
+        help="write JSON to FILE, or to standard output in place of text",
+    )
+    raster.add_argument("--sizes", metavar="LIST", help="splats and pixels, like 20k@676x507,100k@1352x1014")
+    raster.add_argument("--threads", metavar="LIST", help="numbers of threads; default: 1 and all")
+    raster.add_argument("--backends", metavar="LIST", help="cpu, reference; default: those that are installed")
+    raster.add_argument(
+        "--truth", metavar="LIST",
+        help="sizes at which the torch path and float64 run too, or none; they take seconds and gigabytes; "
+        "default: up to 20k@676x507",
+    )  # fmt: skip
+    raster.add_argument("--seconds", metavar="S", default="1", help="of timing per point (default: 1)")
+    raster.add_argument("--dynamic", metavar="SHARE", default="0", help="share of splats that move (default: 0)")
+    raster.add_argument("--seed", metavar="N", default="0", help="of the scenes (default: 0)")
+    raster.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    settings = BenchSettings.of(
+        sizes=DEFAULT_SIZES if options.sizes is None else parse_sizes("--sizes", options.sizes),
+        threads=() if options.threads is None else parse_threads("--threads", options.threads),
+        backends=() if options.backends is None else parse_backends("--backends", options.backends),
+        truth=_truth(options.truth),
+        seconds=_number("--seconds", options.seconds),
+        dynamic_share=_number("--dynamic", options.dynamic),
+        seed=_whole("--seed", options.seed),
+    )
+    file = None if options.json in (None, "-") else Path(options.json)
+    if file is not None and (file.is_dir() or not file.parent.is_dir()):
+        raise InputError("--json", f"{file} is not a file in a folder that exists")
+    from hgs_core.bench.raster import bench_raster
+    from hgs_core.bench.table import report_text
+
+    with ProgressBars() as bars:
+        report = bench_raster(settings, bars)
+    text = json.dumps(report.to_json(), indent=1, allow_nan=False)
+    if options.json == "-":
+        print(text)
+        return 0
+    if file is not None:
+        write_bytes(file, text.encode() + b"\n")
+    print(report_text(report))
+    return 0
+
+
+def _truth(text: str | None) -> tuple[Size, ...] | None:
+    if text is None:
+        return None
+    return () if text == "none" else parse_sizes("--truth", text)
+
+
+def _number(where: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise InputError(where, f"{text!r} is not a number") from None
+
+
+def _whole(where: str, text: str) -> int:
+    if not (text.isascii() and text.isdecimal()):
+        raise InputError(where, f"{text!r} is not a whole number from 0")
+    return int(text)

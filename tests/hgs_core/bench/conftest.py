@@ -1,0 +1,25 @@
+"""A tiny benchmark that the tests of its parts share."""
+
+from __future__ import annotations
+
+import pytest
+
+from hgs_core.bench.raster import RasterReport, bench_raster
+from hgs_core.bench.settings import BenchSettings
+from hgs_core.bench.sizes import Size
+from hgs_core.progress import Progress
+
+SMALL, LARGE = Size(300, 64, 48), Size(400, 75, 41)
+
+
+@pytest.fixture(scope="session")
+def heard() -> list[Progress]:
+    """What `report` told of its progress."""
+    return []
+
+
+@pytest.fixture(scope="session")
+def report(heard: list[Progress]) -> RasterReport:
+    """Every backend that is installed, two sizes, errors at the first."""
+    settings = BenchSettings.of(sizes=(SMALL, LARGE), threads=(1, 2), truth=(SMALL,), seconds=1e-3, dynamic_share=0.25)
+    return bench_raster(settings, heard.append)

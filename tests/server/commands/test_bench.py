@@ -1,0 +1,72 @@
+"""`hgs bench raster`, on scenes too small to say anything about speed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hgs_core.native import library
+from server.cli import main
+
+TINY = ["--sizes", "60@32x24", "--threads", "1", "--seconds", "0.001", "--backends", "reference"]
+
+
+def test_json_takes_the_place_of_the_text(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "raster", *TINY, "--json"]) == 0
+    (point,) = json.loads(capsys.readouterr().out)["points"]
+    assert (point["splats"], point["width"], point["height"], point["backend"]) == (60, 32, 24, "reference")
+
+
+def test_json_file_is_written_beside_the_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "raster.json"
+    assert main(["bench", "raster", *TINY, "--json", str(file)]) == 0
+    assert json.loads(file.read_text())["settings"]["threads"] == [1]
+    output = capsys.readouterr()
+    assert "60@32x24" in output.out
+    assert "1/1" in output.err
+
+
+@pytest.mark.skipif(not library.available(), reason="hgs was built without its C++ kernels")
+def test_both_backends_are_measured_where_there_are_kernels(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "raster", *TINY[:-2], "--json", "-"]) == 0
+    assert [p["backend"] for p in json.loads(capsys.readouterr().out)["points"]] == ["cpu", "reference"]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "word"),
+    [
+        (["--sizes", "many"], "--sizes"),
+        (["--threads", "0"], "--threads"),
+        (["--backends", "gpu"], "--backends"),
+        (["--truth", "1k@64x48"], "--truth"),
+        (["--seconds", "soon"], "--seconds"),
+        (["--seconds", "inf"], "--seconds"),
+        (["--dynamic", "2"], "--dynamic"),
+        (["--seed", "1.5"], "--seed"),
+        (["--json", "/nowhere/raster.json"], "/nowhere/raster.json"),
+    ],
+)
+def test_bad_arguments_are_refused(capsys: pytest.CaptureFixture[str], wrong: list[str], word: str) -> None:
+    assert main(["bench", "raster", *wrong]) == 2
+    output = capsys.readouterr()
+    assert output.out == ""
+    assert output.err.startswith("hgs: ")
+    assert word in output.err
+    assert output.err.count("\n") == 1
+
+
+def test_cpu_backend_without_kernels_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(library, "available", lambda: False)
+    assert main(["bench", "raster", "--backends", "cpu"]) == 2
+    assert "install a C++17 compiler" in capsys.readouterr().err
+
+
+def test_truth_can_be_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+    if library.available():
+        assert main(["bench", "raster", *TINY[:-2], "--truth", "none", "--json"]) == 0
+        (point,) = json.loads(capsys.readouterr().out)["points"]
+        assert (point["backend"], point["errors"]) == ("cpu", None)
