@@ -102,11 +102,13 @@ def scatter(report: dict[str, Any], bottom: float) -> list[str]:
         label = f"{count} thread" + ("s" if count > 1 else "")
         parts += [dot(across + 6, TOP + 20, "ink", count == threads[0]), text(across + 17, TOP + 24, label)]
         across += 37 + 7 * len(label)
-    for p in points:
-        x, y = place(p)
+    places = [place(p) for p in points]
+    for p, (x, y) in zip(points, places, strict=True):
         parts.append(dot(x, y, p["backend"], p["threads"] == threads[0]))
         if p["threads"] == threads[0]:
-            parts.append(text(x + 12, y + 4, p["size"], "small"))
+            end = x + 18 + 7 * len(p["size"])
+            crowded = end > x1 or any(x < other <= end and abs(height - y) < 12 for other, height in places)
+            parts.append(text(x + (-12 if crowded else 12), y + 4, p["size"], "small", "end" if crowded else "start"))
     return parts
 
 
