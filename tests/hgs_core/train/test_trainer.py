@@ -102,6 +102,14 @@ def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_fold
     assert same_bits(whole, resumed.run(silent))
 
 
+def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folder: Path, tmp_path: Path) -> None:
+    plain, antialiased = (
+        trainer(capture_folder, tmp_path / str(wanted), config(cycles=2, antialiased=wanted)).run(silent)
+        for wanted in (False, True)
+    )
+    assert not same_bits(plain, antialiased)
+
+
 def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> None:
     checkpoint = tmp_path / "checkpoint.pt"
     checkpoint.write_bytes(b"not a checkpoint")

@@ -33,8 +33,8 @@ export interface Shot {
   readonly time: number;
   /**
    * Fade splats thinner than the low-pass, which else show too wide and too strong from afar (docs/numerics.md,
-   * "Antialiasing"). On a page the player decides; the eyes of a headset always set it: their pictures are small and
-   * never stand still.
+   * "Antialiasing"). On a page the player decides; pictures for the eyes of a headset always set it, or thin splats
+   * shimmer as the head moves. A scene that was trained without it looks fainter so.
    */
   readonly antialiased: boolean;
 }
