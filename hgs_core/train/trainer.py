@@ -73,6 +73,7 @@ class Trainer:
         self.clock = clock_of(capture)
         self.first_counts = (len(start[0]), len(start[1]))
         self.state = load_state(checkpoint) if checkpoint.exists() else _fresh(*start)
+        self._constrain()  # colours far out of range would leave Adam with second moments that stop it for long
         self.psnr = math.nan
 
     def run(self, progress: ProgressCallback) -> HybridScene[npt.NDArray[np.float32]]:
