@@ -134,6 +134,7 @@ class Raster:
     def _draw(self, dynamic: DynamicSplats[Floats] | None, depth: bool) -> None:
         self._dynamic = splats_struct(CDynamicSplats(), dynamic, DYNAMIC_SHAPES)
         self._dynamic_arrays = dynamic
+        self._drawn = False
         self.rgb = np.empty((3, *self._shape), np.float32)
         self.alpha = np.empty(self._shape, np.float32)
         self.depth = np.empty(self._shape, np.float32) if depth else None
@@ -145,9 +146,8 @@ class Raster:
             self._threads,
             ctypes.byref(self._picture()),
         )
-        if status:
-            self.release()
         check(status)
+        self._drawn = True
 
     def _picture(self) -> CPicture:
         depth = None if self.depth is None else self.depth.ctypes.data
@@ -183,11 +183,11 @@ class Raster:
 
         Raises:
             ValueError: an array of another shape or type, or a gradient of a depth that was not asked for.
-            RuntimeError: `release` was called.
+            RuntimeError: `release` was called, or `again` has failed.
             MemoryError: not enough memory for the gradients of the tiles.
         """
-        if self._workspace is None:
-            raise RuntimeError("backward after release")
+        if self._workspace is None or not self._drawn:
+            raise RuntimeError("backward after release, or after a rendering that failed")
         if grad_depth is not None and self.depth is None:
             raise ValueError("a gradient of the depth needs a rendering with depth=True")
         count = self._static.count + self._dynamic.count

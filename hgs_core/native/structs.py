@@ -51,6 +51,8 @@ DYNAMIC_SHAPES: Mapping[str, tuple[int, ...]] = {
 
 
 class CCamera(ctypes.Structure):
+    """An undistorted pinhole camera."""
+
     _fields_ = (
         ("width", ctypes.c_int32),
         ("height", ctypes.c_int32),
@@ -65,6 +67,8 @@ class CCamera(ctypes.Structure):
 
 
 class CView(ctypes.Structure):
+    """What to draw, besides the splats."""
+
     _fields_ = (
         ("camera", CCamera),
         ("time", ctypes.c_double),
@@ -76,30 +80,44 @@ class CView(ctypes.Structure):
 
 
 class CPicture(ctypes.Structure):
+    """A picture, or the gradient of one."""
+
     _fields_ = pointers(("rgb", "alpha", "depth"))
 
 
 class CStaticSplats(ctypes.Structure):
+    """Splats that never change."""
+
     _fields_ = [("count", ctypes.c_int64), *pointers(STATIC_SHAPES)]
 
 
 class CDynamicSplats(ctypes.Structure):
+    """Splats that are evaluated at a time."""
+
     _fields_ = [("count", ctypes.c_int64), *pointers(DYNAMIC_SHAPES)]
 
 
 class CStaticGradients(ctypes.Structure):
+    """Where gradients of statics go."""
+
     _fields_ = pointers(STATIC_SHAPES)
 
 
 class CDynamicGradients(ctypes.Structure):
+    """Where gradients of dynamics go."""
+
     _fields_ = pointers(DYNAMIC_SHAPES)
 
 
 class CScreenStatistics(ctypes.Structure):
+    """Where screen statistics are added up."""
+
     _fields_ = pointers(("grad_norm_sum", "count"))
 
 
 class CMeasurements(ctypes.Structure):
+    """What the last calls on a workspace did."""
+
     _fields_ = (
         *(
             (name, ctypes.c_double)

@@ -65,6 +65,7 @@ int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_
     w.tiles_x = (w.width() + hgs::kTile - 1) / hgs::kTile;
     w.tiles_y = (w.height() + hgs::kTile - 1) / hgs::kTile;
     w.depth = picture->depth != nullptr;
+    w.seconds = {};
     hgs::Stopwatch watch;
     const bool keep_statics = view->reuse_statics != 0;
     hgs_status status = keep_statics ? HGS_OK : hgs::project_statics(w, *statics, threads);

@@ -28,29 +28,26 @@ struct TileGradients {
       std::fill_n(light[0], kChannels * kTilePixels, 0.0f);
     }
     const size_t plane = static_cast<size_t>(w.width()) * w.height();
-    for (int y = 0; y < place.height; ++y) {
-      const size_t row = place.offset(w, y);
-      for (int x = 0; x < place.width; ++x) {
-        const int i = pixel_index(x, y);
-        const size_t pixel = row + x;
-        float sum = gradient.alpha == nullptr ? 0.0f : -gradient.alpha[pixel] * (1.0f - picture.alpha[pixel]);
-        for (int c = 0; c < 3; ++c) {
-          light[c][i] = gradient.rgb[pixel + c * plane];
-          sum += light[c][i] * picture.rgb[pixel + c * plane];
-        }
-        if constexpr (depth) {
-          light[3][i] = gradient.depth[pixel];
-          sum += light[3][i] * picture.depth[pixel];
-        }
-        rest[i] = sum;
+    place.each_vector(w, [&](int i, size_t pixel, int count) {
+      Vec sum{};
+      const auto add = [&](const float *by, const float *of, float *kept) {
+        const Vec g = load_lanes(by + pixel, count);
+        store(kept, g);
+        sum += g * load_lanes(of + pixel, count);
+      };
+      for (int c = 0; c < 3; ++c) add(gradient.rgb + c * plane, picture.rgb + c * plane, light[c] + i);
+      if constexpr (depth) add(gradient.depth, picture.depth, light[3] + i);
+      if (gradient.alpha != nullptr) {
+        sum -= load_lanes(gradient.alpha + pixel, count) * (1.0f - load_lanes(picture.alpha + pixel, count));
       }
-    }
+      store(rest + i, sum);
+    });
   }
 
   // Pass a splat, and write its gradient if it is wanted.
   template <bool wanted>
   void visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, GradientSlot *slot) {
-    const RowTerms rows(s, centres);
+    const RowTerms rows(s, centres, box.y0, box.y1);
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
     Vec sums[kGradientTerms] = {};
     for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {

@@ -1,6 +1,5 @@
 // Front-to-back compositing of every tile (docs/numerics.md, "Compositing").
 #include <algorithm>
-#include <cmath>
 
 #include "thread_pool.hpp"
 #include "tile.hpp"
@@ -21,7 +20,7 @@ struct TilePixels {
   }
 
   void draw(const ScreenSplat &s, const TileBox &box, const TileCentres &centres) {
-    const RowTerms rows(s, centres);
+    const RowTerms rows(s, centres, box.y0, box.y1);
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
     for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
       const BlockTerms columns(s, centres, block);
@@ -51,16 +50,14 @@ void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
   w.dynamics.tile_end[tile] = static_cast<uint32_t>(list.dynamics.next - w.dynamics.entries.data());
 
   const size_t plane = static_cast<size_t>(w.width()) * w.height();
-  for (int y = 0; y < place.height; ++y) {
-    const size_t row = place.offset(w, y);
-    for (int x = 0; x < place.width; ++x) {
-      const int i = pixel_index(x, y);
-      const float T = std::fabs(pixels.T[i]);
-      for (int c = 0; c < 3; ++c) out.rgb[row + x + c * plane] = pixels.sums[c][i] + T * w.view.background[c];
-      out.alpha[row + x] = 1.0f - T;
-      if constexpr (depth) out.depth[row + x] = pixels.sums[3][i];
+  place.each_vector(w, [&](int i, size_t pixel, int count) {
+    const Vec T = abs(load(pixels.T + i));
+    for (int c = 0; c < 3; ++c) {
+      store_lanes(out.rgb + pixel + c * plane, load(pixels.sums[c] + i) + T * w.view.background[c], count);
     }
-  }
+    store_lanes(out.alpha + pixel, 1.0f - T, count);
+    if constexpr (depth) store_lanes(out.depth + pixel, load(pixels.sums[3] + i), count);
+  });
 }
 
 }  // namespace

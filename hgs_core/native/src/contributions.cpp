@@ -15,7 +15,7 @@ struct Contribution {
 Contribution &of_slot(ScreenSet &set, uint32_t slot) { return reinterpret_cast<Contribution *>(set.slots.data())[slot]; }
 
 Contribution visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T) {
-  const RowTerms rows(s, centres);
+  const RowTerms rows(s, centres, box.y0, box.y1);
   Vec total{}, peak{};
   for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
     const BlockTerms columns(s, centres, block);

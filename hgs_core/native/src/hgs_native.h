@@ -43,8 +43,8 @@ typedef struct hgs_view {
   int32_t antialiased; /* 1: opacities are multiplied by what the low-pass filter spreads them over; 0: they are not */
   /* [ceil(height / 16)][ceil(width / 16)] bytes; tiles that are 0 show the background. NULL = draw all. */
   const uint8_t *tile_mask;
-  /* 1: camera, tile mask, antialiasing and static splats are those of the workspace's last rendering, which succeeded:
-   * the statics are neither projected nor listed again. */
+  /* 1: camera, tile mask, antialiasing and static splats are those of the workspace's last rendering without this, which
+   * succeeded: the statics are neither projected nor listed again. */
   int32_t reuse_statics;
 } hgs_view;
 

@@ -85,12 +85,18 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
   const Vec *q = shape.quat;
   const Vec norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   const Mask usable = greater_equal(norm2, broadcast(1e-24f));
-  // By way of the largest component: the square of a long quaternion overflows.
-  const Vec unit = 1.0f / max(max(abs(q[0]), abs(q[1])), max(abs(q[2]), abs(q[3])));
-  Vec scaled_norm2{};
-  for (int i = 0; i < 4; ++i) scaled_norm2 += (q[i] * unit) * (q[i] * unit);
-  p.inverse_norm = keep(usable, unit / sqrt(scaled_norm2));
-  for (int i = 0; i < 4; ++i) p.unit_quat[i] = keep(usable, q[i] * p.inverse_norm);
+  // By way of the largest component, and smaller by 2^40 throughout: squares and reciprocals of long ones leave float32.
+  constexpr float kSmaller = 0x1p-40f;
+  const Vec largest = max(max(abs(q[0]), abs(q[1])), max(abs(q[2]), abs(q[3])));
+  const Vec unit = 1.0f / (largest * kSmaller);
+  Vec scaled[4], scaled_norm2{};
+  for (int i = 0; i < 4; ++i) {
+    scaled[i] = q[i] * kSmaller * unit;
+    scaled_norm2 += scaled[i] * scaled[i];
+  }
+  const Vec inverse_scaled_norm = 1.0f / sqrt(scaled_norm2);
+  p.inverse_norm = keep(usable, kSmaller * unit * inverse_scaled_norm);
+  for (int i = 0; i < 4; ++i) p.unit_quat[i] = keep(usable, scaled[i] * inverse_scaled_norm);
   p.unit_quat[0] = select(usable, p.unit_quat[0], broadcast(1.0f));
 
   // In double precision: on the screen, float32 would leave errors of 1e-5 pixels, and 1e6 units from the origin, any.
@@ -162,17 +168,22 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   }
 
   // With antialiasing, ln opacity has the term ln(det C0 / det C) / 2, C0 being C without the filter. Its gradient by C is
-  // H = (C0^-1 - C^-1) / 2; the vectors a_j = H e_j are added to what the conic contributes.
-  Vec a_x[3] = {}, a_y[3] = {}, a_scale[3] = {};
+  // H = (C0^-1 - C^-1) / 2 = c adj C0 - kLowPass / (2 det C) I with c > 0. With adj C0 expanded in the cross products,
+  // a_j = H e_j, straight_j = e_j H e_j and across_j = e_k H e_l lose no digits to long thin splats.
+  Vec a_x[3] = {}, a_y[3] = {}, straight[3] = {}, across[3] = {};
   if (camera.antialiased) {
     const Mask free = greater(compensation2(p), broadcast(kCompensationMin2));
-    const Vec weight = keep(free, 0.5f * g.log_opacity), inverse_area = keep(free, 1.0f / p.area);
+    const Vec weight = keep(free, 0.5f * g.log_opacity);
+    const Vec filtered = kLowPass * (p.cov_xx + p.cov_yy - kLowPass);  // det C - det C0
+    const Vec share = weight * filtered * p.conic_determinant * keep(free, 1.0f / p.area);
+    const Vec low = weight * kLowPass * p.conic_determinant;
     for (int j = 0; j < 3; ++j) {
       const int k = (j + 1) % 3, l = (j + 2) % 3;
       const Vec with_k = p.variance[k] * p.cross[l], with_l = p.variance[l] * p.cross[k];
-      a_x[j] = weight * (inverse_area * (with_k * p.e_y[k] - with_l * p.e_y[l]) - y_x[j]);
-      a_y[j] = weight * (inverse_area * (with_l * p.e_x[l] - with_k * p.e_x[k]) - y_y[j]);
-      a_scale[j] = 2.0f * p.variance[j] * (p.e_x[j] * a_x[j] + p.e_y[j] * a_y[j]);
+      a_x[j] = share * (with_k * p.e_y[k] - with_l * p.e_y[l]) - low * p.e_x[j];
+      a_y[j] = share * (with_l * p.e_x[l] - with_k * p.e_x[k]) - low * p.e_y[j];
+      straight[j] = share * (with_k * p.cross[l] + with_l * p.cross[k]) - low * (p.e_x[j] * p.e_x[j] + p.e_y[j] * p.e_y[j]);
+      across[j] = -share * p.variance[j] * p.cross[k] * p.cross[l] - low * (p.e_x[k] * p.e_x[l] + p.e_y[k] * p.e_y[l]);
     }
   }
 
@@ -181,9 +192,8 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   Vec turn[3];
   for (int j = 0; j < 3; ++j) {
     const int k = (j + 1) % 3, l = (j + 2) % 3;
-    out.log_scale[j] = a_scale[j] - 2.0f * p.variance[j] * (y_x[j] * f_x[j] + y_y[j] * f_y[j]);
-    turn[j] = 2.0f * (p.variance[l] - p.variance[k]) *
-              (y_x[k] * f_x[l] + y_y[k] * f_y[l] - p.e_x[k] * a_x[l] - p.e_y[k] * a_y[l]);
+    out.log_scale[j] = 2.0f * p.variance[j] * (straight[j] - y_x[j] * f_x[j] - y_y[j] * f_y[j]);
+    turn[j] = 2.0f * (p.variance[l] - p.variance[k]) * (y_x[k] * f_x[l] + y_y[k] * f_y[l] - across[j]);
   }
   const Vec *q = p.unit_quat, twice = 2.0f * p.inverse_norm;
   out.quat[0] = -twice * (q[1] * turn[0] + q[2] * turn[1] + q[3] * turn[2]);

@@ -4,6 +4,7 @@
 // written with intrinsics for AVX-512 and AVX2 and in portable form for everything else.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -41,8 +42,23 @@ inline Vec load_unaligned(const float *p) {
   std::memcpy(&v, p, sizeof v);
   return v;
 }
+inline void store_unaligned(float *p, Vec v) { std::memcpy(p, &v, sizeof v); }
 inline VecBits bits_of(Vec v) { return (VecBits)v; }
 inline Vec from_bits(VecBits b) { return (Vec)b; }
+
+// The first lanes of a vector from and to memory of any alignment; the others are zero and are left alone.
+inline Vec load_lanes(const float *from, int count) {
+  if (count == kLanes) return load_unaligned(from);
+  alignas(64) float lanes[kLanes] = {};
+  std::copy_n(from, count, lanes);
+  return load(lanes);
+}
+inline void store_lanes(float *to, Vec v, int count) {
+  if (count == kLanes) return store_unaligned(to, v);
+  alignas(64) float lanes[kLanes];
+  store(lanes, v);
+  std::copy_n(lanes, count, to);
+}
 
 // 0, 1, 2, ... in the lanes.
 inline Vec lane_numbers() {
@@ -122,11 +138,10 @@ inline Vec exp2(Vec x) {
   constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer in the low bits
   const Vec shifted = x + kRound;
   const Vec f = x - (shifted - kRound);
-  Vec p = f * 1.327647152e-3f + 9.675541331e-3f;
-  p = p * f + 5.550713275e-2f;
-  p = p * f + 2.402211972e-1f;
-  p = p * f + 6.931469671e-1f;
-  p = p * f + 1.000000072f;
+  // By Estrin's scheme: a shorter chain of dependent operations than Horner's.
+  const Vec f2 = f * f;
+  const Vec high = (f * 1.327647152e-3f + 9.675541331e-3f) * f2 + (f * 5.550713275e-2f + 2.402211972e-1f);
+  const Vec p = high * f2 + (f * 6.931469671e-1f + 1.000000072f);
   return from_bits(bits_of(p) + (bits_of(shifted) << 23));
 }
 

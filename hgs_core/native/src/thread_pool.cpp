@@ -16,7 +16,11 @@ using Task = void (*)(void *, int);
 class Pool {
  public:
   void run(int threads, Task task, void *context) {
-    const std::lock_guard<std::mutex> turn(turn_);
+    const std::unique_lock<std::mutex> turn(turn_, std::try_to_lock);
+    if (!turn) {  // another caller has the threads: rather than wait for them, do the work here
+      for (int thread = 0; thread < threads; ++thread) task(context, thread);
+      return;
+    }
     {
       const std::lock_guard<std::mutex> lock(state_);
       for (; started_ < threads - 1; ++started_) {

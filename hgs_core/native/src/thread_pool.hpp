@@ -1,6 +1,7 @@
 // Parallel loops over a pool of threads that lives as long as the process.
 //
-// The pool survives fork (the child starts a fresh one) and may be used from several threads, which then take turns.
+// The pool survives fork (the child starts a fresh one) and may be used from several threads, of which one has
+// the threads and the others do their loops themselves until it is their turn.
 // Every loop flushes denormals to zero for its duration only: they are slow, and no result needs them.
 #pragma once
 
@@ -13,7 +14,8 @@
 
 namespace hgs {
 
-// Call task(context, t) for t in [0, threads), each on a thread of its own; rethrows the first exception.
+// Call task(context, t) for t in [0, threads), on threads of their own if no other caller has them, else one after the
+// other; tasks must not wait for each other. Rethrows the first exception.
 void run_on_threads(int threads, void (*task)(void *context, int thread), void *context);
 
 template <class F>

@@ -28,10 +28,25 @@ struct TilePlace {
 
   size_t offset(const Workspace &w, int row) const { return static_cast<size_t>(y + row) * w.width() + x; }
 
+  // Call f(i, offset, count) for every vector with pixels of the picture: its place in the tile's arrays and in the
+  // picture's planes, and how many of its lanes lie within the picture.
+  template <class F>
+  void each_vector(const Workspace &w, F &&f) const {
+    for (int y_row = 0; y_row < height; ++y_row) {
+      for (int block = 0; block * kLanes < width; ++block) {
+        f(block * kBlockSize + y_row * kLanes, offset(w, y_row) + block * kLanes, std::min(kLanes, width - block * kLanes));
+      }
+    }
+  }
+
   // Fill T with 1 inside the picture; pixels beyond it are finished from the start.
   void start_transmittance(float *T) const {
+    std::fill_n(T, kTilePixels, 1.0f);
+    if (width == kTile && height == kTile) return;
     for (int row = 0; row < kTile; ++row) {
-      for (int x = 0; x < kTile; ++x) T[pixel_index(x, row)] = x < width && row < height ? 1.0f : -1.0f;
+      for (int column = 0; column < kTile; ++column) {
+        if (column >= width || row >= height) T[pixel_index(column, row)] = -1.0f;
+      }
     }
   }
 };
@@ -95,12 +110,12 @@ struct TileCentres {
   }
 };
 
-// The part of a splat's exponent that is the same along a row.
+// The part of a splat's exponent that is the same along a row, from the first to the last row asked for.
 struct RowTerms {
   alignas(64) float dy[kTile], linear[kTile], constant[kTile];
 
-  RowTerms(const ScreenSplat &s, const TileCentres &centres) {
-    for (int i = 0; i < kTile / kLanes; ++i) {
+  RowTerms(const ScreenSplat &s, const TileCentres &centres, int first_row, int last_row) {
+    for (int i = first_row / kLanes; i <= last_row / kLanes; ++i) {
       const Vec d = centres.rows[i] - s.origin_y - s.mean_y;
       store(dy + i * kLanes, d);
       store(linear + i * kLanes, d * s.root_y);
