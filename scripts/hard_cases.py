@@ -1,0 +1,84 @@
+"""Prints the table of hard cases of docs/numerics.md, measured on this machine.
+
+    .venv/bin/python scripts/hard_cases.py                 # the table
+    .venv/bin/python scripts/hard_cases.py --write         # the same, into docs/numerics.md
+
+The cases are those of tests/hgs_core/render/hard_cases.py, which the test suite holds to the bounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+import torch
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from hgs_core.native import library  # noqa: E402
+from tests.hgs_core.render.comparison import Result, differentiate, relative_error  # noqa: E402
+from tests.hgs_core.render.hard_cases import CASES, HardCase  # noqa: E402
+
+REPEATS = 3
+START, END = "<!-- hard cases: scripts/hard_cases.py -->\n", "<!-- end of hard cases -->\n"
+
+
+def measured(backend: str, dtype: torch.dtype, case: HardCase) -> tuple[Result, float]:
+    """A rendering and its derivative, and the least milliseconds that they took."""
+    least = float("inf")
+    for _ in range(REPEATS):
+        begin = time.perf_counter()
+        result = differentiate(backend, dtype, case.static, case.dynamic, case.view)
+        least = min(least, time.perf_counter() - begin)
+    return result, 1e3 * least
+
+
+def errors(result: Result, truth: Result) -> tuple[float, float]:
+    """The worst relative L2 error of a picture, and of a gradient."""
+    pictures, gradients = result.pictures(), result.gradients()
+    return (
+        max(relative_error(pictures[name], image) for name, image in truth.pictures().items()),
+        max((relative_error(gradients[name], g) for name, g in truth.gradients().items()), default=0.0),
+    )
+
+
+def table() -> str:
+    lines = [
+        "| case | image | bound | worst gradient | bound | reference float32: image, gradient | ms: cpu, float64 |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for name, make in CASES.items():
+        case = make()
+        truth, slow = measured("reference", torch.float64, case)
+        fast, milliseconds = measured("cpu", torch.float32, case)
+        image, gradient = errors(fast, truth)
+        other = errors(measured("reference", torch.float32, case)[0], truth)
+        lines.append(
+            f"| {name.replace('_', ' ')} | {image:.1e} | {case.image:.0e} | {gradient:.1e} | {case.gradient:.0e} "
+            f"| {other[0]:.1e}, {other[1]:.1e} | {milliseconds:.1f}, {slow:.1f} |"
+        )
+    return "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--write", action="store_true", help="put the table into docs/numerics.md")
+    arguments = parser.parse_args()
+    if library.instruction_set() is None:
+        sys.exit("the table compares the compiled kernels, and there are none: see scripts/install")
+    torch.set_num_threads(1)
+    text = table()
+    if not arguments.write:
+        print(text, end="")
+        return
+    path = ROOT / "docs" / "numerics.md"
+    before, _, rest = path.read_text().partition(START)
+    _, _, after = rest.partition(END)
+    path.write_text(before + START + text + END + after)
+
+
+if __name__ == "__main__":
+    main()
