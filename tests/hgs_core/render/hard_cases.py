@@ -107,7 +107,7 @@ def needles_across_the_picture() -> HardCase:
 
 @case
 def needles_across_a_wide_picture() -> HardCase:
-    # A needle turns an error along it into one across it: thousands of pixels from its centre float32 has few digits left.
+    # A needle turns an error along it into one across it: far from its centre float32 has few digits left.
     splats = stills(log_scales=sized(60, 100.0, 1e-4, 1e-4))
     return HardCase(splats, None, view(front(2000, 32, 1500.0)), image=3e-4, gradient=1e-1)
 
