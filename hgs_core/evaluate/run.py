@@ -15,7 +15,7 @@ from hgs_core.errors import InputError
 from hgs_core.evaluate.psnr import psnr
 from hgs_core.evaluate.ssim import ssim
 from hgs_core.progress import Progress, ProgressCallback
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.run_folder import RunFolder
 from hgs_core.train.targets import target_picture
@@ -49,12 +49,10 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
     with one_torch_thread():
         for index in cameras:
             camera = views[capture.cameras[index].name]
+            view = FixedView(scene.static, camera, background=manifest.background, antialiased=manifest.antialiased)
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))
-                picture = rasterize(
-                    scene.static, segment.dynamic, camera, segment.normalised(float(seconds)),
-                    background=manifest.background, gradients="none", antialiased=manifest.antialiased,
-                ).rgb.clamp(0, 1)  # fmt: skip
+                picture = view.frame(segment.dynamic, segment.normalised(float(seconds))).rgb.clamp(0, 1)
                 truth = target_picture(capture, index, frame, camera)
                 scores.append((psnr(picture, truth), ssim(picture, truth)))
                 progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))

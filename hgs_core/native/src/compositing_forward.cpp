@@ -20,17 +20,10 @@ struct TilePixels {
   }
 
   void draw(const ScreenSplat &s, const TileBox &box, const TileCentres &centres) {
-    const RowTerms rows(s, centres, box.y0, box.y1);
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
-    for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
-      const BlockTerms columns(s, centres, block);
-      for (int y = box.y0; y <= box.y1; ++y) {
-        const int i = block * kBlockSize + y * kLanes;
-        const Blend blend(columns.power(rows, y), load(T + i));
-        store(T + i, blend.transmittance);
-        for (int c = 0; c < kChannels; ++c) store(sums[c] + i, load(sums[c] + i) + blend.weight * colour[c]);
-      }
-    }
+    blend_splat(s, box, centres, T, [&](int i, Vec weight) {
+      for (int c = 0; c < kChannels; ++c) store(sums[c] + i, load(sums[c] + i) + weight * colour[c]);
+    });
   }
 };
 

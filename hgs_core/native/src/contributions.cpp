@@ -15,18 +15,11 @@ struct Contribution {
 Contribution &of_slot(ScreenSet &set, uint32_t slot) { return reinterpret_cast<Contribution *>(set.slots.data())[slot]; }
 
 Contribution visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T) {
-  const RowTerms rows(s, centres, box.y0, box.y1);
   Vec total{}, peak{};
-  for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
-    const BlockTerms columns(s, centres, block);
-    for (int y = box.y0; y <= box.y1; ++y) {
-      const int i = block * kBlockSize + y * kLanes;
-      const Blend blend(columns.power(rows, y), load(T + i));
-      store(T + i, blend.transmittance);
-      total += blend.weight;
-      peak = max(peak, blend.weight);
-    }
-  }
+  blend_splat(s, box, centres, T, [&](int, Vec weight) {
+    total += weight;
+    peak = max(peak, weight);
+  });
   float most = 0.0f;
   for (int k = 0; k < kLanes; ++k) most = std::max(most, peak[k]);
   return {sum(total), most};

@@ -10,7 +10,6 @@ namespace hgs {
 
 // A tile's pixels are stored in columns of blocks, each one vector wide and 16 rows high, so that a vector is part of
 // one row and a splat touches consecutive vectors.
-constexpr int kBlocks = kTile / kLanes;
 constexpr int kBlockSize = kTile * kLanes;
 constexpr int kTilePixels = kTile * kTile;
 
@@ -156,6 +155,21 @@ struct Blend {
     transmittance = select(unfinished, after, negative(T));
   }
 };
+
+// Draw a splat over the transmittances of a tile; f(i, weight) hears of every vector of pixels.
+template <class F>
+inline void blend_splat(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T, F &&f) {
+  const RowTerms rows(s, centres, box.y0, box.y1);
+  for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+    const BlockTerms columns(s, centres, block);
+    for (int y = box.y0; y <= box.y1; ++y) {
+      const int i = block * kBlockSize + y * kLanes;
+      const Blend blend(columns.power(rows, y), load(T + i));
+      store(T + i, blend.transmittance);
+      f(i, blend.weight);
+    }
+  }
+}
 
 // Whether no pixel of a tile takes any more light.
 inline bool finished(const float *T) {
