@@ -7,6 +7,7 @@ loading torch.
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -23,14 +24,18 @@ __all__ = ["STAGES", "create_run", "encode", "initialise", "train"]
 
 _MIN_CAMERAS = 2
 
+log = logging.getLogger(__name__)
 
-def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+
+def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
+
+    `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
     """
-    opened = open_capture(capture)
+    opened = open_capture(capture, masks=masks, downscale=config.downscale)
     left = len(training_cameras(opened, config))
     if left < _MIN_CAMERAS:
         raise InputError(
@@ -38,7 +43,10 @@ def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
             f"leaves {left} of {len(opened.cameras)} cameras to train on",
             f"keep at least {_MIN_CAMERAS}",
         )
-    RunFolder(run).write_spec(RunSpec(capture.resolve(), opened.fingerprint(), config))
+    spec = RunSpec(capture.resolve(), opened.fingerprint(), config, masks and masks.resolve())
+    RunFolder(run).write_spec(spec)
+    for note in opened.notes:
+        log.warning("%s: %s", capture, note)
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:
@@ -115,9 +123,7 @@ STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
 
 def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
     spec = folder.read_spec()
-    capture = open_capture(spec.capture, cache_bytes=spec.config.frame_memory_mib << 20)
-    spec.check_unchanged(capture)
-    return capture, spec.config
+    return spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20), spec.config
 
 
 def _init_step(capture: Capture, config: TrainConfig) -> int:

@@ -13,6 +13,7 @@ from typing import Any
 
 from hgs_core.atomic import write_bytes
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
 from hgs_core.errors import InputError
 from hgs_core.train.config import TrainConfig
 
@@ -26,6 +27,17 @@ class RunSpec:
     capture: Path
     fingerprint: str  # of the capture when the run was created
     config: TrainConfig
+    masks: Path | None = None  # a folder of masks that replaces the capture's own
+
+    def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
+        """Open the capture as the run sees it: with its masks and at its resolution.
+
+        Raises:
+            InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with.
+        """
+        capture = open_capture(self.capture, masks=self.masks, downscale=self.config.downscale, cache_bytes=cache_bytes)
+        self.check_unchanged(capture)
+        return capture
 
     def check_unchanged(self, capture: Capture) -> None:
         """Refuse a capture whose files are not those the run began with.
@@ -59,6 +71,8 @@ class RunFolder:
             InputError: the folder holds another run or other files.
         """
         value = {"capture": str(spec.capture), "fingerprint": spec.fingerprint, "config": spec.config.to_json()}
+        if spec.masks is not None:
+            value["masks"] = str(spec.masks)
         if self.spec.exists():
             if self.read_spec() != spec:
                 raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
@@ -97,7 +111,8 @@ class RunFolder:
         try:
             value: dict[str, Any] = json.loads(self.spec.read_text())
             config = TrainConfig.from_json(value["config"])
-            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config)
+            masks = Path(value["masks"]) if "masks" in value else None
+            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:

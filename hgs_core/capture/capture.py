@@ -29,7 +29,7 @@ class FrameSource(Protocol):
 
 
 class Capture:
-    """A multi-view video: synchronised cameras that never move.
+    """A multi-view video: synchronised cameras that never move; or photographs of a still scene, all of one moment.
 
     Pictures are decoded on demand into a cache of bounded size. All methods are safe to call from several threads.
     """
@@ -43,6 +43,7 @@ class Capture:
         fingerprint: str,
         *,
         cache_bytes: int,
+        notes: Sequence[str] = (),
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -62,6 +63,7 @@ class Capture:
         self.cameras = tuple(cameras)
         self.times = np.array(times, np.float64)
         self.times.flags.writeable = False
+        self.notes = tuple(notes)  # what people should know: files left out, masks found
         self._source = source
         self._fingerprint = fingerprint
         self._cache = FrameCache(cache_bytes)
@@ -102,12 +104,14 @@ class Capture:
         return self._source.read_mask(camera, frame)
 
     def camera_index(self, name: str) -> int:
-        """Return the index of the camera of that name.
+        """Return the index of the camera of that name; the file name of its video or photograph will do too.
 
         Raises:
             InputError: there is none; the message lists those there are.
         """
         names = [camera.name for camera in self.cameras]
+        if name not in names and Path(name).stem in names:
+            name = Path(name).stem
         if name not in names:
             raise InputError(self.path, f"there is no camera {name!r}", f"the cameras are {', '.join(names)}")
         return names.index(name)
@@ -126,6 +130,10 @@ class Capture:
 def files_fingerprint(root: Path, files: Iterable[tuple[Path, int]], poses: Path) -> str:
     """Return the SHA-256 of the names and sizes of `files` and of the content of the file `poses`."""
     digest = hashlib.sha256(poses.read_bytes())
-    for name, size in sorted((path.relative_to(root).as_posix(), size) for path, size in files):
+    for name, size in sorted((_relative(path, root), size) for path, size in files):
         digest.update(f"\n{name} {size}".encode())
     return digest.hexdigest()
+
+
+def _relative(path: Path, root: Path) -> str:
+    return (path.relative_to(root) if path.is_relative_to(root) else path.resolve()).as_posix()

@@ -15,12 +15,13 @@ import numpy.typing as npt
 
 from hgs_core.camera import Camera
 from hgs_core.capture.cache import Neighbour
-from hgs_core.capture.capture import Capture, files_fingerprint
-from hgs_core.capture.picture import check_size, list_folder, read_mask
+from hgs_core.capture.mask_files import find_masks
+from hgs_core.capture.picture import list_folder
+from hgs_core.capture.recording import Recording
 from hgs_core.capture.video import VideoReader
 from hgs_core.errors import InputError
 
-__all__ = ["POSES_FILE", "VIDEO_NAME", "camera_from_pose", "open_n3dv"]
+__all__ = ["POSES_FILE", "VIDEO_NAME", "camera_from_pose", "load_n3dv"]
 
 POSES_FILE = "poses_bounds.npy"
 VIDEO_NAME = re.compile(r"cam(\d+)\.mp4")
@@ -29,20 +30,15 @@ VIDEO_NAME = re.compile(r"cam(\d+)\.mp4")
 class _Videos:
     """One open decoder per camera."""
 
-    def __init__(self, cameras: list[Camera], videos: list[VideoReader], masks: list[list[Path]]) -> None:
-        self._cameras = cameras
+    def __init__(self, videos: list[VideoReader]) -> None:
         self._videos = videos
-        self._masks = masks  # [camera][frame]; empty for a camera without masks
 
     def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], list[Neighbour]]:
         return self._videos[camera].read(frame, neighbours)
 
-    def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        return read_mask(self._masks[camera][frame], self._cameras[camera]) if self._masks[camera] else None
 
-
-def open_n3dv(path: Path, *, cache_bytes: int) -> Capture:
-    """Open a capture in the N3DV layout.
+def load_n3dv(path: Path, masks: Path | None) -> Recording:
+    """Read a capture in the N3DV layout; `masks` replaces its own folder masks/.
 
     Raises:
         InputError: poses_bounds.npy is unreadable or does not fit the videos, a video is missing, truncated or
@@ -61,16 +57,14 @@ def open_n3dv(path: Path, *, cache_bytes: int) -> Capture:
         camera_from_pose(name[:-4], video.width, video.height, pose, f"{path / POSES_FILE}, row {row}")
         for row, (name, video, pose) in enumerate(zip(names, videos, poses, strict=True))
     ]
-    masks = [_mask_files(path / "masks" / camera.name, camera, len(videos[0])) for camera in cameras]
-    files = [(path / name, found[name]) for name in names]
-    files += [(mask, mask.stat().st_size) for row in masks for mask in row]
-    return Capture(
+    return Recording(
         path,
         cameras,
         np.arange(len(videos[0])) / float(videos[0].rate),
-        _Videos(cameras, videos, masks),
-        files_fingerprint(path, files, path / POSES_FILE),
-        cache_bytes=cache_bytes,
+        _Videos(videos),
+        find_masks(masks or path / "masks", cameras, len(videos[0]), required=masks is not None),
+        [(path / name, found[name]) for name in names],
+        path / POSES_FILE,
     )
 
 
@@ -131,16 +125,3 @@ def _require_agreement(path: Path, videos: list[VideoReader]) -> None:
         if abs(video.rate / videos[0].rate - 1) > 0.001:
             problem = f"{float(video.rate):g} frames per second, {videos[0].path.name} has {float(videos[0].rate):g}"
             raise InputError(video.path, problem, "export all videos at the same rate")
-
-
-def _mask_files(folder: Path, camera: Camera, frames: int) -> list[Path]:
-    """Return one file per frame, or none if the folder does not exist."""
-    if not folder.is_dir():
-        return []
-    numbers = {int(Path(name).stem): folder / name for name in list_folder(folder) if re.fullmatch(r"\d+\.png", name)}
-    for frame in range(frames):
-        if frame not in numbers:
-            problem = f"the mask of frame {frame} is missing"
-            raise InputError(folder, problem, "add it, or remove the folder to have the masks computed")
-    check_size(numbers[0], camera)
-    return [numbers[frame] for frame in range(frames)]

@@ -16,11 +16,12 @@ import numpy.typing as npt
 
 from hgs_core.camera import Camera
 from hgs_core.capture.cache import Neighbour
-from hgs_core.capture.capture import Capture, files_fingerprint
-from hgs_core.capture.picture import check_size, list_folder, read_mask, read_picture
+from hgs_core.capture.mask_files import MaskFiles, find_masks
+from hgs_core.capture.picture import check_size, list_folder, read_picture
+from hgs_core.capture.recording import Recording
 from hgs_core.errors import InputError
 
-__all__ = ["META_FILE", "open_panoptic"]
+__all__ = ["META_FILE", "load_panoptic"]
 
 META_FILE = "train_meta.json"
 _RATE = 30.0  # pictures per second of the Panoptic Studio's HD cameras; the layout does not store it
@@ -28,26 +29,18 @@ _FIELDS = ("k", "w2c", "fn", "cam_id")
 
 
 class _ImageFolders:
-    """Frames as image files, ims/ and seg/ alike."""
+    """Frames as image files."""
 
-    def __init__(self, root: Path, cameras: list[Camera], files: list[list[str]], masked: list[bool]) -> None:
-        self._root = root
+    def __init__(self, cameras: list[Camera], files: list[list[Path]]) -> None:
         self._cameras = cameras
-        self._files = files  # [camera][frame], relative to ims/
-        self._masked = masked  # [camera]
+        self._files = files  # [camera][frame]
 
     def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], tuple[Neighbour, ...]]:
-        return read_picture(self._root / "ims" / self._files[camera][frame], self._cameras[camera]), ()
-
-    def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        if not self._masked[camera]:
-            return None
-        path = (self._root / "seg" / self._files[camera][frame]).with_suffix(".png")
-        return read_mask(path, self._cameras[camera])
+        return read_picture(self._files[camera][frame], self._cameras[camera]), ()
 
 
-def open_panoptic(path: Path, *, cache_bytes: int) -> Capture:
-    """Open a capture in the PanopticSports layout.
+def load_panoptic(path: Path, masks: Path | None) -> Recording:
+    """Read a capture in the PanopticSports layout; `masks` replaces its own folder seg/.
 
     Raises:
         InputError: train_meta.json is unreadable or inconsistent, a camera moves or misses a frame, a file is missing,
@@ -64,23 +57,25 @@ def open_panoptic(path: Path, *, cache_bytes: int) -> Capture:
             raise InputError(meta_path, f"fn names {name!r}, outside ims/", "give paths below ims/")
 
     present: list[tuple[Path, int]] = []
-    masked = []
     for camera, names in zip(cameras, files, strict=True):
         present += _require(path / "ims", names, f"camera {camera.name} misses a frame")
         check_size(path / "ims" / names[0], camera)
+    given = find_masks(masks, cameras, frames, required=True) if masks else _own_masks(path / "seg", cameras, files)
+    pictures = [[path / "ims" / name for name in names] for names in files]
+    times = np.arange(frames) / _RATE
+    return Recording(path, cameras, times, _ImageFolders(cameras, pictures), given, present, meta_path)
+
+
+def _own_masks(folder: Path, cameras: list[Camera], files: list[list[str]]) -> MaskFiles:
+    """Return the masks below seg/, which are called like the pictures below ims/."""
+    given = {}
+    for camera, names in zip(cameras, files, strict=True):
         mask_names = [str(Path(name).with_suffix(".png")) for name in names]
-        masked.append((path / "seg" / mask_names[0]).parent.is_dir())
-        if masked[-1]:
-            present += _require(path / "seg", mask_names, f"camera {camera.name} misses the mask of a frame")
-            check_size(path / "seg" / mask_names[0], camera)
-    return Capture(
-        path,
-        cameras,
-        np.arange(frames) / _RATE,
-        _ImageFolders(path, cameras, files, masked),
-        files_fingerprint(path, present, meta_path),
-        cache_bytes=cache_bytes,
-    )
+        if (folder / mask_names[0]).parent.is_dir():
+            _require(folder, mask_names, f"camera {camera.name} misses the mask of a frame")
+            check_size(folder / mask_names[0], camera)
+            given[camera.name] = [folder / name for name in mask_names]
+    return MaskFiles(given, folder)
 
 
 def _read_meta(path: Path) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from PIL import Image, UnidentifiedImageError
 from hgs_core.camera import Camera
 from hgs_core.errors import InputError
 
-__all__ = ["check_size", "list_folder", "read_mask", "read_picture"]
+__all__ = ["check_size", "list_folder", "picture_size", "read_mask", "read_picture", "reduced_mask", "reduced_picture"]
 
 
 def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
@@ -42,11 +42,35 @@ def check_size(path: Path, camera: Camera) -> None:
     Raises:
         InputError: as `read_picture`, as far as the header tells.
     """
+    _check_size(path, picture_size(path), camera)
+
+
+def picture_size(path: Path) -> tuple[int, int]:
+    """Return width and height in pixels, from the header.
+
+    Raises:
+        InputError: the file is missing or unreadable.
+    """
     try:
         with Image.open(path) as image:
-            _check_size(path, image.size, camera)
+            return image.size
     except (OSError, UnidentifiedImageError) as error:
         raise _unreadable(path, error) from error
+
+
+def reduced_picture(picture: npt.NDArray[np.uint8], size: Camera) -> npt.NDArray[np.uint8]:
+    """Return a picture [H, W, 3] averaged over the areas of the pixels of the camera `size`."""
+    if picture.shape[:2] == (size.height, size.width):
+        return picture
+    return np.array(Image.fromarray(picture).resize((size.width, size.height), Image.Resampling.BOX))
+
+
+def reduced_mask(mask: npt.NDArray[np.bool_], size: Camera) -> npt.NDArray[np.bool_]:
+    """Return a mask [H, W] at the size of the camera `size`: a pixel is set if any part of it is."""
+    if mask.shape == (size.height, size.width):
+        return mask
+    shares = Image.fromarray(mask.astype(np.float32)).resize((size.width, size.height), Image.Resampling.BOX)
+    return np.asarray(np.array(shares) > 0, bool)
 
 
 def list_folder(folder: Path) -> dict[str, int]:

@@ -95,7 +95,7 @@ class MotionMasks:
 
 
 def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: ProgressCallback) -> MotionMasks:
-    """Return the masks of what moves for the given cameras; no other camera is read.
+    """Return the masks of what moves for the given cameras; no other camera is read. At one moment nothing moves.
 
     Raises:
         InputError: a picture is missing or unreadable.
@@ -118,6 +118,9 @@ def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: Progress
 
 def _automatic_masks(capture: Capture, camera: int) -> list[bytes]:
     frames = len(capture.times)
+    if frames == 1:
+        size = capture.cameras[camera]
+        return [_pack(np.zeros((size.height, size.width), bool))]
     background = estimate_background(lambda frame: capture.frame(camera, frame), frames)
     return [_pack(moving_pixels(capture.frame(camera, frame), background)) for frame in range(frames)]
 

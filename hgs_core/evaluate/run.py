@@ -9,7 +9,6 @@ from typing import Any
 import torch
 
 from hgs_core.atomic import write_bytes
-from hgs_core.capture.open import open_capture
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.errors import InputError
 from hgs_core.evaluate.psnr import psnr
@@ -38,8 +37,7 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
     spec = folder.read_spec()
     if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
-    capture = open_capture(spec.capture)
-    spec.check_unchanged(capture)
+    capture = spec.open_capture()
     manifest = load_manifest(folder.manifest)
     scene = decode_scene(folder.scene).map(torch.from_numpy)
     cameras = [capture.camera_index(name) for name in spec.config.hold_out]

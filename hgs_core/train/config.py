@@ -36,6 +36,7 @@ class TrainConfig:
 
     preset: str = "standard"
     hold_out: tuple[str, ...] = ()  # camera names that neither training nor initialisation may see
+    downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     seed: int = 0
     cycles: int = 12_000
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
@@ -64,8 +65,8 @@ class TrainConfig:
             InputError: names the field and the range it must lie in.
         """
         for name, low in (
-            ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0), ("init_frames", 1),
-            ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
+            ("downscale", 1), ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0),
+            ("init_frames", 1), ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
             ("frame_memory_mib", 1),
         ):  # fmt: skip
             value = getattr(self, name)

@@ -22,6 +22,10 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
+    parser.add_argument(
+        "--masks", metavar="FOLDER", type=Path,
+        help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
+    )  # fmt: skip
     add_training_options(parser)
     parser.set_defaults(run=_run)
 
@@ -31,7 +35,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.pipeline import STAGES, create_run
     from hgs_core.run_folder import RunFolder
 
-    create_run(options.out, options.capture, config)
+    create_run(options.out, options.capture, config, masks=options.masks)
     with RunFolder(options.out).exclusive(), Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
             for stage in STAGES.values():

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.errors import InputError
@@ -124,6 +125,53 @@ def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:
     meta.write_text(json.dumps(value))
     with pytest.raises(InputError, match="has changed"):
         STAGES["initialise"](tmp_path / "run", silent)
+
+
+def test_a_run_keeps_its_masks_and_its_resolution(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    for frame in range(2):
+        file = tmp_path / "masks" / "0" / f"{frame:04d}.png"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        Image.new("L", (64, 48), 255 * frame).save(file)
+    monkeypatch.chdir(tmp_path)
+    config = TrainConfig.from_json(CONFIG.to_json() | {"downscale": 2})
+    for _ in range(2):  # the second time the run is resumed
+        create_run(Path("run"), Path("capture"), config, masks=Path("masks"))
+    assert "the masks of 0 are given" in caplog.text
+    monkeypatch.chdir("/")
+    capture = RunFolder(tmp_path / "run").read_spec().open_capture()
+    assert capture.frame(0, 0).shape == (24, 32, 3)
+    assert [capture.mask(0, frame).mean() for frame in range(2)] == [0, 1]  # type: ignore[union-attr]
+    with pytest.raises(InputError, match="another capture or config"):
+        create_run(tmp_path / "run", tmp_path / "capture", config)
+    (tmp_path / "masks" / "0" / "0001.png").write_bytes(b"edited")
+    with pytest.raises(InputError):
+        RunFolder(tmp_path / "run").read_spec().open_capture()
+
+
+def test_photographs_of_one_moment_end_without_anything_dynamic(tmp_path: Path) -> None:
+    """The same pictures as transforms.json: nothing tells the stages that the scene is still."""
+    views = write_capture(tmp_path / "ims", frames=1)
+    flip = np.diag([1.0, -1.0, -1.0, 1.0])
+    frames = [
+        {
+            "file_path": f"ims/ims/{view.name}/000000.jpg",
+            "transform_matrix": (np.linalg.inv(view.world_to_camera) @ flip).tolist(),
+        }
+        for view in views
+    ]
+    intrinsics = {"fl_x": views[0].fx, "fl_y": views[0].fy, "cx": views[0].cx, "cy": views[0].cy}
+    (tmp_path / "transforms.json").write_text(json.dumps({**intrinsics, "k1": 0.01, "frames": frames}))
+    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": ["ims/ims/2/000000"]})
+    create_run(tmp_path / "run", tmp_path, config)
+    for stage in STAGES.values():
+        stage(tmp_path / "run", silent)
+    manifest = load_manifest(tmp_path / "run" / "scene" / "manifest.json")
+    assert manifest.totals.splats_static > 0
+    assert manifest.totals.splats_dynamic == manifest.totals.bytes_dynamic == 0
+    assert evaluate_run(tmp_path / "run", silent)["frames"] == 1
 
 
 def test_evaluating_an_unfinished_run_says_how_to_finish_it(capture: Path, tmp_path: Path) -> None:

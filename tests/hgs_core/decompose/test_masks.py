@@ -115,3 +115,12 @@ def test_real_capture_has_given_masks(test_data: Callable[[str], Path]) -> None:
     capture = open_capture(test_data("panoptic_basketball"))
     masks = motion_masks(capture, [0, 1], progress=silent)
     assert 0.03 < masks.share() < 0.2
+
+
+def test_nothing_moves_at_one_moment_and_no_picture_is_read() -> None:
+    source = MovingBar()
+    cameras = [Camera(name, 53, 40, 50, 50, 26.5, 20, np.eye(4)) for name in "ab"]
+    capture = Capture(Path("bar"), cameras, np.zeros(1), source, "one", cache_bytes=1 << 22)
+    masks = motion_masks(capture, [0, 1], progress=silent)
+    assert not masks.mask(1, 0).any()
+    assert source.asked == set()

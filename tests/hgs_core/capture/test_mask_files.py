@@ -1,0 +1,135 @@
+"""Given masks: what counts as moving, whose masks are used, and what is wrong with a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hgs_core.capture.open import open_capture
+from hgs_core.decompose.masks import motion_masks
+from hgs_core.errors import InputError
+from hgs_core.progress import silent
+
+
+def write_masks(folder: Path, *, frames: Sequence[int] = range(6), size: tuple[int, int] = (64, 48)) -> Path:
+    """Masks of one camera: the columns from 8 on, as many as the frame's number, belong to object 3."""
+    folder.mkdir(parents=True)
+    for frame in frames:
+        mask = np.zeros((size[1], size[0]), np.uint8)
+        mask[:, 8 : 8 + frame] = 3
+        Image.fromarray(mask).save(folder / f"{frame:05d}.png")
+    return folder.parent
+
+
+@pytest.mark.parametrize("mode", ["1", "L", "P", "LA", "RGB", "RGBA", "I;16"])
+def test_every_value_but_0_moves_in_every_kind_of_png(n3dv: Path, tmp_path: Path, mode: str) -> None:
+    masks = write_masks(tmp_path / "masks" / "cam01")
+    for path in (masks / "cam01").iterdir():
+        with Image.open(path) as stored:
+            values = np.array(stored)
+        if mode == "P":
+            image = Image.fromarray(values)
+            image.putpalette([0, 0, 0] * 4)  # object numbers, whatever colours the palette gives them
+        elif mode == "I;16":
+            image = Image.fromarray(values.astype(np.uint16) * 100)
+        else:
+            image = Image.fromarray(np.minimum(values, 1) * 255).convert(mode)
+        image.save(path)
+    given = open_capture(n3dv, masks=masks).mask(1, 4)
+    assert given is not None
+    assert np.unique(np.argwhere(given)[:, 1]).tolist() == [8, 9, 10, 11]
+
+
+def test_cameras_without_a_folder_get_automatic_masks_and_a_note_says_so(n3dv: Path, tmp_path: Path) -> None:
+    capture = open_capture(n3dv, masks=write_masks(tmp_path / "masks" / "cam01"))
+    assert capture.mask(0, 0) is None
+    masks = motion_masks(capture, [0, 1], progress=silent)
+    assert masks.mask(0, 5).shape == (48, 64)
+    assert masks.mask(1, 5).sum() == 5 * 48
+    assert capture.notes == (f"the masks of cam01 are given, in {tmp_path / 'masks'}; those of cam00 are computed",)
+
+
+@pytest.mark.parametrize("layout", ["n3dv", "panoptic"])
+def test_a_folder_of_masks_replaces_the_capture_s_own(
+    layout: str, request: pytest.FixtureRequest, tmp_path: Path
+) -> None:
+    root: Path = request.getfixturevalue(layout)
+    name = open_capture(root).cameras[1].name
+    write_masks(root / "masks" / "cam00")  # the N3DV capture's own
+    before = open_capture(root)
+    capture = open_capture(root, masks=write_masks(tmp_path / "other" / name))
+    assert before.mask(0, 2) is not None
+    assert capture.mask(0, 2) is None
+    mask = capture.mask(1, 2)
+    assert mask is not None
+    assert mask.sum() == 2 * 48
+    assert capture.fingerprint() != before.fingerprint()
+
+
+def test_masks_are_part_of_the_fingerprint(n3dv: Path) -> None:
+    plain = open_capture(n3dv).fingerprint()
+    masks = write_masks(n3dv / "masks" / "cam00")
+    given = open_capture(n3dv).fingerprint()
+    assert given == open_capture(n3dv, masks=masks).fingerprint() != plain
+    Image.new("L", (64, 48), 1).save(masks / "cam00" / "00003.png", compress_level=0)
+    assert open_capture(n3dv).fingerprint() not in (given, plain)
+
+
+def test_a_missing_frame_is_told_with_the_cure(n3dv: Path, tmp_path: Path) -> None:
+    masks = write_masks(tmp_path / "masks" / "cam00", frames=range(1, 7))
+    with pytest.raises(InputError, match=r"cam00: the mask of frame 0 is missing; number the masks from 0"):
+        open_capture(n3dv, masks=masks)
+
+
+def test_a_mask_of_another_size_is_named(n3dv: Path, tmp_path: Path) -> None:
+    masks = write_masks(tmp_path / "masks" / "cam00", size=(32, 24))
+    with pytest.raises(InputError, match=r"00000\.png: the picture is 32x24; camera cam00 needs 64x48"):
+        open_capture(n3dv, masks=masks)
+    Image.new("L", (64, 48)).save(masks / "cam00" / "00000.png")
+    with pytest.raises(InputError, match=r"00002\.png: the picture is 32x24"):
+        open_capture(n3dv, masks=masks).mask(0, 2)
+
+
+def test_an_unreadable_mask_is_named(n3dv: Path, tmp_path: Path) -> None:
+    masks = write_masks(tmp_path / "masks" / "cam00")
+    whole = (masks / "cam00" / "00004.png").read_bytes()
+    (masks / "cam00" / "00004.png").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(InputError, match=r"00004\.png: the picture is unreadable"):
+        open_capture(n3dv, masks=masks).mask(0, 4)
+
+
+def test_a_folder_without_masks_of_the_capture_is_refused(n3dv: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="nowhere: the folder does not exist"):
+        open_capture(n3dv, masks=tmp_path / "nowhere")
+    masks = write_masks(tmp_path / "masks" / "camera0")
+    with pytest.raises(InputError, match=r"no masks of this capture; .* each camera of cam00, cam01"):
+        open_capture(n3dv, masks=masks)
+
+
+def test_reduced_captures_reduce_pictures_masks_and_cameras_alike(n3dv: Path) -> None:
+    write_masks(n3dv / "masks" / "cam00")
+    whole, half = open_capture(n3dv), open_capture(n3dv, downscale=2)
+    mask, picture = half.mask(0, 3), half.frame(0, 3)
+    assert mask is not None
+    assert picture.shape == (24, 32, 3)
+    assert np.unique(np.argwhere(mask)[:, 1]).tolist() == [4, 5]  # columns 8 to 10: a part of a pixel is enough
+    point = np.array([[0.2, 0.1, 2.0]])
+    np.testing.assert_allclose(half.cameras[0].project(point)[0], whole.cameras[0].project(point)[0] / 2)
+    assert half.fingerprint() != whole.fingerprint()
+
+
+def test_reduced_pictures_are_the_means_of_areas(panoptic: Path) -> None:
+    values = np.random.default_rng(0).integers(0, 255, (48, 64, 3)).astype(np.uint8)
+    Image.fromarray(values).save(panoptic / "ims" / "3" / "000000.jpg", format="PNG")
+    means = values.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3))
+    assert np.abs(open_capture(panoptic, downscale=2).frame(0, 0) - means).max() <= 1.0  # each axis rounds once
+
+
+@pytest.mark.parametrize(("factor", "problem"), [(0, "0 is too small"), (4, "4 is too much for the 64x48 pictures")])
+def test_senseless_reductions_are_refused(n3dv: Path, factor: int, problem: str) -> None:
+    with pytest.raises(InputError, match=f"downscale: {problem}"):
+        open_capture(n3dv, downscale=factor)
