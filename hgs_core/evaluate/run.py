@@ -1,63 +1,78 @@
-"""Scores of a finished run: what a viewer would see of the encoded scene, against the cameras held out."""
+"""Scores of a finished run: what a viewer would see of the encoded scene, against what the cameras saw."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import torch
+from torch import Tensor
 
 from hgs_core.atomic import write_bytes
-from hgs_core.codec import decode_scene, load_manifest
+from hgs_core.capture.capture import Capture
+from hgs_core.codec import Manifest, decode_scene, load_manifest
 from hgs_core.errors import InputError
-from hgs_core.evaluate.psnr import psnr
-from hgs_core.evaluate.ssim import ssim
+from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.picture_scores import PictureScorer
+from hgs_core.evaluate.truth import Truth
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.run_folder import RunFolder
-from hgs_core.train.targets import target_picture
+from hgs_core.scene.splats import HybridScene
 
 __all__ = ["evaluate_run"]
 
 
-def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
-    """Render the decoded scene at every frame of every held-out camera and compare; writes eval.json.
+def evaluate_run(
+    run: Path,
+    progress: ProgressCallback,
+    *,
+    cameras: Sequence[str] | None = None,
+    all_cameras: bool = False,
+    truth: Path | None = None,
+    masks: Path | None = None,
+    lpips: Path | None = None,
+    flip: bool = False,
+) -> dict[str, Any]:
+    """Render the decoded scene at every frame of some cameras and compare; writes eval.json.
+
+    Args:
+        run: the run's folder.
+        progress: told after every picture.
+        cameras: names of the cameras to score; those held out by default.
+        all_cameras: score every camera of the capture instead.
+        truth: folder of pictures to score against instead of the capture's (`Truth`).
+        masks: folder of masks of what moves; without it the capture's own are used, if it has some.
+        lpips: file of the weights (`Lpips`); without it there is no LPIPS.
+        flip: whether to compute FLIP.
 
     Returns:
-        psnr (dB, mean over frames and cameras), ssim (data range 1), bytes_total, bytes_static, bytes_dynamic,
-        splats_static, splats_dynamic, train_seconds, frames (per camera), cameras (the names scored). Without held-out
-        cameras psnr and ssim are None.
+        The fields of eval.json (docs/evaluation.md). A score that was not measured is None.
 
     Raises:
-        InputError: the run is not finished or its capture is gone or has changed.
+        InputError: the run is not finished, its capture is gone or has changed, a camera is unknown, a file of the
+            truth, the masks or the weights is missing or wrong, or FLIP is not installed.
     """
     folder = RunFolder(run)
     spec = folder.read_spec()
     if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
+    scorer = PictureScorer(lpips, flip)
     capture = spec.open_capture()
+    held_out = [capture.camera_index(name) for name in spec.config.hold_out]
+    chosen = held_out if cameras is None else [capture.camera_index(name) for name in cameras]
+    indices = range(len(capture.cameras)) if all_cameras else list(dict.fromkeys(chosen))
+    source = Truth(capture, indices, pictures=truth, masks=masks, downscale=spec.config.downscale)
     manifest = load_manifest(folder.manifest)
-    scene = decode_scene(folder.scene).map(torch.from_numpy)
-    cameras = [capture.camera_index(name) for name in spec.config.hold_out]
-    views = {camera.name: camera for camera in manifest.cameras}
-    scores: list[tuple[float, float]] = []
-    total = len(cameras) * len(capture.times)
-    with one_torch_thread():
-        for index in cameras:
-            camera = views[capture.cameras[index].name]
-            view = FixedView(scene.static, camera, background=manifest.background, antialiased=manifest.antialiased)
-            for frame, seconds in enumerate(capture.times):
-                segment = scene.segment_at(float(seconds))
-                picture = view.frame(segment.dynamic, segment.normalised(float(seconds))).rgb.clamp(0, 1)
-                truth = target_picture(capture, index, frame, camera)
-                scores.append((psnr(picture, truth), ssim(picture, truth)))
-                progress(Progress("evaluate", len(scores), total, {"psnr": _mean([s[0] for s in scores]) or 0.0}))
+    scores = {index: CameraScores(scorer) for index in indices}
+    names = {index: capture.cameras[index].name for index in indices}
+    _score(decode_scene(folder.scene).map(torch.from_numpy), manifest, capture, source, scores, progress)
     totals = manifest.totals
     result = {
-        "psnr": _mean([score[0] for score in scores]),
-        "ssim": _mean([score[1] for score in scores]),
+        **combine(list(scores.values())),
         "bytes_total": totals.bytes_static + totals.bytes_dynamic + folder.manifest.stat().st_size,
         "bytes_static": totals.bytes_static,
         "bytes_dynamic": totals.bytes_dynamic,
@@ -65,11 +80,37 @@ def evaluate_run(run: Path, progress: ProgressCallback) -> dict[str, Any]:
         "splats_dynamic": totals.splats_dynamic,
         "train_seconds": json.loads(folder.train_summary.read_text())["seconds"],
         "frames": len(capture.times),
-        "cameras": list(spec.config.hold_out),
+        "cameras": list(names.values()),
+        "cameras_trained_on": [name for index, name in names.items() if index not in held_out],
+        "truth": source.of_pictures,
+        "masks": source.of_masks,
+        "per_camera": {names[index]: combine([camera]) for index, camera in scores.items()},
+        "per_frame": {names[index]: camera.per_frame() for index, camera in scores.items()},
     }
-    write_bytes(folder.evaluation, json.dumps(result, indent=1).encode())
+    write_bytes(folder.evaluation, json.dumps(result, indent=1, allow_nan=False).encode())
     return result
 
 
-def _mean(values: list[float]) -> float | None:
-    return sum(values) / len(values) if values else None
+def _score(
+    scene: HybridScene[Tensor],
+    manifest: Manifest,
+    capture: Capture,
+    source: Truth,
+    scores: Mapping[int, CameraScores],  # by camera; filled
+    progress: ProgressCallback,
+) -> None:
+    """Draw and score every frame of every camera."""
+    views = {camera.name: camera for camera in manifest.cameras}
+    total, done, decibels = len(scores) * len(capture.times), 0, 0.0
+    with one_torch_thread():
+        for index, gathered in scores.items():
+            camera = views[capture.cameras[index].name]
+            view = FixedView(scene.static, camera, background=manifest.background, antialiased=manifest.antialiased)
+            for frame, seconds in enumerate(capture.times):
+                segment = scene.segment_at(float(seconds))
+                picture = view.frame(segment.dynamic, segment.normalised(float(seconds))).rgb.clamp(0, 1)
+                gathered.add(picture, source.picture(index, frame), source.moving(index, frame))
+                decibels += gathered.frames["psnr"][-1] or 0.0
+                done += 1
+                progress(Progress("evaluate", done, total, {"psnr": decibels / done}))
+            gathered.finish()

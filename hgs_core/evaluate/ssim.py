@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import torch
 from torch import Tensor
 from torch.nn.functional import conv2d
@@ -9,9 +11,10 @@ from torch.nn.functional import conv2d
 from hgs_core.native import library
 from hgs_core.native.loss import l1_dssim
 
-__all__ = ["gaussian_window", "ssim", "ssim_map"]
+__all__ = ["RADIUS", "gaussian_window", "ssim", "ssim_map", "ssim_terms"]
 
 C1, C2 = 0.01**2, 0.03**2  # for a data range of 1
+RADIUS = 5  # of the window, pixels
 
 
 def ssim(image: Tensor, truth: Tensor) -> float:
@@ -26,7 +29,7 @@ def ssim(image: Tensor, truth: Tensor) -> float:
 
 def gaussian_window(dtype: torch.dtype, device: torch.device | str = "cpu") -> Tensor:
     """The normalised 11-tap Gaussian of standard deviation 1.5 pixels, [11]."""
-    x = torch.arange(-5, 6, dtype=dtype, device=device)
+    x = torch.arange(-RADIUS, RADIUS + 1, dtype=dtype, device=device)
     weights = torch.exp(-x * x / (2 * 1.5**2))
     return weights / weights.sum()
 
@@ -38,10 +41,20 @@ def ssim_map(x: Tensor, y: Tensor) -> Tensor:
     """
     window = gaussian_window(x.dtype, x.device)
 
-    def blur(picture: Tensor) -> Tensor:
-        across = conv2d(picture[:, None], window.view(1, 1, 1, 11), padding=(0, 5))
-        return conv2d(across, window.view(1, 1, 11, 1), padding=(5, 0))[:, 0]
+    def blur(planes: Tensor) -> Tensor:
+        across = conv2d(planes[:, None], window.view(1, 1, 1, -1), padding=(0, RADIUS))
+        return conv2d(across, window.view(1, 1, -1, 1), padding=(RADIUS, 0))[:, 0]
 
-    mx, my = blur(x), blur(y)
-    vx, vy, vxy = blur(x * x) - mx * mx, blur(y * y) - my * my, blur(x * y) - mx * my
-    return (2 * mx * my + C1) * (2 * vxy + C2) / ((mx * mx + my * my + C1) * (vx + vy + C2))
+    luminance, contrast_structure = ssim_terms(x, y, blur)
+    return luminance * contrast_structure
+
+
+def ssim_terms(x: Tensor, y: Tensor, blur: Callable[[Tensor], Tensor]) -> tuple[Tensor, Tensor]:
+    """The two factors of SSIM for pictures [C, H, W], data range 1; `blur` takes local means of planes.
+
+    Returns:
+        luminance (2 mx my + C1) / (mx^2 + my^2 + C1), and contrast times structure (2 vxy + C2) / (vx + vy + C2).
+    """
+    mx, my, squares, product = blur(x), blur(y), blur(x * x + y * y), blur(x * y)
+    mx2_my2, mxmy = mx * mx + my * my, mx * my
+    return (2 * mxmy + C1) / (mx2_my2 + C1), (2 * (product - mxmy) + C2) / (squares - mx2_my2 + C2)

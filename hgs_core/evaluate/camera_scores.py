@@ -1,0 +1,80 @@
+"""The scores of cameras: gathered frame by frame, and combined over frames and cameras."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from torch import Tensor
+
+from hgs_core.evaluate.flicker import Flicker
+from hgs_core.evaluate.picture_scores import PICTURE_METRICS, PictureScorer
+from hgs_core.evaluate.region_psnr import RegionError
+
+__all__ = ["REGIONS", "CameraScores", "Scores", "combine"]
+
+REGIONS = {"psnr_dynamic": True, "psnr_static": False}
+"""The metrics of a region, and whether it is the one that moves."""
+
+Scores = dict[str, float | None]
+"""A score by the name of its metric; None where it was not measured or is not finite, as JSON needs it."""
+
+
+class CameraScores:
+    """What the frames of one camera scored."""
+
+    def __init__(self, scorer: PictureScorer) -> None:
+        self._scorer = scorer
+        self._flicker = Flicker()
+        self.flicker: float | None = None
+        self.frames: dict[str, list[float | None]] = {name: [] for name in (*PICTURE_METRICS, *REGIONS)}
+        self.regions = {name: RegionError() for name in REGIONS}
+
+    def add(self, image: Tensor, truth: Tensor, moving: Tensor | None) -> None:
+        """Score the next frame [3, H, W] in [0, 1], with its mask [H, W] bool of what moves, if there is one."""
+        for name, value in self._scorer.score(image, truth).items():
+            self.frames[name].append(value)
+        for name, inside in REGIONS.items():
+            error = RegionError()
+            if moving is not None:
+                error.add(image, truth, moving if inside else ~moving)
+            self.frames[name].append(error.psnr())
+            self.regions[name].include(error)
+        self._flicker.add(image, truth, moving)
+
+    def finish(self) -> None:
+        """Compute the flicker after the last frame and free its memory: several pictures' worth."""
+        self.flicker = self._flicker.value()
+        self._flicker = Flicker()
+
+    def per_frame(self) -> dict[str, list[float | None]]:
+        """The scores of every frame, of the metrics that at least one frame has; None as in `Scores`."""
+        finite = {name: [_finite(value) for value in values] for name, values in self.frames.items()}
+        return {name: values for name, values in finite.items() if any(value is not None for value in values)}
+
+
+def combine(cameras: Sequence[CameraScores]) -> Scores:
+    """Return the scores of all frames of the cameras together.
+
+    They are means over frames and cameras, but for psnr_dynamic and psnr_static, which are of the squared error pooled
+    over all frames, and flicker, which is a mean over cameras.
+    """
+    scores: Scores = {
+        name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
+    }
+    for name in REGIONS:
+        pooled = RegionError()
+        for camera in cameras:
+            pooled.include(camera.regions[name])
+        scores[name] = _finite(pooled.psnr())
+    scores["flicker"] = _mean([camera.flicker for camera in cameras])
+    return scores
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    present = [value for value in values if value is not None]
+    return _finite(sum(present) / len(present)) if present else None
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

@@ -1,0 +1,90 @@
+"""Flicker: how much the error changes over time where nothing changes in truth.
+
+With error e(t) = picture(t) - truth(t) and S the still pixels,
+
+    flicker = sqrt(mean over S and the channels of var_t e(t)),
+
+the variance being the population's (divided by the number of frames). Squared, it is the part of the mean squared error
+of S that comes and goes; the rest, the square of the mean error, is a picture that is wrong but steady.
+
+The still pixels are chosen by the truth alone, so that two results are always measured on the same ones: those whose
+temporal standard deviation in the truth is at most `STILL_DEVIATION` in every channel and, if masks of what moves are
+given, that no mask marks in any frame.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import torch
+from torch import Tensor
+
+__all__ = ["STILL_DEVIATION", "Flicker", "flicker"]
+
+STILL_DEVIATION = 0.01
+"""Of the peak: above the noise of cameras and codecs, below the passing of a shadow."""
+
+
+class Flicker:
+    """The flicker of one camera, from its frames one at a time; memory does not grow with their number."""
+
+    def __init__(self) -> None:
+        self._frames = 0
+        self._sums: list[Tensor] = []  # of error, error^2, truth, truth^2, [3, H, W] float64
+        self._moved: Tensor | None = None  # [H, W] bool
+
+    def add(self, image: Tensor, truth: Tensor, moving: Tensor | None = None) -> None:
+        """Add a frame [3, H, W] in [0, 1], and its mask [H, W] of what moves, if there is one."""
+        truth = truth.double()
+        error = image.double() - truth
+        terms = (error, error.square(), truth, truth.square())
+        if not self._sums:
+            self._sums = [torch.zeros_like(truth) for _ in terms]
+        for total, term in zip(self._sums, terms, strict=True):
+            total += term
+        if moving is not None:
+            self._moved = moving.clone() if self._moved is None else self._moved | moving
+        self._frames += 1
+
+    def still(self) -> Tensor:
+        """The still pixels, [H, W] bool.
+
+        Raises:
+            ValueError: no frame was added.
+        """
+        if not self._frames:
+            raise ValueError("no frame was added")
+        still = (self._variance(2) <= STILL_DEVIATION**2).all(dim=0)
+        return still if self._moved is None else still & ~self._moved
+
+    def value(self) -> float | None:
+        """The flicker in units of the peak, or None if there are fewer than two frames or no still pixel."""
+        if self._frames < 2 or not bool((still := self.still()).any()):
+            return None
+        return math.sqrt(float(self._variance(0)[:, still].mean()))
+
+    def _variance(self, index: int) -> Tensor:
+        """Temporal variance [3, H, W] of the quantity whose sum and sum of squares are at `index` and after it."""
+        mean = self._sums[index] / self._frames
+        return (self._sums[index + 1] / self._frames - mean.square()).clamp(min=0)
+
+
+def flicker(images: Iterable[Tensor], truths: Iterable[Tensor], moving: Iterable[Tensor] | None = None) -> float | None:
+    """Return the flicker of one camera's pictures in units of the peak.
+
+    Args:
+        images, truths: of every frame in order, [3, H, W] in [0, 1]; a tensor [F, 3, H, W] will do.
+        moving: masks [H, W] bool of what moves in truth, of every frame, if known.
+
+    Returns:
+        None with fewer than two frames or no still pixel.
+    """
+    result = Flicker()
+    if moving is None:
+        for image, truth in zip(images, truths, strict=True):
+            result.add(image, truth)
+    else:
+        for image, truth, mask in zip(images, truths, moving, strict=True):
+            result.add(image, truth, mask)
+    return result.value()

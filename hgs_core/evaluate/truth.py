@@ -1,0 +1,118 @@
+"""What a run is scored against: pictures of what was there, and masks of what moved."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.picture import (
+    check_size,
+    list_folder,
+    picture_size,
+    read_mask,
+    read_picture,
+    reduced_mask,
+    reduced_picture,
+)
+from hgs_core.errors import InputError
+from hgs_core.train.targets import target_picture
+
+__all__ = ["Truth"]
+
+
+class Truth:
+    """The true pictures and masks of some cameras: from folders where they are given, else from the capture.
+
+    A folder has one PNG file per frame in `<camera>/<number>.png`; the number is the index of the frame, from 0, with
+    or without leading zeros (0000.png). The files have the size of the camera's pictures; those of a run that reduced
+    its capture are reduced like it. A mask is any picture; what is above 0 moves.
+    """
+
+    def __init__(
+        self,
+        capture: Capture,
+        cameras: Sequence[int],  # indices into the capture's
+        *,
+        pictures: Path | None,
+        masks: Path | None,
+        downscale: int,  # by which the capture is reduced
+    ) -> None:
+        """Find the files of the cameras and read all headers, so that scoring does not stop half-way.
+
+        Raises:
+            InputError: a folder or file is missing, unreadable, or of another size than its camera's.
+        """
+        self._capture = capture
+        self._pictures = _files(capture, cameras, pictures, "picture", downscale) if pictures is not None else {}
+        self._masks = _files(capture, cameras, masks, "mask", downscale) if masks is not None else {}
+        self.of_pictures = "capture" if pictures is None else "given"
+        """Where the pictures are from."""
+        own = masks is None and any(capture.mask(camera, 0) is not None for camera in cameras)
+        self.of_masks = "given" if masks is not None else "capture" if own else None
+        """Where the masks are from; None if there are none."""
+
+    def picture(self, camera: int, frame: int) -> Tensor:
+        """Return the true picture [3, H, W], float32 in [0, 1].
+
+        Raises:
+            InputError: the file is missing or unreadable.
+        """
+        size = self._capture.cameras[camera]
+        if camera not in self._pictures:
+            return target_picture(self._capture, camera, frame, size)
+        path, stored = self._pictures[camera][frame]
+        planes = reduced_picture(read_picture(path, stored), size).transpose(2, 0, 1)
+        return torch.from_numpy(np.ascontiguousarray(planes, np.float32)).div_(255)
+
+    def moving(self, camera: int, frame: int) -> Tensor | None:
+        """Return the mask [H, W] bool of what moves, or None if there is none for this camera.
+
+        Raises:
+            InputError: the file is missing or unreadable.
+        """
+        if camera not in self._masks:
+            mask = self._capture.mask(camera, frame)
+        else:
+            path, stored = self._masks[camera][frame]
+            mask = reduced_mask(read_mask(path, stored), self._capture.cameras[camera])
+        return None if mask is None else torch.from_numpy(np.array(mask))
+
+
+def _files(
+    capture: Capture, cameras: Sequence[int], root: Path, kind: str, downscale: int
+) -> dict[int, list[tuple[Path, Camera]]]:
+    """Return the file of every frame and the camera of its size, by camera."""
+    if not root.is_dir():
+        raise InputError(root, "is not a folder", f"give one with <camera>/<FFFF>.png, a {kind} for each frame")
+    found = {}
+    for camera in cameras:
+        size = capture.cameras[camera]
+        folder = root / size.name
+        if not folder.is_dir():
+            cure = "add it, or name the cameras to score with --cameras"
+            raise InputError(folder, f"there are no {kind}s of camera {size.name}", cure)
+        names = {int(Path(name).stem): folder / name for name in list_folder(folder) if re.fullmatch(r"\d+\.png", name)}
+        for frame in range(len(capture.times)):
+            if frame not in names:
+                problem = f"the {kind} of frame {frame} is missing"
+                raise InputError(folder, problem, f"there are {len(capture.times)} frames, numbered from 0000.png")
+        frames = [names[frame] for frame in range(len(capture.times))]
+        found[camera] = [(path, _stored(path, size, downscale)) for path in frames]
+    return found
+
+
+def _stored(path: Path, size: Camera, downscale: int) -> Camera:
+    """Return the camera of the size of a file: that of the run's pictures, or of those it reduced."""
+    width, height = picture_size(path)
+    if (round(width / downscale), round(height / downscale)) == (size.width, size.height):
+        return dataclasses.replace(size, width=width, height=height)
+    check_size(path, size)
+    return size

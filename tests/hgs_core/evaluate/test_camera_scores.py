@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+import torch
+from torch import Tensor
+
+from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.flicker import flicker
+from hgs_core.evaluate.picture_scores import PictureScorer
+from hgs_core.evaluate.psnr import psnr
+from hgs_core.evaluate.region_psnr import pooled_region_psnr
+from hgs_core.evaluate.ssim import ssim
+
+SHAPE = (4, 3, 20, 30)
+
+
+def clip(seed: int) -> tuple[Tensor, Tensor, Tensor]:
+    generator = torch.Generator().manual_seed(seed)
+    truths = torch.rand(SHAPE[1:], generator=generator).expand(SHAPE).contiguous()
+    images = truths + 0.02 * (seed + 1) * torch.randn(SHAPE, generator=generator)
+    return images, truths, torch.rand(SHAPE[0], *SHAPE[2:], generator=generator) < 0.2
+
+
+def scored(images: Tensor, truths: Tensor, moving: Tensor | None) -> CameraScores:
+    scores = CameraScores(PictureScorer(None, False))
+    for i, (image, truth) in enumerate(zip(images, truths, strict=True)):
+        scores.add(image, truth, None if moving is None else moving[i])
+    scores.finish()
+    return scores
+
+
+def test_every_score_is_combined_as_its_metric_says() -> None:
+    clips = [clip(seed) for seed in range(2)]
+    together = combine([scored(*frames) for frames in clips])
+    images, truths, moving = (torch.cat(parts) for parts in zip(*clips, strict=True))
+    assert together["psnr"] == sum(psnr(*pair) for pair in zip(images, truths, strict=True)) / 8
+    assert together["ssim"] == sum(ssim(*pair) for pair in zip(images, truths, strict=True)) / 8
+    pooled = [pooled_region_psnr(images, truths, region) for region in (moving, ~moving)]
+    torch.testing.assert_close([together["psnr_dynamic"], together["psnr_static"]], pooled)
+    torch.testing.assert_close(together["flicker"], sum(flicker(*frames) or 0 for frames in clips) / 2)
+    assert together["ms_ssim"] is together["lpips"] is together["flip"] is None
+
+
+def test_frames_have_the_metrics_that_were_measured() -> None:
+    frames = clip(0)
+    assert {name: len(values) for name, values in scored(*frames).per_frame().items()} == {
+        "psnr": 4, "ssim": 4, "psnr_dynamic": 4, "psnr_static": 4,
+    }  # fmt: skip
+    without_masks = scored(*frames[:2], None)
+    assert list(without_masks.per_frame()) == ["psnr", "ssim"]
+    assert combine([without_masks])["psnr_dynamic"] is None
+
+
+def test_a_frame_in_which_nothing_moves_has_no_dynamic_score() -> None:
+    images, truths, moving = clip(0)
+    moving[1] = False
+    scores = scored(images, truths, moving).per_frame()
+    assert [value is None for value in scores["psnr_dynamic"]] == [False, True, False, False]
+
+
+def test_an_infinite_score_becomes_none() -> None:
+    images, truths, moving = clip(0)
+    images[2] = truths[2]
+    scores = scored(images, truths, moving)
+    assert [value is None for value in scores.per_frame()["psnr"]] == [False, False, True, False]
+    assert combine([scores])["psnr"] is None
+
+
+def test_no_camera_has_no_score() -> None:
+    assert set(combine([]).values()) == {None}

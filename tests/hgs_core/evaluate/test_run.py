@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from hgs_core.capture.open import open_capture
+from hgs_core.errors import InputError
+from hgs_core.evaluate.run import evaluate_run
+from hgs_core.progress import Progress, silent
+from hgs_core.render.reference import rasterize_reference
+from hgs_core.render.types import View
+from tests.hgs_core.evaluate.conftest import FRAMES, save
+from tests.synthetic import synthetic_scene
+
+
+def test_the_held_out_cameras_are_scored_and_every_frame_is_kept(finished: Path) -> None:
+    result = evaluate_run(finished, silent)
+    assert result["cameras"] == list(result["per_frame"]) == list(result["per_camera"]) == ["2", "4"]
+    assert result["cameras_trained_on"] == []
+    series = [result["per_frame"][name]["psnr"] for name in ("2", "4")]
+    assert [len(values) for values in series] == [FRAMES, FRAMES]
+    assert result["psnr"] == pytest.approx(np.mean(series))
+    assert result["per_camera"]["4"]["psnr"] == pytest.approx(np.mean(series[1]))
+    assert result["psnr"] > 35  # the scene is the true one: the loss is that of JPEG and of quantised splats
+    assert result["flicker"] < 0.02
+    assert (result["truth"], result["masks"], result["psnr_dynamic"]) == ("capture", None, None)
+
+
+def test_the_file_is_plain_json(finished: Path, masks_folder: Path) -> None:
+    result = evaluate_run(finished, silent, cameras=["2"], masks=masks_folder)
+
+    def refuse(constant: str) -> None:
+        raise AssertionError(constant)
+
+    assert json.loads((finished / "eval.json").read_text(), parse_constant=refuse) == result
+
+
+def test_given_masks_tell_the_regions(finished: Path, masks_folder: Path) -> None:
+    result = evaluate_run(finished, silent, cameras=["2"], masks=masks_folder)
+    assert result["masks"] == "given"
+    dynamic = result["per_frame"]["2"]["psnr_dynamic"]
+    assert [value is None for value in dynamic] == [True, False, False]
+    powers = [10 ** (-value / 10) for value in dynamic[1:]]
+    assert result["psnr_dynamic"] == pytest.approx(-10 * math.log10((powers[0] + 2 * powers[1]) / 3), abs=1e-6)
+    assert math.isfinite(result["psnr_static"])
+
+
+def test_lossless_truth_scores_better_than_the_captures_jpeg(
+    finished: Path, capture_folder: Path, tmp_path: Path
+) -> None:
+    capture = open_capture(capture_folder)
+    static, dynamic = synthetic_scene()
+    for frame in range(FRAMES):
+        view = View(capture.cameras[2], frame / (FRAMES - 1), gradients="none")
+        picture = rasterize_reference(static, dynamic, view).rgb.clamp(0, 1).permute(1, 2, 0)
+        save((picture * 255).round().to(torch.uint8).numpy(), tmp_path / "truth" / "2" / f"{frame:04d}.png")
+    lossless = evaluate_run(finished, silent, cameras=["2"], truth=tmp_path / "truth")
+    assert lossless["truth"] == "given"
+    assert lossless["psnr"] > evaluate_run(finished, silent, cameras=["2"])["psnr"]
+
+
+def test_cameras_that_were_trained_on_are_told(finished: Path) -> None:
+    chosen = evaluate_run(finished, silent, cameras=["4", "1", "4"])
+    assert (chosen["cameras"], chosen["cameras_trained_on"]) == (["4", "1"], ["1"])
+    reports: list[Progress] = []
+    everything = evaluate_run(finished, reports.append, all_cameras=True)
+    assert everything["cameras"] == ["0", "1", "2", "3", "4"]
+    assert everything["cameras_trained_on"] == ["0", "1", "3"]
+    assert [report.done for report in reports] == list(range(1, 5 * FRAMES + 1))
+    assert {report.total for report in reports} == {5 * FRAMES}
+
+
+def test_wrong_wishes_leave_the_last_scores_alone(finished: Path, tmp_path: Path) -> None:
+    (finished / "eval.json").write_text("{}")
+    with pytest.raises(InputError, match="no camera '9'"):
+        evaluate_run(finished, silent, cameras=["9"])
+    with pytest.raises(InputError, match="is not a folder"):
+        evaluate_run(finished, silent, truth=tmp_path / "absent")
+    with pytest.raises(InputError, match=r"w\.npz: unreadable"):
+        evaluate_run(finished, silent, lpips=tmp_path / "w.npz")
+    assert (finished / "eval.json").read_text() == "{}"
