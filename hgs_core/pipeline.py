@@ -72,20 +72,20 @@ def train(run: Path, progress: ProgressCallback) -> None:
     """Train from the last checkpoint, or from the points, to scene.npz and train.json."""
     from hgs_core.capture.near_plane import with_near_planes
     from hgs_core.capture.points import PointCloud
+    from hgs_core.decompose.masks import MotionMasks
     from hgs_core.scene.files import save_scene
-    from hgs_core.train.initialise import initial_splats
-    from hgs_core.train.trainer import Trainer, clock_of
+    from hgs_core.train.capture_training import train_capture
 
     folder = RunFolder(run)
     if folder.train_summary.exists():
         return
     capture, config = _open(folder)
-    sampled = -(-len(capture.times) // _init_step(capture, config))
     points = PointCloud.load(folder.points)
-    start = initial_splats(points, clock_of(capture), sampled)
-    trainer = Trainer(capture, with_near_planes(capture.cameras, points.xyz), config, start, folder.checkpoint)
-    save_scene(folder.trained, trainer.run(progress))
-    summary = {"seconds": trainer.state.seconds, "cycles": config.cycles, **trainer.figures()}
+    cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
+    scene, summary = train_capture(
+        capture, cameras, config, points, _init_step(capture, config), folder.checkpoint, progress, masks
+    )
+    save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
 

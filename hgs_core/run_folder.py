@@ -57,12 +57,15 @@ class RunFolder:
         self.spec = path / "run.json"
         self.points = path / "points.npz"
         self.masks = path / "masks.npz"
-        self.checkpoint = path / "checkpoint.pt"
         self.trained = path / "scene.npz"
         self.train_summary = path / "train.json"
         self.scene = path / "scene"
         self.manifest = self.scene / "manifest.json"
         self.evaluation = path / "eval.json"
+
+    def checkpoint(self, segment: int) -> Path:
+        """Return where the training state of a segment is kept."""
+        return self.path / ("checkpoint.pt" if segment == 0 else f"checkpoint-{segment}.pt")
 
     def write_spec(self, spec: RunSpec) -> None:
         """Create the folder and its run.json.

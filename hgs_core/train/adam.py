@@ -13,7 +13,7 @@ from hgs_core.native import library
 from hgs_core.native.adam import adam_step
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["Adam"]
+__all__ = ["Adam", "adam_update"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -47,31 +47,12 @@ class Adam(Generic[S]):
                     continue
                 first, second, rate = getattr(self.first, name), getattr(self.second, name), rates[name]
                 if isinstance(rate, float):
-                    self._update(parameter, parameter.grad, first, second, rate)
+                    adam_update(parameter, parameter.grad, first, second, rate, self.steps)
                 else:  # different rates within a row: take a unit step and scale it
                     delta = torch.zeros_like(parameter)
-                    self._update(delta, parameter.grad, first, second, 1.0)
+                    adam_update(delta, parameter.grad, first, second, 1.0, self.steps)
                     parameter += delta * rate
                 parameter.grad = None
-
-    def _update(self, parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float) -> None:
-        if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
-            adam_step(
-                parameter.detach().numpy(),
-                gradient.contiguous().numpy(),
-                first.numpy(),
-                second.numpy(),
-                learning_rate=rate,
-                beta1=BETA1,
-                beta2=BETA2,
-                epsilon=EPSILON,
-                step=self.steps,
-            )
-            return
-        first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)
-        second.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
-        scale = (second / (1 - BETA2**self.steps)).sqrt_().add_(EPSILON)
-        parameter.addcdiv_(first, scale, value=-rate / (1 - BETA1**self.steps))
 
     def select(self, rows: Tensor, added: int) -> None:
         """Keep the moments of `rows` and append `added` rows of zeros."""
@@ -81,6 +62,30 @@ class Adam(Generic[S]):
     def state(self) -> dict[str, Any]:
         """Return plain tensors for a checkpoint."""
         return {"first": dict(self.first.items()), "second": dict(self.second.items()), "steps": self.steps}
+
+
+def adam_update(parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float, step: int) -> None:
+    """Change one array in place by its `step`-th Adam update (from 1); its moments follow.
+
+    Float32 arrays on the CPU use the compiled kernel where there is one.
+    """
+    if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
+        adam_step(
+            parameter.detach().numpy(),
+            gradient.contiguous().numpy(),
+            first.numpy(),
+            second.numpy(),
+            learning_rate=rate,
+            beta1=BETA1,
+            beta2=BETA2,
+            epsilon=EPSILON,
+            step=step,
+        )
+        return
+    first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)
+    second.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
+    scale = (second / (1 - BETA2**step)).sqrt_().add_(EPSILON)
+    parameter.addcdiv_(first, scale, value=-rate / (1 - BETA1**step))
 
 
 def _with_zeros(splats: S, rows: Tensor, added: int) -> S:

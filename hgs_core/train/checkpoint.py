@@ -16,10 +16,14 @@ from hgs_core.errors import InputError
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
+from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.history import TrainingHistory
+from hgs_core.train.training_views import TrainingView
 
-__all__ = ["TrainState", "load_state", "save_state"]
+__all__ = ["TrainState", "fresh_state", "load_state", "save_state"]
 
-_FORMAT = 2
+_FORMAT = 3
 
 
 @dataclass
@@ -33,6 +37,22 @@ class TrainState:
     static_adam: Adam[StaticSplats[Tensor]]
     dynamic_adam: Adam[DynamicSplats[Tensor]]
     statistics: ScreenStatistics
+    correction: ColourCorrection | None  # None: cameras are not corrected, or agree well enough not to be
+    history: TrainingHistory
+
+    def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
+        """Return a picture [3, H, W] with the colours that the view's camera gives it."""
+        return picture if self.correction is None else self.correction.corrected(picture, view.place)[0].detach()
+
+
+def fresh_state(
+    static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor], cameras: int, config: TrainConfig
+) -> TrainState:
+    """Return the state before the first cycle, with `cameras` training cameras."""
+    return TrainState(
+        0, 0.0, static, dynamic, Adam.of(static), Adam.of(dynamic), ScreenStatistics.zeros(len(static) + len(dynamic)),
+        ColourCorrection(cameras) if config.colour_correction else None, TrainingHistory(),
+    )  # fmt: skip
 
 
 def save_state(path: Path, state: TrainState) -> None:
@@ -46,6 +66,8 @@ def save_state(path: Path, state: TrainState) -> None:
         "static_adam": state.static_adam.state(),
         "dynamic_adam": state.dynamic_adam.state(),
         "statistics": {f.name: torch.from_numpy(getattr(state.statistics, f.name)) for f in fields(ScreenStatistics)},
+        "correction": None if state.correction is None else state.correction.state(),
+        "history": state.history.state(),
     }
     with replacing(path) as file:
         torch.save(value, file)
@@ -69,6 +91,8 @@ def load_state(path: Path) -> TrainState:
             static_adam=_adam(StaticSplats, value["static_adam"]),
             dynamic_adam=_adam(DynamicSplats, value["dynamic_adam"]),
             statistics=ScreenStatistics(**{name: _owned(t) for name, t in value["statistics"].items()}),
+            correction=None if value["correction"] is None else ColourCorrection.restored(value["correction"]),
+            history=TrainingHistory.restored(value["history"]),
         )
     except (KeyError, TypeError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
         raise InputError(path, f"unreadable checkpoint ({type(error).__name__})", "delete it to start over") from error

@@ -11,13 +11,22 @@ from hgs_core.errors import InputError
 __all__ = ["PRESETS", "LearningRates", "TrainConfig"]
 
 
+_CHOICES: dict[str, tuple[Any, ...]] = {
+    "backend": ("auto", "cpu", "reference"),
+    "labels": ("auto", "dynamic", "static"),
+    "stages": ("interleaved", "together", "separate"),
+    "motion_order": (1, 2, 3),
+    "birth_rounds": (0, 1, 2),
+}
+
+
 @dataclass(frozen=True)
 class LearningRates:
     """Adam step sizes. Those of positions are multiplied by the scene's extent; sources in docs/training.md."""
 
     position: float = 1e-3
     position_final: float = 5e-5  # log-linear decay from `position`
-    motion: float = 1.75  # of the higher motion coefficients, in multiples of `position` and of 50-frame spans
+    motion: float = 0.4  # of the higher motion coefficients, in multiples of `position`, per power of the life
     rotation: float = 3e-3
     turning: float = 1e-3  # of the linear rotation coefficient
     log_scale: float = 1e-2
@@ -25,6 +34,7 @@ class LearningRates:
     rgb: float = 5e-3
     time_center: float = 1e-3
     time_log_precision: float = 3e-2
+    colour_correction: float = 1e-3
 
 
 @dataclass(frozen=True)
@@ -52,6 +62,15 @@ class TrainConfig:
     prune_opacity: float = 0.005
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
+    colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
+    labels: str = "auto"  # auto: from masks; dynamic, static: all splats alike
+    adaptive_labels: bool = True  # labels follow what splats do
+    still_pixels: float = 0.25  # a dynamic splat of constant opacity that moves less becomes static
+    restless_error: float = 0.05  # a static splat whose mean colour error varies more becomes dynamic; 0: none
+    birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
+    stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
+    motion_order: int = 3  # degree of the position polynomial: 1, 2 or 3
+    segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = False  # draw so, now and in every viewer: right from any distance (docs/training.md)
     checkpoint_every: int = 500  # cycles
     frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
@@ -67,7 +86,7 @@ class TrainConfig:
         for name, low in (
             ("downscale", 1), ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0),
             ("init_frames", 1), ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
-            ("frame_memory_mib", 1),
+            ("frame_memory_mib", 1), ("segment_frames", 2),
         ):  # fmt: skip
             value = getattr(self, name)
             if value < low:
@@ -76,8 +95,12 @@ class TrainConfig:
             value = getattr(self, name)
             if not 0 <= value <= 1:
                 raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")
-        if self.backend not in ("auto", "cpu", "reference"):
-            raise InputError("config.backend", f"unknown backend {self.backend!r}", "use auto, cpu or reference")
+        for name, known in _CHOICES.items():
+            value = getattr(self, name)
+            if value not in known:
+                raise InputError(f"config.{name}", f"unknown choice {value!r}", f"use {_any_of(known)}")
+        if self.still_pixels < 0 or self.restless_error < 0:
+            raise InputError("config.still_pixels, config.restless_error", "a threshold is negative", "give 0 or more")
         if len(set(self.hold_out)) != len(self.hold_out):
             raise InputError("config.hold_out", f"a camera is named twice in {','.join(self.hold_out)}")
 
@@ -122,6 +145,11 @@ def _learning_rates(value: dict[str, Any]) -> LearningRates:
         if not rate >= 0:
             raise InputError(f"config.learning_rates.{name}", f"{rate} is negative")
     return rates
+
+
+def _any_of(choices: tuple[Any, ...]) -> str:
+    """Return "a, b or c"."""
+    return f"{', '.join(str(c) for c in choices[:-1])} or {choices[-1]}"
 
 
 def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["DensityRound", "refine"]
+__all__ = ["DensityRound", "joined", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -67,8 +67,8 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
             splats, opacity_logits=torch.where(clone, _halved(splats.opacity_logits), splats.opacity_logits)
         )
         halves = _halves(splats.take(torch.nonzero(split)[:, 0]), plan.generator)
-        added = _joined(faded.take(torch.nonzero(clone)[:, 0]), halves)
-        result = _joined(faded.take(survivors), added)
+        added = joined(faded.take(torch.nonzero(clone)[:, 0]), halves)
+        result = joined(faded.take(survivors), added)
         adam.select(survivors, len(added))
         return result
 
@@ -105,9 +105,10 @@ def _halves(parents: S, generator: torch.Generator) -> S:
             pieces.append(dataclasses.replace(parents, motion=motion, log_scales=smaller))
         else:
             pieces.append(dataclasses.replace(parents, means=parents.means + offset, log_scales=smaller))
-    return _joined(*pieces)
+    return joined(*pieces)
 
 
-def _joined(*sets: S) -> S:
+def joined(*sets: S) -> S:
+    """Return the rows of all sets, in order, as one set."""
     kind = type(sets[0])
     return kind(*(torch.cat(arrays) for arrays in zip(*((a for _, a in s.items()) for s in sets), strict=True)))

@@ -14,7 +14,6 @@ from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 
 __all__ = ["initial_splats", "scene_extent"]
 
-_OPACITY = 0.1  # as 3D Gaussian Splatting starts: low enough that wrong points can fade
 _DYNAMIC = 0.5  # share of a point's views that must see it move
 _HALF_LIFE = 0.75  # of the gap between initialised frames: opacity halves there, so that neighbours take over
 
@@ -29,7 +28,7 @@ def scene_extent(positions: npt.NDArray[np.float64]) -> float:
 
 
 def initial_splats(
-    points: PointCloud, clock: Segment[Any], sampled_frames: int
+    points: PointCloud, clock: Segment[Any], sampled_frames: int, labels: str = "auto", opacity: float = 0.1
 ) -> tuple[StaticSplats[Tensor], DynamicSplats[Tensor]]:
     """Make one round splat of every point: static, or dynamic around the moment the point was seen.
 
@@ -37,10 +36,14 @@ def initial_splats(
         points: labelled points.
         clock: the segment whose normalised time the splats live in.
         sampled_frames: how many moments the dynamic points were taken at, evenly over the segment.
+        labels: `auto` follows the points' labels; `static` and `dynamic` make all splats alike, and a point that stands
+            still then starts a dynamic splat that lives all through the segment.
+        opacity: of all splats; 3D Gaussian Splatting starts at 0.1, low enough that wrong points can fade.
     """
-    moving = points.dynamic >= _DYNAMIC
+    still_points = points.dynamic < _DYNAMIC
+    moving = {"auto": ~still_points, "static": still_points & False, "dynamic": still_points | True}[labels]
     size = np.log(np.maximum(points.spacing, 1e-7)).astype(np.float32)
-    logit = float(np.log(_OPACITY / (1 - _OPACITY)))
+    logit = float(np.log(opacity / (1 - opacity)))
 
     def quats(count: int) -> npt.NDArray[np.float32]:
         return np.tile(np.array([1, 0, 0, 0], np.float32), (count, 1))
@@ -54,14 +57,15 @@ def initial_splats(
     )
     motion = np.zeros((moved, 4, 3), np.float32)
     motion[:, 0] = points.xyz[moving]
-    gap = _HALF_LIFE / max(1, sampled_frames - 1)
+    half_life = np.where(still_points[moving], 1.0, _HALF_LIFE / max(1, sampled_frames - 1))
+    centers = np.array([clock.normalised(float(t)) for t in points.times[moving]], np.float32)
     dynamic = DynamicSplats(
         motion,
         np.stack([quats(moved), np.zeros((moved, 4), np.float32)], 1),
         scales(moving),
         np.full(moved, logit, np.float32),
-        np.array([clock.normalised(float(t)) for t in points.times[moving]], np.float32),
-        np.full(moved, np.log(np.log(2) / gap**2), np.float32),
+        np.where(still_points[moving], np.float32(0.5), centers),
+        np.log(np.log(2) / half_life**2).astype(np.float32),
         points.rgb[moving],
     )
     return static.map(_parameter), dynamic.map(_parameter)

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
+from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.config import TrainConfig
 
 __all__ = ["Schedule"]
 
-_REFERENCE_SPAN = 50  # frames; the segment length that the step sizes of motion were published for
+_RELABEL_FROM = 0.1  # share of the cycles before the first round of labelling
+_RELABEL_ROUNDS = 10
+_BIRTHS = (0.3, 0.45)  # shares of the cycles after which splats are born
 
 
 @dataclass(frozen=True)
@@ -32,6 +35,18 @@ class Schedule:
         first, last = (share * self.config.cycles for share in (self.config.densify_from, self.config.densify_until))
         return done % self.config.densify_every == 0 and first <= done <= last
 
+    def relabels_after(self, cycle: int) -> bool:
+        """Return whether a round of labelling follows this cycle: ten of them while splats are still added."""
+        first, last = (share * self.config.cycles for share in (_RELABEL_FROM, self.config.densify_until))
+        every = max(1, round((last - first) / _RELABEL_ROUNDS))
+        done = cycle + 1
+        return self.config.adaptive_labels and first < done <= last and (done - round(first)) % every == 0
+
+    def births_after(self, cycle: int) -> bool:
+        """Return whether a round of births follows this cycle."""
+        rounds = {round(share * self.config.cycles) for share in _BIRTHS[: self.config.birth_rounds]}
+        return cycle + 1 in rounds
+
     def budget(self, cycle: int, initial: int, final: int) -> int:
         """Return the splats allowed after the round that follows `cycle`: from `initial` to `final`, linearly."""
         progress = (cycle + 1) / max(1.0, self.config.densify_until * self.config.cycles)
@@ -48,14 +63,24 @@ class Schedule:
             "rgb": rates.rgb,
         }
 
-    def dynamic_rates(self, cycle: int) -> dict[str, float | Tensor]:
-        """Return the step size of every field of the dynamic set; per coefficient for the polynomials."""
+    def dynamic_rates(self, cycle: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
+        """Return the step size of every field of the dynamic set; per splat and coefficient for the polynomials.
+
+        A coefficient of the k-th power of time moves a splat in proportion to the k-th power of its life, so its step
+        is divided by that: at the ends of a life, a step of any coefficient moves the splat equally far. Otherwise what
+        lives shortly could never learn to move fast.
+        """
         rates = self.config.learning_rates
         position = self._position_rate(cycle)
-        higher = position * rates.motion * max(1.0, self.frames / _REFERENCE_SPAN)
+        life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
+        inverse = (1 / life)[:, None]
+        powers = torch.tensor([0.0, 1.0, 2.0, 3.0])
+        factors = torch.tensor(
+            [1.0] + [rates.motion] * self.config.motion_order + [0.0] * (3 - self.config.motion_order)
+        )
         return {
-            "motion": torch.tensor([position, higher, higher, higher])[:, None],
-            "rotation": torch.tensor([rates.rotation, rates.turning])[:, None],
+            "motion": (position * factors * inverse**powers)[:, :, None],
+            "rotation": (torch.tensor([rates.rotation, rates.turning]) * inverse ** powers[:2])[:, :, None],
             "log_scales": rates.log_scale,
             "opacity_logits": rates.opacity,
             "time_centers": rates.time_center,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,6 +13,8 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["ViewSchedule", "training_cameras"]
 
+_SAMPLE_CAMERAS = 5
+_SAMPLE_FRAMES = 8
 _VISITS = 2  # passes over the frames of a block before the next block is loaded
 
 
@@ -50,6 +54,14 @@ class ViewSchedule:
         random = np.random.default_rng((self.seed, 1, cycle))
         first, last = self._block(cycle)
         return int(random.choice(self.cameras)), int(random.integers(first, last))
+
+    def samples(self, cycle: int) -> Iterator[tuple[int, list[int]]]:
+        """Yield a few cameras, each with a few frames of the cycle's block, one from each equal part of it."""
+        random = np.random.default_rng((self.seed, 4, cycle))
+        first, last = self._block(cycle)
+        borders = np.linspace(first, last, min(_SAMPLE_FRAMES, last - first) + 1)
+        for camera in random.permutation(self.cameras)[:_SAMPLE_CAMERAS]:
+            yield int(camera), [int(random.uniform(a, b)) for a, b in pairwise(borders)]
 
     def _block(self, cycle: int) -> tuple[int, int]:
         if self.block >= self.frames:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 import torch
 
+from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.config import LearningRates, TrainConfig
 from hgs_core.train.schedule import Schedule
 
@@ -26,10 +29,52 @@ def test_positions_decay_from_first_to_final_rate_in_units_of_the_extent() -> No
     assert schedule.static_rates(1000)["means"] == pytest.approx(2e-5)
 
 
-def test_motion_is_faster_in_longer_segments() -> None:
-    rate = Schedule(CONFIG, extent=1.0, frames=150).dynamic_rates(0)["motion"]
-    assert isinstance(rate, torch.Tensor)
-    assert rate.flatten().tolist() == pytest.approx([1e-3] + [3 * 1.75 * 1e-3] * 3)
+def lives(*precisions: float) -> DynamicSplats[torch.Tensor]:
+    """Dynamic splats of the given temporal precisions s."""
+    count = len(precisions)
+    return DynamicSplats(
+        torch.zeros(count, 4, 3), torch.zeros(count, 2, 4), torch.zeros(count, 3), torch.zeros(count),
+        torch.zeros(count), torch.tensor(precisions).log(), torch.zeros(count, 3),
+    )  # fmt: skip
+
+
+def test_a_step_of_any_motion_coefficient_moves_a_splat_as_far_at_the_ends_of_its_life() -> None:
+    rates = Schedule(CONFIG, extent=1.0, frames=50).dynamic_rates(0, lives(1.0, 100.0))
+    motion, turning = rates["motion"], rates["rotation"]
+    assert isinstance(motion, torch.Tensor)
+    assert isinstance(turning, torch.Tensor)
+    life = torch.tensor([1.0, 0.1])[:, None]
+    torch.testing.assert_close(
+        motion[:, :, 0] * life ** torch.arange(4), 1e-3 * torch.tensor([1.0, 0.4, 0.4, 0.4]).repeat(2, 1)
+    )
+    torch.testing.assert_close(turning[:, 1, 0] * life[:, 0], torch.full((2,), CONFIG.learning_rates.turning))
+
+
+def test_lives_count_as_no_shorter_than_a_frame_and_no_longer_than_the_segment() -> None:
+    rates = Schedule(CONFIG, extent=1.0, frames=51).dynamic_rates(0, lives(1e-4, 1e9))
+    motion = rates["motion"]
+    assert isinstance(motion, torch.Tensor)
+    assert motion[:, 1, 0].tolist() == pytest.approx([0.4e-3, 50 * 0.4e-3])
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_coefficients_beyond_the_order_of_motion_never_move(order: int) -> None:
+    config = dataclasses.replace(CONFIG, motion_order=order)
+    motion = Schedule(config, 1.0, 50).dynamic_rates(0, lives(1.0))["motion"]
+    assert isinstance(motion, torch.Tensor)
+    assert [bool(rate > 0) for rate in motion[0, :, 0]] == [k <= order for k in range(4)]
+
+
+def test_births_and_labels_have_their_rounds_while_splats_are_still_added() -> None:
+    schedule = Schedule(CONFIG, 1.0, 50)
+    assert [c + 1 for c in range(1000) if schedule.births_after(c)] == [300, 450]
+    rounds = [c + 1 for c in range(1000) if schedule.relabels_after(c)]
+    assert len(rounds) == 10
+    assert rounds[0] > 100
+    assert rounds[-1] == 600
+    alone = dataclasses.replace(CONFIG, birth_rounds=1, adaptive_labels=False)
+    assert [c + 1 for c in range(1000) if Schedule(alone, 1.0, 50).births_after(c)] == [300]
+    assert not any(Schedule(alone, 1.0, 50).relabels_after(c) for c in range(1000))
 
 
 def test_pictures_are_coarse_first() -> None:

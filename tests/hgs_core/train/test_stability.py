@@ -25,6 +25,7 @@ from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.adam import BETA1, BETA2
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.loss import photometric_loss
+from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.targets import target_picture
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
@@ -187,9 +188,11 @@ def loss_of(splats: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]], capture:
 def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions: list[str]) -> None:
     start = scene(random, kinds, motions)
     config = TrainConfig(
-        cycles=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random
-    )
-    training = Trainer(capture, capture.cameras, config, start, folder / "checkpoint.pt")
+        cycles=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random,
+        adaptive_labels=False,
+    )  # fmt: skip
+    (segment,) = cut_into_segments(capture.times, config.segment_frames)
+    training = Trainer(capture, capture.cameras, config, segment, start, folder / "checkpoint.pt")
     before = start[0].map(torch.clone), start[1].map(torch.clone)
     training.run(silent)
     (folder / "checkpoint.pt").unlink()

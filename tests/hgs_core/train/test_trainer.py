@@ -10,12 +10,14 @@ import torch
 
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.points import PointCloud
+from hgs_core.decompose.masks import motion_masks
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, StageStopped, silent
 from hgs_core.scene import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats, scene_extent
-from hgs_core.train.trainer import Trainer, clock_of
+from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 
 
@@ -48,7 +50,9 @@ def points(seed: int = 0) -> PointCloud:
 
 def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig) -> Trainer:
     capture = open_capture(capture_folder)
-    return Trainer(capture, capture.cameras, settings, initial_splats(points(), clock_of(capture), 2), checkpoint)
+    (segment,) = cut_into_segments(capture.times, settings.segment_frames)
+    start = initial_splats(points(), segment.clock, 2)
+    return Trainer(capture, capture.cameras, settings, segment, start, checkpoint)
 
 
 def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> bool:
@@ -110,6 +114,54 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
     assert not same_bits(plain, antialiased)
 
 
+@pytest.mark.parametrize("stages", ["together", "separate"])
+def test_sets_learn_in_other_stages_too(capture_folder: Path, tmp_path: Path, stages: str) -> None:
+    settings = config(stages=stages, cycles=150, coarse_until=0.0, max_static=300)
+    capture = open_capture(capture_folder)
+    masks = motion_masks(capture, (0, 1, 3, 4), progress=silent)
+    (segment,) = cut_into_segments(capture.times, settings.segment_frames)
+    start = initial_splats(points(), segment.clock, 2)
+    before = start[0].rgb.clone(), start[1].rgb.clone()
+    training = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt", masks=masks)
+    training.run(silent)
+    assert not torch.equal(training.state.static.rgb[:10], before[0][:10])
+    assert not torch.equal(training.state.dynamic.rgb[:10], before[1][:10])
+
+
+def test_a_segment_after_the_first_leaves_the_statics_as_they_are(capture_folder: Path, tmp_path: Path) -> None:
+    first = trainer(capture_folder, tmp_path / "first.pt", config(cycles=30))
+    first.run(silent)
+    capture, settings = open_capture(capture_folder), first.config
+    start = initial_splats(points(1), first.segment.clock, 2)
+    second = Trainer(
+        capture, capture.cameras, settings, first.segment, start, tmp_path / "second.pt", after=first.state
+    )
+    scene = second.run(silent)
+    for (name, array), (_, trained) in zip(scene.static.items(), first.scene().static.items(), strict=True):
+        np.testing.assert_array_equal(array, trained, err_msg=name)
+    assert not np.array_equal(scene.segments[0].dynamic.rgb[:10], start[1].rgb[:10].numpy() * 0)
+
+
+def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path) -> None:
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
+    training.run(silent)
+    history = training.state.history
+    assert history.curves["cycle"] == [10, 20, 30, 40, 50, 60]
+    assert history.curves["static"][-1] == len(training.state.static)
+    assert {"frames", "static step", "dynamic step", "Adam", "density"} <= set(history.profile)
+
+
+def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
+    wanted, plain = (
+        trainer(capture_folder, tmp_path / str(on), config(cycles=20, colour_correction=on)) for on in (True, False)
+    )
+    for training in (wanted, plain):
+        training.run(silent)
+    assert wanted.state.correction is not None
+    assert float((wanted.state.correction.affine - torch.eye(3, 4)).abs().max()) > 0
+    assert plain.state.correction is None
+
+
 def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> None:
     checkpoint = tmp_path / "checkpoint.pt"
     checkpoint.write_bytes(b"not a checkpoint")
@@ -119,28 +171,46 @@ def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> 
 
 def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
-    held_out = training.capture.camera_index("2")
-    assert all(training.views.view(cycle)[0] != held_out for cycle in range(500))
+    held_out = open_capture(capture_folder).camera_index("2")
+    assert all(training.views.order.view(cycle)[0] != held_out for cycle in range(500))
 
 
 def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_path: Path) -> None:
     capture = open_capture(capture_folder)
     cloud = points()
     still = PointCloud(cloud.xyz, cloud.rgb, cloud.times, np.zeros_like(cloud.dynamic), cloud.spacing)
-    start = initial_splats(still, clock_of(capture), 2)
-    scene = Trainer(capture, capture.cameras, config(cycles=20), start, tmp_path / "checkpoint.pt").run(silent)
+    settings = config(cycles=20, adaptive_labels=False)
+    (segment,) = cut_into_segments(capture.times, settings.segment_frames)
+    start = initial_splats(still, segment.clock, 2)
+    scene = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt").run(silent)
     assert len(scene.segments[0].dynamic) == 0
     assert len(scene.static) > 0
 
 
 def test_first_splats_stand_on_their_points_and_hand_over_between_frames(capture_folder: Path) -> None:
     cloud = points()
-    capture = open_capture(capture_folder)
-    static, dynamic = initial_splats(cloud, clock_of(capture), sampled_frames=3)
+    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
+    static, dynamic = initial_splats(cloud, segment.clock, sampled_frames=3)
     np.testing.assert_array_equal(static.means.numpy(), cloud.xyz[cloud.dynamic < 0.5])
     np.testing.assert_array_equal(dynamic.motion[:, 0].numpy(), cloud.xyz[cloud.dynamic >= 0.5])
     decay = torch.exp(-torch.exp(dynamic.time_log_precisions) * (0.75 / 2) ** 2)
     torch.testing.assert_close(decay, torch.full_like(decay, 0.5))
+
+
+@pytest.mark.parametrize(("labels", "moving"), [("static", 0), ("dynamic", 300), ("auto", 60)])
+def test_labels_can_be_forced(capture_folder: Path, labels: str, moving: int) -> None:
+    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
+    static, dynamic = initial_splats(points(), segment.clock, 2, labels)
+    assert (len(static), len(dynamic)) == (300 - moving, moving)
+
+
+def test_a_still_point_that_must_be_dynamic_lives_all_the_time(capture_folder: Path) -> None:
+    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
+    _, dynamic = initial_splats(points(), segment.clock, 2, "dynamic")
+    still = torch.from_numpy(points().dynamic < 0.5)
+    assert (dynamic.time_centers[still] == 0.5).all()
+    fade = torch.exp(-torch.exp(dynamic.time_log_precisions[still]) * 0.25)
+    assert float(fade.min()) > 0.8
 
 
 def test_extent_is_the_camera_radius() -> None:

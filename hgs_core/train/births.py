@@ -1,0 +1,108 @@
+"""New dynamic splats where and when something moves that the scene does not show yet.
+
+Density control multiplies splats that exist; what lives shorter than the gap between two initialised moments, or was
+missed there, has none. A round of births draws the scene at many moments, marks the moving pixels that are wrong, and
+sweeps them for points in space, as initialisation does for whole moments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.capture.points import PointCloud
+from hgs_core.capture.sweep import depth_ranges, sweep
+from hgs_core.capture.visibility import pixels_inside
+from hgs_core.decompose.labels import label_points
+from hgs_core.decompose.morphology import box_sum
+
+__all__ = ["find_births", "picture_error"]
+
+_WRONG = 20  # levels of 255 that count as wrong
+_MOST_PIXELS = 600  # of one picture that are swept
+_HULL = 0.75  # share of the views that must see a new point move, as in initialisation
+_RAY_STEP = 2  # pixels between swept rays: what is missing is often small
+_SIZE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
+_VOTES = 0.5  # share of the views whose pixel there must be wrong
+
+
+def picture_error(picture: Tensor, truth: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+    """Return [H, W] the mean error of the channels over 3x3 pixels, in levels of 255.
+
+    The picture is [3, H, W] in [0, 1], its truth [H, W, 3].
+    """
+    levels = (picture.permute(1, 2, 0).clamp(0, 1) * 255).numpy().astype(np.int16)
+    error = np.abs(levels - truth).mean(2).astype(np.int16)
+    return box_sum(error, 1).astype(np.float32) / np.float32(9)
+
+
+def find_births(
+    cameras: Sequence[Camera],
+    pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] of one moment
+    moving: Sequence[npt.NDArray[np.bool_]],  # [H, W] what moves in them
+    errors: Sequence[npt.NDArray[np.float32]],  # [H, W] how wrong the scene is there, levels of 255
+    known: npt.NDArray[np.floating[Any]],  # [K, 3] points of the scene, for the range of depths
+    time: float,  # seconds
+    most: int,
+    generator: np.random.Generator,
+) -> PointCloud:
+    """Return at most `most` points that explain wrong moving pixels of one moment.
+
+    A point must lie in the hull of what moves, be confirmed by another view's depth, and be wrong in half of the views
+    that see it: what is right in most views is there already.
+    """
+    wrong = [error > _WRONG for error in errors]
+    wanted = [_worst(error, m & w) for error, m, w in zip(errors, moving, wrong, strict=True)]
+    area = sum(int(mask.sum()) for mask in wanted)
+    if area == 0 or most == 0:
+        return PointCloud.concatenate([])
+
+    def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
+        return label_points(cameras, moving, xyz) >= _HULL
+
+    ranges = depth_ranges(cameras, known)
+    swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull)
+    chosen = np.flatnonzero((swept.agreeing > 0) & (swept.opposed <= swept.agreeing))
+    chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
+    if len(chosen) > most:
+        urgency = _mean_error(cameras, errors, swept.xyz[chosen]) ** 2
+        chosen = np.sort(generator.choice(chosen, most, replace=False, p=urgency / urgency.sum()))
+    xyz = swept.xyz[chosen]
+    return PointCloud(
+        xyz, swept.rgb[chosen], np.full(len(xyz), time, np.float32), np.ones(len(xyz), np.float32),
+        _sizes(cameras, xyz),
+    )  # fmt: skip
+
+
+def _worst(error: npt.NDArray[np.float32], pixels: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the worst of the given pixels [H, W]: sweeping is slow, and the rest can be reached from there."""
+    if int(pixels.sum()) <= _MOST_PIXELS:
+        return pixels
+    border = np.partition(error[pixels], -_MOST_PIXELS)[-_MOST_PIXELS]
+    return np.asarray(pixels & (error >= border))
+
+
+def _mean_error(
+    cameras: Sequence[Camera], errors: Sequence[npt.NDArray[np.float32]], xyz: npt.NDArray[np.float32]
+) -> npt.NDArray[np.float64]:
+    """Return [P] the mean error of the pixels that show each point."""
+    total, views = np.zeros(len(xyz)), np.zeros(len(xyz))
+    for camera, error in zip(cameras, errors, strict=True):
+        rows, pixels = pixels_inside(camera, xyz)
+        total[rows] += error[pixels[:, 1], pixels[:, 0]]
+        views[rows] += 1
+    return total / np.maximum(views, 1)
+
+
+def _sizes(cameras: Sequence[Camera], xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return the standard deviations [P] that are fitting at the mean distance from the cameras that face a point."""
+    if len(xyz) == 0:
+        return np.zeros(0, np.float32)
+    depths = [(camera, camera.project(xyz)[1]) for camera in cameras]
+    pixels = np.stack([np.where(z > camera.near, z, np.nan) / camera.fx for camera, z in depths])
+    return np.asarray(_SIZE * _RAY_STEP * np.nanmean(pixels, axis=0), np.float32)

@@ -1,0 +1,90 @@
+"""Training a whole capture: the first segment with the statics, then every other one against them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.camera import Camera
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.points import PointCloud
+from hgs_core.decompose.masks import MotionMasks
+from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.scene.splats import HybridScene
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.initialise import initial_splats
+from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.trainer import Trainer
+
+__all__ = ["train_capture"]
+
+
+def train_capture(
+    capture: Capture,
+    cameras: Sequence[Camera],
+    config: TrainConfig,
+    points: PointCloud,
+    sampled_every: int,
+    checkpoint: Callable[[int], Path],
+    progress: ProgressCallback,
+    masks: MotionMasks | None = None,
+) -> tuple[HybridScene[npt.NDArray[np.float32]], dict[str, Any]]:
+    """Train all segments and return the scene and the summary that train.json keeps.
+
+    The statics and the cameras' colour maps are those of the first segment; the others learn their dynamics alone, so
+    that they depend on nothing but the first one's end.
+
+    Args:
+        capture: the capture.
+        cameras: the capture's, with the near planes to train with.
+        config: of the run.
+        points: labelled first points of the whole capture.
+        sampled_every: frames between the moments that dynamic points were taken at.
+        checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
+        progress: hears of all segments as one training.
+        masks: what moves; needed where the config's stages are `separate`.
+
+    Raises:
+        StageStopped: the callback asked to stop; the state was saved first.
+    """
+    segments = cut_into_segments(capture.times, config.segment_frames)
+    total, trained, key = config.cycles * len(segments), [], None
+    for number, segment in enumerate(segments):
+        start = initial_splats(
+            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels
+        )
+        trainer = Trainer(
+            capture, cameras, config, segment, start, checkpoint(number),
+            masks=masks, after=None if key is None else key.state,
+        )  # fmt: skip
+        before = number * config.cycles
+
+        def report(step: Progress, before: int = before) -> None:
+            progress(dataclasses.replace(step, done=before + step.done, total=total))
+
+        scene = trainer.run(report)
+        trained.append((trainer.state, scene))
+        key = key or trainer
+    assert key is not None
+    scene = HybridScene(trained[0][1].static, tuple(scene.segments[0] for _, scene in trained))
+    states = [state for state, _ in trained]
+    summary = {
+        "seconds": sum(state.seconds for state in states),
+        "cycles": total,
+        **key.figures(),
+        "dynamic": float(sum(len(state.dynamic) for state in states)),
+        "history": key.state.history.curves,
+        "profile": _summed([state.history.profile for state in states]),
+        "births": sum(state.history.births for state in states),
+        "labels_changed": _summed([state.history.labels_changed for state in states]),
+    }
+    return scene, summary
+
+
+def _summed(tables: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    return {name: sum(table.get(name, 0) for table in tables) for name in dict.fromkeys(k for t in tables for k in t)}

@@ -1,0 +1,56 @@
+"""One affine colour map per training camera: cameras of a capture seldom agree on exposure and white balance.
+
+A scene that must explain such differences does so with splats that only one camera sees, which every other view then
+shows as fog. The maps are training state: scenes, the codec and viewers know nothing of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from hgs_core.render.colour_affine import colour_affine, identity_affine
+from hgs_core.train.adam import adam_update
+
+__all__ = ["ColourCorrection"]
+
+
+class ColourCorrection:
+    """The maps `A rgb + b` of C cameras, their Adam moments, and the number of steps each has taken.
+
+    The mean of the maps is kept at the identity: the scene has the colours that the cameras show on average.
+    """
+
+    def __init__(self, cameras: int) -> None:
+        """Start from maps that change nothing."""
+        self.affine = identity_affine(cameras)  # [C, 3, 4]
+        self._identity = identity_affine(cameras)
+        self._first, self._second = torch.zeros_like(self.affine), torch.zeros_like(self.affine)
+        self._steps = torch.zeros(cameras, dtype=torch.int64)
+
+    def corrected(self, picture: Tensor, camera: int) -> tuple[Tensor, Tensor]:
+        """Return a picture [3, H, W] as that camera would show it, and the map [3, 4] that its gradient reaches."""
+        affine = self.affine[camera].clone().requires_grad_(True)
+        return colour_affine(picture, affine), affine
+
+    def step(self, camera: int, gradient: Tensor, rate: float) -> None:
+        """Take an Adam step on one camera's map, then centre all maps on the identity."""
+        self._steps[camera] += 1
+        adam_update(
+            self.affine[camera], gradient, self._first[camera], self._second[camera], rate, int(self._steps[camera])
+        )
+        self.affine -= (self.affine - self._identity).mean(0)
+
+    def state(self) -> dict[str, Any]:
+        """Return plain tensors for a checkpoint."""
+        return {"affine": self.affine, "first": self._first, "second": self._second, "steps": self._steps}
+
+    @classmethod
+    def restored(cls, state: dict[str, Any]) -> ColourCorrection:
+        """Return what `state` described."""
+        correction = cls(len(state["affine"]))
+        correction.affine, correction._first = state["affine"], state["first"]
+        correction._second, correction._steps = state["second"], state["steps"]
+        return correction

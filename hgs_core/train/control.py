@@ -1,0 +1,125 @@
+"""Which splats there are: rounds of density control, births and labelling over a training state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.capture.points import PointCloud
+from hgs_core.render.rasterize import rasterize
+from hgs_core.render.types import ScreenStatistics
+from hgs_core.train.births import find_births, picture_error
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.density import DensityRound, joined, refine
+from hgs_core.train.initialise import initial_splats
+from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
+from hgs_core.train.residuals import temporal_residuals
+from hgs_core.train.schedule import Schedule
+from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.training_views import TrainingView, TrainingViews
+
+__all__ = ["control_births", "control_density", "control_labels"]
+
+_BIRTH_INSTANTS = 30  # of the segment that a round of births looks at
+_BIRTH_OPACITY = 0.6
+_MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
+
+
+def control_density(
+    state: TrainState,
+    schedule: Schedule,
+    cycle: int,
+    first_counts: tuple[int, int],
+    camera: Camera,  # the last view's: screen gradients are measured in half widths of its picture
+    statics_learn: bool,
+) -> None:
+    """Prune, clone and split both sets, each within its own budget; children inherit their parent's label."""
+    config, statics = schedule.config, len(state.static)
+    generator = torch.Generator().manual_seed(int(np.random.default_rng((config.seed, 3, cycle)).integers(2**62)))
+
+    def plan(first: int, most: int) -> DensityRound:
+        budget = schedule.budget(cycle, first, most)
+        half_width = 0.5 * max(camera.width, camera.height)
+        return DensityRound(budget, config.clone_scale * schedule.extent, half_width, config, generator)
+
+    seen = state.statistics
+    if statics_learn and statics:
+        static_seen = seen.rows(slice(0, statics))
+        state.static = refine(state.static, state.static_adam, static_seen, plan(first_counts[0], config.max_static))
+    if len(state.dynamic):
+        dynamic_seen = seen.rows(slice(statics, None))
+        state.dynamic = refine(
+            state.dynamic, state.dynamic_adam, dynamic_seen, plan(first_counts[1], config.max_dynamic)
+        )
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def control_births(
+    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, cycle: int
+) -> None:
+    """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left."""
+    generator = np.random.default_rng((config.seed, 5, cycle))
+    instants = min(_BIRTH_INSTANTS, segment.frames)
+    most = max(0, config.max_dynamic - len(state.dynamic)) // (2 * instants)
+    born = []
+    for instant in views.instants(instants, generator):
+        errors = [
+            picture_error(
+                rasterize(
+                    state.static, state.dynamic, camera, instant.moment,
+                    backend=config.backend, gradients="none", antialiased=config.antialiased,
+                ).rgb,
+                truth,
+            )
+            for camera, truth in zip(views.cameras, instant.pictures, strict=True)
+        ]  # fmt: skip
+        known = state.static.means.numpy()
+        born.append(
+            find_births(
+                views.cameras, instant.pictures, instant.moving, errors, known, instant.seconds, most, generator
+            )
+        )
+    # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
+    _, dynamic = initial_splats(PointCloud.concatenate(born), segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
+    state.dynamic_adam.select(torch.arange(len(state.dynamic)), len(dynamic))
+    state.dynamic = joined(state.dynamic, dynamic)
+    state.history.births += len(dynamic)
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def control_labels(
+    state: TrainState, config: TrainConfig, cameras: Sequence[Camera], samples: Iterable[Iterable[TrainingView]]
+) -> None:
+    """Make dynamic splats that stand still static, and statics under which the error varies with time dynamic.
+
+    Args:
+        state: changed; statistics of density control start anew.
+        config: of the run: `still_pixels` and `restless_error` are the two thresholds.
+        cameras: of the training views.
+        samples: for a few cameras, views of several moments.
+    """
+    restless = np.zeros(len(state.static), np.bool_)
+    room = config.max_dynamic - len(state.dynamic)
+    if config.restless_error > 0 and room > 1 and len(state.static):
+        varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
+        most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)
+        worst = np.argsort(-varies, kind="stable")[:most]
+        restless[worst] = varies[worst] > config.restless_error
+    still = standing_still(state.dynamic, cameras, config.still_pixels)
+    to_static = as_statics(state.dynamic.take(_rows(still)))
+    to_dynamic = as_dynamics(state.static.take(_rows(restless)))
+    state.static_adam.select(_rows(~restless), len(to_static))
+    state.static = joined(state.static.take(_rows(~restless)), to_static)
+    state.dynamic_adam.select(_rows(~still), len(to_dynamic))
+    state.dynamic = joined(state.dynamic.take(_rows(~still)), to_dynamic)
+    state.history.relabelled(len(to_static), int(restless.sum()))
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def _rows(mask: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Tensor:
+    return torch.from_numpy(np.flatnonzero(mask))

@@ -1,0 +1,96 @@
+"""Labels that follow the evidence: what turns out not to move becomes static, what will not stand still dynamic.
+
+A wrong label costs in both directions: a static splat cannot show what changes, and a dynamic one pays twice the bytes
+for something that stands still. The first labels come from masks; these come from the scene itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.render.projection import rotation_matrices
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.scene.temporal import evaluate
+
+__all__ = ["as_dynamics", "as_statics", "standing_still"]
+
+_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at
+_STEADY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
+_CENTERS = (0.25, 0.75)  # lives that a splat which will not stand still is divided into
+_HALF_LIFE = 0.3  # normalised time after which these have faded to half: they overlap
+
+
+def standing_still(dynamic: DynamicSplats[Tensor], cameras: Sequence[Camera], pixels: float) -> npt.NDArray[np.bool_]:
+    """Return [M] which dynamic splats do nothing that a static splat could not do.
+
+    Those whose opacity is constant over the segment, and none of whose three axes' ends moves by more than `pixels` on
+    any of the cameras' pictures during it.
+    """
+    arrays = dynamic.map(lambda array: array.detach().numpy())
+    moments = [evaluate(arrays, float(t)) for t in np.linspace(0, 1, _MOMENTS)]
+    opacities = np.stack([opacity for _, _, opacity in moments])
+    steady = opacities.min(0) >= _STEADY * opacities.max(0)
+    candidates = np.flatnonzero(steady & (opacities.max(0) > 0))
+    if len(candidates) == 0:
+        return np.zeros(len(steady), np.bool_)
+    sizes = np.exp(np.asarray(arrays.log_scales, np.float64))[candidates]
+    ends = np.stack([_axis_ends(m[candidates], q[candidates], sizes) for m, q, _ in moments])  # [9, K, 3, 3]
+    travel = np.linalg.norm(ends - ends.mean(0), axis=-1).max((0, 2))  # [K] world units
+    middle = moments[_MOMENTS // 2][0][candidates]
+    still = np.ones(len(candidates), np.bool_)
+    for camera in cameras:
+        _, depth = camera.project(middle)
+        seen = depth > camera.near
+        still &= ~seen | (travel * max(camera.fx, camera.fy) <= pixels * np.where(seen, depth, 1.0))
+    result = np.zeros(len(steady), np.bool_)
+    result[candidates[still]] = True
+    return result
+
+
+def as_statics(dynamic: DynamicSplats[Tensor]) -> StaticSplats[Tensor]:
+    """Fold the motion in: static splats as the given dynamic ones are in the middle of the segment."""
+    arrays = dynamic.map(lambda array: array.detach().numpy())
+    means, quats, _ = evaluate(arrays, 0.5)
+    opacity = np.mean([evaluate(arrays, float(t))[2] for t in np.linspace(0, 1, _MOMENTS)], axis=0)
+    opacity = np.clip(opacity, 1e-6, 1 - 1e-6)
+    return StaticSplats(
+        _tensor(means), dynamic.log_scales.detach().clone(), _tensor(quats),
+        _tensor(np.log(opacity / (1 - opacity))), dynamic.rgb.detach().clone(),
+    )  # fmt: skip
+
+
+def as_dynamics(static: StaticSplats[Tensor]) -> DynamicSplats[Tensor]:
+    """Return two resting dynamic splats per static one, one for each half of the segment, free to part."""
+    count = len(static)
+    motion = torch.zeros(count, 4, 3)
+    motion[:, 0] = static.means
+    rotation = torch.stack([static.quats, torch.zeros_like(static.quats)], 1)
+    precision = torch.full((count,), math.log(math.log(2) / _HALF_LIFE**2))
+    lives = [
+        DynamicSplats(
+            motion, rotation, static.log_scales, static.opacity_logits, torch.full((count,), center), precision,
+            static.rgb,
+        )
+        for center in _CENTERS
+    ]  # fmt: skip
+    joined = zip(*((array for _, array in life.items()) for life in lives), strict=True)
+    return DynamicSplats(*(torch.cat(arrays).detach().clone() for arrays in joined))
+
+
+def _axis_ends(
+    means: npt.NDArray[np.float64], quats: npt.NDArray[np.float64], sizes: npt.NDArray[np.float64]
+) -> npt.NDArray[np.float64]:
+    """Return where the three axes of K splats end, one standard deviation out, [K, 3 axes, 3]."""
+    axes = rotation_matrices(torch.from_numpy(quats)).numpy() * sizes[:, None, :]
+    return np.asarray(means[:, None] + axes.transpose(0, 2, 1))
+
+
+def _tensor(array: npt.NDArray[np.float64]) -> Tensor:
+    return torch.tensor(array, dtype=torch.float32)

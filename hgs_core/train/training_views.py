@@ -1,0 +1,107 @@
+"""What a segment's training compares with: pictures of the training cameras, sized, timed and masked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import torch
+from torch import Tensor
+from torch.nn.functional import interpolate
+
+from hgs_core.camera import Camera
+from hgs_core.capture.capture import Capture
+from hgs_core.decompose.masks import MotionMasks
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.targets import target_picture
+from hgs_core.train.views import ViewSchedule, training_cameras
+
+__all__ = ["Instant", "TrainingView", "TrainingViews"]
+
+_SAMPLE_SIZE = 0.5  # of the pictures that labels are judged by
+
+
+@dataclass(frozen=True)
+class TrainingView:
+    """What one step compares with."""
+
+    place: int  # of the camera among the training cameras
+    camera: Camera  # at the size that is drawn
+    moment: float  # normalised time
+    target: Tensor  # [3, H, W]
+    moving: Tensor | None = None  # [H, W] pixels that move; None where nobody asks
+
+
+@dataclass(frozen=True)
+class Instant:
+    """One frame of all C training cameras, at full size."""
+
+    seconds: float
+    moment: float  # normalised time
+    pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
+    moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
+
+
+class TrainingViews:
+    """The views of one segment; cameras held out by the config are never read."""
+
+    def __init__(
+        self,
+        capture: Capture,
+        cameras: Sequence[Camera],  # the capture's, with the near planes to train with
+        config: TrainConfig,
+        segment: CaptureSegment,
+        masks: MotionMasks | None,
+    ) -> None:
+        self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
+        self._masks = masks
+        self._training = training_cameras(capture, config)
+        self._places = {camera: place for place, camera in enumerate(self._training)}
+        self.cameras = tuple(cameras[index] for index in self._training)
+        frame_bytes = max(3 * camera.width * camera.height for camera in self.cameras)
+        # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
+        memory = (config.frame_memory_mib << 20) * 4 // 5
+        self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.seed)
+
+    def of_cycle(self, cycle: int, size: float) -> TrainingView:
+        """Return the view of a cycle, resized by the factor `size`."""
+        index, frame = self.order.view(cycle)
+        return self._view(index, frame, size, masked=self._config.stages == "separate")
+
+    def samples(self, cycle: int) -> Iterator[Iterator[TrainingView]]:
+        """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""
+        for index, frames in self.order.samples(cycle):
+            yield (self._view(index, frame, _SAMPLE_SIZE) for frame in frames)
+
+    def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
+        """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""
+        assert self._masks is not None
+        every = -(-self._segment.frames // count)
+        for frame in range(int(generator.integers(every)), self._segment.frames, every):
+            frame += self._segment.first
+            seconds = float(self._capture.times[frame])
+            yield Instant(
+                seconds, self._segment.clock.normalised(seconds),
+                [self._capture.frame(index, frame) for index in self._training],
+                [self._masks.mask(index, frame) for index in self._training],
+            )  # fmt: skip
+
+    def _view(self, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
+        frame += self._segment.first
+        camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
+        target = target_picture(self._capture, index, frame, camera)
+        moment = self._segment.clock.normalised(float(self._capture.times[frame]))
+        moving = None
+        if masked:
+            assert self._masks is not None, "separate stages need masks"
+            moving = _resized(self._masks.mask(index, frame), camera)
+        return TrainingView(self._places[index], camera, moment, target, moving)
+
+
+def _resized(mask: npt.NDArray[np.bool_], camera: Camera) -> Tensor:
+    """Return a mask at a camera's size, [H, W]: what a moving pixel falls into moves."""
+    wide = torch.from_numpy(mask)[None, None].float()
+    return interpolate(wide, (camera.height, camera.width), mode="area")[0, 0] > 0

@@ -1,0 +1,62 @@
+"""Training a whole capture in segments."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
+from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.train.capture_training import train_capture
+from hgs_core.train.config import TrainConfig
+from tests.hgs_core.train.test_trainer import points
+from tests.synthetic import write_capture
+
+CONFIG = TrainConfig(
+    cycles=30, densify_every=10, max_static=400, max_dynamic=100, checkpoint_every=10, segment_frames=3, birth_rounds=0
+)
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Capture:
+    path = tmp_path_factory.mktemp("capture")
+    write_capture(path)  # six frames: two segments of three
+    return open_capture(path)
+
+
+def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_path: Path) -> None:
+    heard: list[Progress] = []
+    scene, summary = train_capture(
+        capture, capture.cameras, CONFIG, points(), 1, lambda i: tmp_path / f"{i}.pt", heard.append
+    )
+    assert [(s.start, s.end) for s in scene.segments] == [
+        (capture.times[0], capture.times[3]), (capture.times[3], capture.times[5])
+    ]  # fmt: skip
+    assert summary["cycles"] == 60
+    assert summary["dynamic"] == sum(len(segment.dynamic) for segment in scene.segments)
+    assert [p.done for p in heard] == list(range(10, 61, 10))
+    assert {p.total for p in heard} == {60}
+
+
+def test_a_training_stopped_in_its_second_segment_resumes_to_the_same_bits(capture: Capture, tmp_path: Path) -> None:
+    def run(name: str, progress: object = silent) -> object:
+        (tmp_path / name).mkdir(exist_ok=True)
+        return train_capture(
+            capture, capture.cameras, CONFIG, points(), 1, lambda i: tmp_path / name / f"{i}.pt",
+            progress,  # type: ignore[arg-type]
+        )[0]  # fmt: skip
+
+    def stop(step: Progress) -> None:
+        if step.done == 40:
+            raise StageStopped
+
+    whole = run("whole")
+    with pytest.raises(StageStopped):
+        run("stopped", stop)
+    resumed = run("stopped")
+    for one, two in zip(whole.segments, resumed.segments, strict=True):  # type: ignore[attr-defined]
+        for (name, a), (_, b) in zip(one.dynamic.items(), two.dynamic.items(), strict=True):
+            np.testing.assert_array_equal(a, b, err_msg=name)

@@ -1,0 +1,79 @@
+"""Which dynamic splats stand still, and how labels change without changing the picture."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from hgs_core.render import rasterize
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
+from tests.synthetic import ring_of_cameras
+
+CAMERAS = ring_of_cameras(3, 64, 48)  # three units from the origin, 76.8 pixels of focal length: 26 pixels per unit
+
+
+def resting(count: int = 1, precision: float = 1e-3) -> DynamicSplats[Tensor]:
+    """Splats at the origin that do nothing, visible for a long time."""
+    rotation = torch.zeros(count, 2, 4)
+    rotation[:, 0, 0] = 1
+    return DynamicSplats(
+        torch.zeros(count, 4, 3), rotation, torch.log(torch.tensor([0.2, 0.1, 0.05])).repeat(count, 1),
+        torch.ones(count), torch.full((count,), 0.5), torch.full((count,), math.log(precision)),
+        torch.full((count, 3), 0.6),
+    )  # fmt: skip
+
+
+def test_a_splat_that_does_nothing_stands_still() -> None:
+    assert standing_still(resting(), CAMERAS, 0.25).tolist() == [True]
+
+
+@pytest.mark.parametrize("power", [1, 2, 3])
+@pytest.mark.parametrize(("travel", "still"), [(0.004, True), (0.05, False)])
+def test_moving_less_than_the_threshold_on_every_screen_is_standing_still(
+    power: int, travel: float, still: bool
+) -> None:
+    dynamic = resting()
+    dynamic.motion[0, power, 0] = travel / 0.5**power  # from the middle of the segment to its ends
+    assert standing_still(dynamic, CAMERAS, 0.25).tolist() == [still]
+
+
+def test_turning_moves_the_ends_of_the_axes() -> None:
+    dynamic = resting()
+    dynamic.rotation[0, 1, 3] = 1.0
+    assert standing_still(dynamic, CAMERAS, 0.25).tolist() == [False]
+    assert standing_still(dynamic, CAMERAS, 10.0).tolist() == [True]
+
+
+def test_fading_is_not_standing_still() -> None:
+    assert standing_still(resting(precision=10.0), CAMERAS, 0.25).tolist() == [False]
+
+
+def test_an_empty_set_has_nothing_that_stands_still() -> None:
+    assert standing_still(resting(0), CAMERAS, 0.25).shape == (0,)
+
+
+def picture(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, time: float) -> np.ndarray:
+    return rasterize(static, dynamic, CAMERAS[1], time, gradients="none").rgb.numpy()
+
+
+@pytest.mark.parametrize("time", [0.0, 0.5, 1.0])
+def test_folding_motion_in_hardly_changes_the_picture(time: float) -> None:
+    dynamic = resting()
+    dynamic.motion[0, 1] = torch.tensor([0.002, 0.0, -0.001])
+    np.testing.assert_allclose(picture(as_statics(dynamic), None, time), picture(None, dynamic, time), atol=5e-3)
+
+
+def test_a_static_splat_is_divided_into_two_lives_that_overlap() -> None:
+    static = as_statics(resting(2))
+    lives = as_dynamics(static)
+    assert len(lives) == 4
+    assert lives.time_centers.tolist() == [0.25, 0.25, 0.75, 0.75]
+    torch.testing.assert_close(lives.motion[:, 0], static.means.repeat(2, 1))
+    for time in (0.25, 0.5, 0.75):  # as opaque as before, within a fifth
+        one, two = picture(static, None, time), picture(None, lives, time)
+        assert np.abs(one - two).max() < 0.2
