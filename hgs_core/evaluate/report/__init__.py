@@ -1,0 +1,3 @@
+"""A finished run as one HTML page (docs/report.md)."""
+
+__all__: list[str] = []
