@@ -71,16 +71,17 @@ struct StaticMoment {
 
   Shape shape(const Rows &rows, NonFinite &bad) const {
     Shape s;
-    Vec mean[3];
+    Vec mean[3], quat[4];
     gather<3>(splats.means, rows, mean);
     gather<3>(splats.log_scales, rows, s.log_scale);
-    gather<4>(splats.quats, rows, s.quat);
+    gather<4>(splats.quats, rows, quat);
     gather<3>(splats.rgb, rows, s.rgb);
     bad.look_at<3>(mean);
     bad.look_at<3>(s.log_scale);
-    bad.look_at<4>(s.quat);
+    bad.look_at<4>(quat);
     bad.look_at<3>(s.rgb);
     for (int i = 0; i < 3; ++i) s.mean[i] = widen(mean[i]);
+    for (int i = 0; i < 4; ++i) s.quat[i] = widen(quat[i]);
     return s;
   }
 
@@ -119,13 +120,11 @@ struct DynamicMoment {
     bad.look_at<8>(rotation);
     bad.look_at<3>(s.log_scale);
     bad.look_at<3>(s.rgb);
-    const Wide wide = offset(center);
-    const Vec d = narrow(wide);
+    const Wide d = offset(center);
     for (int i = 0; i < 3; ++i) {
-      s.mean[i] = widen(motion[i]) +
-                  wide * (widen(motion[3 + i]) + wide * (widen(motion[6 + i]) + wide * widen(motion[9 + i])));
+      s.mean[i] = widen(motion[i]) + d * (widen(motion[3 + i]) + d * (widen(motion[6 + i]) + d * widen(motion[9 + i])));
     }
-    for (int i = 0; i < 4; ++i) s.quat[i] = rotation[i] + d * rotation[4 + i];
+    for (int i = 0; i < 4; ++i) s.quat[i] = widen(rotation[i]) + d * widen(rotation[4 + i]);
     return s;
   }
 

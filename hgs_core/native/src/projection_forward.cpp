@@ -65,12 +65,12 @@ struct Chunk {
     const uint32_t seen_lanes = lane_bits(seen) & ((2u << (rows.count - 1)) - 1);
     if (seen_lanes == 0) return;
 
-    constexpr float kScale = 0.5f * kLog2E;
-    const Vec root_x = sqrt(kScale * p.conic_xx), root_y = kScale * p.conic_xy / root_x;
-    const Vec fall_y = kScale / p.cov_yy;
-    const Vec values[] = {from_x, from_y, mean_x, mean_y, root_x, root_y, fall_y, log2_opacity, shape.rgb[0],
-                          shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first, lines.last,
-                          columns.tiles() * lines.tiles()};
+    const Wide exact = exact_slope(model, shape, p);
+    const Vec slope = narrow(exact), slope_rest = narrow(exact - widen(slope));
+    const Vec scale_t = sqrt(kExponentScale * p.conic_xx), scale_e = sqrt(kExponentScale / p.cov_yy);
+    const Vec values[] = {from_x, from_y, mean_x, mean_y, slope, slope_rest, scale_t, scale_e, log2_opacity,
+                          shape.rgb[0], shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first,
+                          lines.last, columns.tiles() * lines.tiles()};
     constexpr int kValues = sizeof(values) / sizeof(values[0]);
     alignas(64) float f[kValues][kLanes];
     for (int i = 0; i < kValues; ++i) store(f[i], values[i]);
@@ -78,8 +78,8 @@ struct Chunk {
     for (int k = 0; k < rows.count; ++k) {
       if (!(seen_lanes >> k & 1)) continue;
       *out++ = {f[0][k], f[1][k], f[2][k], f[3][k], f[4][k], f[5][k], f[6][k], f[7][k], f[8][k], f[9][k], f[10][k],
-                f[11][k], pixel(f[12][k]), pixel(f[13][k]), pixel(f[14][k]), pixel(f[15][k]), rows.row[k]};
-      entry_bound += static_cast<int64_t>(f[16][k]);
+                f[11][k], f[12][k], pixel(f[13][k]), pixel(f[14][k]), pixel(f[15][k]), pixel(f[16][k]), rows.row[k]};
+      entry_bound += static_cast<int64_t>(f[17][k]);
     }
   }
 
