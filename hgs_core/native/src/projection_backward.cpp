@@ -72,7 +72,7 @@ void project_set_backward(const Workspace &w, const ScreenSet &set, const Moment
     const uint32_t *const splats = set.visible.data() + first;
     const Rows rows(static_cast<int>(std::min<int64_t>(kLanes, set.visible_count - first)),
                     [&](int k) { return set.splats[splats[k]].row; });
-    NonFinite ignored;  // the forward pass has looked
+    Refusal ignored;  // the forward pass has looked
     Vec sums[kGradientTerms];
     sum_slots(set, splats, rows.count, sums);
     const Projection p = project(model, moment.shape(rows, ignored));

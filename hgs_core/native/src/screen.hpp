@@ -19,6 +19,8 @@ constexpr float kTransmittanceMin = 1e-4f;
 constexpr double kFrustumMargin = 0.3;
 constexpr float kCompensationMin2 = 0.005f * 0.005f;
 constexpr float kCovarianceMax = 1e18f;  // pixels^2
+constexpr float kDepthMax = 1e18f;       // world units
+constexpr float kColourMax = 1e18f;
 
 // Covers the rounding of the edges of boxes, pixels. A pixel inside a box but outside its ellipse costs time only.
 constexpr float kPixelSlack = 1e-3f;
