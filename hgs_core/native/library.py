@@ -79,7 +79,7 @@ def check(status: int) -> None:
 
     Raises:
         MemoryError: the kernels could not allocate their buffers.
-        FloatingPointError: a parameter of a splat is NaN or infinite.
+        FloatingPointError: a parameter of a splat is NaN or infinite, or a colour beyond 1e18.
         RuntimeError: any other failure, in the library's words.
     """
     if status == 0:

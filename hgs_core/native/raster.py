@@ -102,7 +102,7 @@ class Raster:
 
         Raises:
             ValueError: an array of another shape or type, or a picture that is too large.
-            FloatingPointError: a parameter that was looked at is NaN or infinite.
+            FloatingPointError: a parameter that was looked at is NaN or infinite, or a colour beyond 1e18.
             RuntimeError: no compiled library, or more than 2^31 - 1 pairs of splats and tiles.
             MemoryError: not enough memory for them.
         """

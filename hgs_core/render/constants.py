@@ -3,8 +3,10 @@
 __all__ = [
     "ALPHA_MAX",
     "ALPHA_MIN",
+    "COLOUR_MAX",
     "COMPENSATION_MIN",
     "COVARIANCE_MAX",
+    "DEPTH_MAX",
     "ENTRIES_MAX",
     "FRUSTUM_MARGIN",
     "LOW_PASS",
@@ -22,6 +24,8 @@ TRANSMITTANCE_MIN = 1e-4  # a pixel is finished before the splat that would take
 FRUSTUM_MARGIN = 0.3  # half field-of-view tangents beyond the image at which the Jacobian's direction is clamped
 COMPENSATION_MIN = 0.005  # smallest factor of the opacity in antialiased pictures: with less nothing would be left
 COVARIANCE_MAX = 1e18  # pixels^2; a splat that spreads further is not drawn: its determinant must fit in a float32
+COLOUR_MAX = 1e18  # magnitude of a colour; a sum of products of more with gradients may leave float32
+DEPTH_MAX = 1e18  # world units; splats further away are not drawn, for the same reason
 QUATERNION_MIN = 1e-12  # length below which a quaternion has no direction and stands for the identity
 TIME_LOG_PRECISION_MAX = 80.0  # exp of more overflows float32; at 80 a splat already lives for one instant alone
 ENTRIES_MAX = 2**31 - 1  # pairs of splats and tiles that 32-bit lists can count

@@ -1,4 +1,4 @@
-"""Refusal of parameters that are not numbers (docs/numerics.md, "What is not finite")."""
+"""Refusal of parameters that no picture can show (docs/numerics.md, "What is refused")."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.errors import InputError
+from hgs_core.render.constants import COLOUR_MAX
 from hgs_core.render.temporal import alive
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
@@ -17,7 +18,7 @@ _LIFE = ("opacity_logits", "time_centers", "time_log_precisions")  # what decide
 
 
 def refuse_non_finite(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, time: float) -> None:
-    """Refuse splats with a NaN or an infinity in a parameter that a picture at normalised `time` looks at.
+    """Refuse splats with a NaN, an infinity or a colour beyond 1e18 in what a picture at normalised `time` looks at.
 
     Of statics that is every parameter; of dynamics opacity, centre and precision of all, and the other parameters of
     those that are alive at `time`.
@@ -39,11 +40,15 @@ def refuse_non_finite(static: StaticSplats[Tensor] | None, dynamic: DynamicSplat
 
 def _refuse(where: str, name: str, array: Tensor, looked_at: Tensor | None) -> None:
     with torch.no_grad():
-        broken = ~torch.isfinite(array).flatten(1).all(1) if array.dim() > 1 else ~torch.isfinite(array)
+        # Written so that a NaN fails.
+        fine = array.abs() <= COLOUR_MAX if name == "rgb" else torch.isfinite(array)
+        broken = ~fine.flatten(1).all(1) if array.dim() > 1 else ~fine
         if looked_at is not None:
             broken &= looked_at
         if not broken.any():
             return
         row = int(torch.nonzero(broken)[0])
-        value = next(value for value in array[row].flatten().tolist() if not math.isfinite(value))
+        value = array[row].flatten()[~fine[row].flatten()][0].item()
+        if math.isfinite(value):
+            raise InputError(where, f"{name}[{row}] is {value:g}", f"give it a colour within {COLOUR_MAX:g}")
         raise InputError(where, f"{name}[{row}] is {value}", "remove the splat or give it finite parameters")

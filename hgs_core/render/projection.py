@@ -13,6 +13,7 @@ from hgs_core.render.constants import (
     ALPHA_MIN,
     COMPENSATION_MIN,
     COVARIANCE_MAX,
+    DEPTH_MAX,
     FRUSTUM_MARGIN,
     LOW_PASS,
     QUATERNION_MIN,
@@ -64,8 +65,9 @@ def project(moment: Moment, camera: Camera, antialiased: bool = False) -> Ellips
     """Project what lies in front of the near plane, is opaque enough to be seen and touches the image."""
     with torch.no_grad():
         pose = torch.as_tensor(camera.world_to_camera, device=moment.means.device)
-        in_front = moment.means @ pose[2, :3] + pose[2, 3] >= camera.near
-        candidates = torch.nonzero(in_front & (moment.opacities >= ALPHA_MIN))[:, 0]
+        z = moment.means @ pose[2, :3] + pose[2, 3]
+        in_depth = (z >= camera.near) & (z <= DEPTH_MAX)
+        candidates = torch.nonzero(in_depth & (moment.opacities >= ALPHA_MIN))[:, 0]
         ellipses, drawn = _projected(moment, candidates, camera, antialiased)
         kept = torch.nonzero(drawn)[:, 0]
     if not (torch.is_grad_enabled() and any(getattr(moment, f.name).requires_grad for f in dataclasses.fields(moment))):

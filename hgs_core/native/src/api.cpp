@@ -48,7 +48,7 @@ const char *hgs_status_message(int32_t status) {
     case HGS_OK: return "no error";
     case HGS_OUT_OF_MEMORY: return "out of memory in the native kernels";
     case HGS_TOO_MANY_TILE_ENTRIES: return "the splats cover more than 2^31 - 1 tiles: render fewer, smaller or less";
-    case HGS_NOT_FINITE: return "a parameter of a splat is not finite";
+    case HGS_REFUSED: return "a parameter of a splat is not finite, or a colour is beyond 1e18";
     default: return "the native kernels failed: could a thread not be started?";
   }
 }

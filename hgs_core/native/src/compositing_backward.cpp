@@ -46,12 +46,14 @@ struct TileGradients {
 
   // Pass a splat, and write its gradient if it is wanted.
   template <bool wanted>
-  void visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, GradientSlot *slot) {
-    const RowTerms rows(s, centres, box.y0, box.y1);
+  void visit(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, GradientSlot *slot) {
+    const TileBox box = entry.box;
+    const RowTerms rows(s, box, tile_rows);
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
     Vec sums[kGradientTerms] = {};
+    Vec sum_dy{}, sum_dy2{}, sum_t_dy{};  // of h times these, dy from the middle row
     for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
-      const BlockTerms columns(s, centres, block);
+      const BlockTerms columns(s, entry, block);
       Vec h_0{}, h_dy{}, h_dy2{};
       for (int y = box.y0; y <= box.y1; ++y) {
         const int i = block * kBlockSize + y * kLanes;
@@ -76,16 +78,21 @@ struct TileGradients {
         }
       }
       if constexpr (wanted) {
-        const Vec dx = columns.dx, h_dx = h_0 * dx;
-        sums[kHdx] += h_dx;
-        sums[kHdy] += h_dy;
-        sums[kHdx2] += h_dx * dx;
-        sums[kHdxdy] += h_dy * dx;
-        sums[kHdy2] += h_dy2;
+        // t is linear in dy along a column.
+        const Vec t = columns.middle_t, h_t = t * h_0, dy_t = rows.t_by_y * h_dy, h_t_dy = rows.t_by_y * h_dy2;
+        sums[kHt] += h_t + dy_t;
+        sums[kHtt] += t * (h_t + 2.0f * dy_t) + rows.t_by_y * h_t_dy;
+        sum_t_dy += t * h_dy + h_t_dy;
+        sum_dy += h_dy;
+        sum_dy2 += h_dy2;
         sums[kH] += h_0;
       }
     }
     if constexpr (wanted) {
+      const float e = s.scale_e * ((tile_rows.first - rows.dy[0] - s.origin_y) - s.mean_y);  // in the middle row
+      sums[kHe] = e * sums[kH] + s.scale_e * sum_dy;
+      sums[kHte] = e * sums[kHt] + s.scale_e * sum_t_dy;
+      sums[kHee] = e * (sums[kHe] + s.scale_e * sum_dy) + s.scale_e * s.scale_e * sum_dy2;
       static_assert(kH == 8 && kDepth == 9);
       sum_each_of_8(sums, slot->terms);
       slot->terms[kH] = sum(sums[kH]);
@@ -113,7 +120,7 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
   if (done()) return;
 
   const TilePlace place(w, tile);
-  const TileCentres centres(place);
+  const TileRows rows(place);
   TileGradients<depth> gradients(w, place, picture, gradient);
   while (!done()) {
     const TileList::Item item = list.take();
@@ -121,9 +128,9 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
       const TileRun &run = item.dynamic ? list.dynamics : list.statics;
       GradientSlot *const slots = item.dynamic ? w.dynamics.slots.data() : w.statics.slots.data();
       __builtin_prefetch(&slots[std::min(&item.entry + kPrefetchSlot, run.last)->slot], 1);
-      gradients.template visit<true>(item.splat, item.entry.box, centres, &slots[item.entry.slot]);
+      gradients.template visit<true>(item.splat, item.entry, rows, &slots[item.entry.slot]);
     } else {
-      gradients.template visit<false>(item.splat, item.entry.box, centres, nullptr);
+      gradients.template visit<false>(item.splat, item.entry, rows, nullptr);
     }
   }
 }

@@ -19,9 +19,9 @@ struct TilePixels {
     std::fill_n(sums[0], kChannels * kTilePixels, 0.0f);
   }
 
-  void draw(const ScreenSplat &s, const TileBox &box, const TileCentres &centres) {
+  void draw(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows) {
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
-    blend_splat(s, box, centres, T, [&](int i, Vec weight) {
+    blend_splat(s, entry, tile_rows, T, [&](int i, Vec weight) {
       for (int c = 0; c < kChannels; ++c) store(sums[c] + i, load(sums[c] + i) + weight * colour[c]);
     });
   }
@@ -30,13 +30,13 @@ struct TilePixels {
 template <bool depth>
 void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
   const TilePlace place(w, tile);
-  const TileCentres centres(place);
+  const TileRows rows(place);
   TilePixels<depth> pixels(place);
   TileList list = TileList::all(w, tile);
   while (!list.done() && !finished(pixels.T)) {
     for (int n = 0; n < kBatch && !list.done(); ++n) {
       const TileList::Item item = list.take();
-      pixels.draw(item.splat, item.entry.box, centres);
+      pixels.draw(item.splat, item.entry, rows);
     }
   }
   w.statics.tile_end[tile] = static_cast<uint32_t>(list.statics.next - w.statics.entries.data());

@@ -14,9 +14,9 @@ struct Contribution {
 // One contribution per slot of each set, in the memory of the gradients, which this overwrites.
 Contribution &of_slot(ScreenSet &set, uint32_t slot) { return reinterpret_cast<Contribution *>(set.slots.data())[slot]; }
 
-Contribution visit(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T) {
+Contribution visit(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, float *T) {
   Vec total{}, peak{};
-  blend_splat(s, box, centres, T, [&](int, Vec weight) {
+  blend_splat(s, entry, tile_rows, T, [&](int, Vec weight) {
     total += weight;
     peak = max(peak, weight);
   });
@@ -27,7 +27,7 @@ Contribution visit(const ScreenSplat &s, const TileBox &box, const TileCentres &
 
 void visit_tile(Workspace &w, int tile) {
   const TilePlace place(w, tile);
-  const TileCentres centres(place);
+  const TileRows rows(place);
   alignas(64) float T[kTilePixels];
   place.start_transmittance(T);
   for (ScreenSet *set : {&w.statics, &w.dynamics}) {
@@ -35,7 +35,7 @@ void visit_tile(Workspace &w, int tile) {
   }
   for (TileList list = TileList::drawn(w, tile); !list.done();) {
     const TileList::Item item = list.take();
-    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry.box, centres, T);
+    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry, rows, T);
   }
 }
 

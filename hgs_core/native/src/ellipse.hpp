@@ -8,7 +8,7 @@
 
 namespace hgs {
 
-// (root_x dx + root_y dy)^2 + fall_y dy^2 <= log2_opacity - kLog2AlphaMin about the mean of a splat.
+// t^2 + e^2 <= log2_opacity - kLog2AlphaMin about the mean of a splat (screen.hpp).
 class Ellipse {
  public:
   explicit Ellipse(const ScreenSplat &s)
@@ -17,14 +17,14 @@ class Ellipse {
         mean_x_(s.mean_x),
         mean_y_(s.mean_y),
         reach_(std::max(0.0f, s.log2_opacity - kLog2AlphaMin)),
-        fall_y_(s.fall_y) {
-    const float yy = s.root_y * s.root_y + s.fall_y;
-    inverse_x_ = 1.0f / s.root_x;
-    inverse_yy_ = 1.0f / yy;
-    fall_x_ = s.fall_y * inverse_yy_ * s.root_x * s.root_x;
-    slope_x_ = -s.root_y * inverse_x_;
-    slope_y_ = -s.root_x * s.root_y * inverse_yy_;
-    inverse_y_ = std::sqrt(inverse_yy_);
+        fall_y_(s.scale_e * s.scale_e) {
+    const float t_by_y = s.scale_t * s.slope;
+    const float inverse_yy = 1.0f / (t_by_y * t_by_y + fall_y_);
+    inverse_x_ = 1.0f / s.scale_t;
+    fall_x_ = fall_y_ * inverse_yy * s.scale_t * s.scale_t;
+    slope_x_ = -s.slope;
+    slope_y_ = -s.scale_t * t_by_y * inverse_yy;
+    inverse_y_ = std::sqrt(inverse_yy);
     dy_of_right_ = slope_y_ * std::sqrt(reach_ / fall_x_);
     dx_of_bottom_ = slope_x_ * std::sqrt(reach_ / fall_y_);
   }
@@ -67,7 +67,7 @@ class Ellipse {
   float reach_;
   float fall_x_, fall_y_;      // what is left of `reach_` at an offset along one axis, for the chord along the other
   float slope_x_, slope_y_;    // the chords' middles lie at dx = slope_x dy and dy = slope_y dx
-  float inverse_x_, inverse_y_, inverse_yy_;
+  float inverse_x_, inverse_y_;
   float dy_of_right_, dx_of_bottom_;  // where the ellipse's extreme points lie
 };
 

@@ -20,7 +20,7 @@ enum hgs_status {
   HGS_OUT_OF_MEMORY = 1,
   HGS_TOO_MANY_TILE_ENTRIES = 2, /* more than 2^31 - 1 (splat, tile) pairs */
   HGS_FAILED = 3,                /* for instance no thread could be started */
-  HGS_NOT_FINITE = 4             /* a parameter of a splat that was looked at is NaN or infinite */
+  HGS_REFUSED = 4                /* a parameter of a splat that was looked at is NaN or infinite, or a colour above 1e18 */
 };
 
 /* An undistorted pinhole camera, OpenCV axes. A world point X is at (x, y, z) = rotation X + translation in the camera

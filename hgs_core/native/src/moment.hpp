@@ -27,18 +27,44 @@ inline void gather(const float *array, const Rows &rows, Vec *out) {
   for (int c = 0; c < width; ++c) out[c] = load(columns[c]);
 }
 
-// Becomes NaN in the lanes of values that are not finite: zero times any other is zero.
-class NonFinite {
+// Remembers whether it has seen a value that is refused (docs/numerics.md, "What is refused").
+class Refusal {
  public:
   template <int width>
   void look_at(const Vec *values) {
     for (int c = 0; c < width; ++c) sum_ += values[c] * 0.0f;
   }
-  bool found() const { return lane_bits(greater_equal(sum_, Vec{})) != kAllLanes; }
+  template <int width>
+  void look_at_colours(const Vec *values) {
+    look_at<width>(values);
+    for (int c = 0; c < width; ++c) largest_ = max(abs(values[c]), largest_);
+  }
+
+  // Rows [begin, end) of an array.
+  template <int width>
+  void look_at(const float *array, int64_t begin, int64_t end) {
+    each_vector(array, begin * width, end * width, [&](Vec v) { look_at<1>(&v); });
+  }
+  template <int width>
+  void look_at_colours(const float *array, int64_t begin, int64_t end) {
+    each_vector(array, begin * width, end * width, [&](Vec v) { look_at_colours<1>(&v); });
+  }
+
+  bool found() const {
+    return lane_bits(greater_equal(sum_, Vec{})) != kAllLanes || any(greater(largest_, broadcast(kColourMax)));
+  }
 
  private:
   static constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
-  Vec sum_{};
+
+  template <class F>
+  static void each_vector(const float *array, int64_t begin, int64_t end, F &&f) {
+    for (; end - begin >= kLanes; begin += kLanes) f(load_unaligned(array + begin));
+    if (end > begin) f(load_lanes(array + begin, static_cast<int>(end - begin)));
+  }
+
+  Vec sum_{};      // NaN in the lanes of values that are not finite: zero times any other is zero
+  Vec largest_{};  // magnitude of a colour
 };
 
 // Write rows, unless nobody wants the array.
@@ -56,37 +82,42 @@ inline void scatter(float *array, const Rows &rows, const Vec *values) {
 inline Vec sigmoid(Vec x) { return 1.0f / (1.0f + exp(-x)); }
 
 // Both kinds of splats offer the same to projection: `opacity` alone, because most dynamic splats are dead at any time
-// and are left out on its account, then the shape; and the way back. What they read is reported to `bad`.
+// and are left out on its account, then the shape; and the way back. `refusal` looks at every static splat beforehand, and
+// of dynamics at what is read.
 struct StaticMoment {
   const hgs_static_splats &splats;
 
   int64_t count() const { return splats.count; }
 
-  Vec opacity(const Rows &rows, NonFinite &bad) const {
+  void look_at_all(int64_t begin, int64_t end, Refusal &refusal) const {
+    refusal.look_at<3>(splats.means, begin, end);
+    refusal.look_at<3>(splats.log_scales, begin, end);
+    refusal.look_at<4>(splats.quats, begin, end);
+    refusal.look_at<1>(splats.opacity_logits, begin, end);
+    refusal.look_at_colours<3>(splats.rgb, begin, end);
+  }
+
+  Vec opacity(const Rows &rows, Refusal &) const {
     Vec logit;
     gather<1>(splats.opacity_logits, rows, &logit);
-    bad.look_at<1>(&logit);
     return sigmoid(logit);
   }
 
-  Shape shape(const Rows &rows, NonFinite &bad) const {
+  Shape shape(const Rows &rows, Refusal &) const {
     Shape s;
-    Vec mean[3];
+    Vec mean[3], quat[4];
     gather<3>(splats.means, rows, mean);
     gather<3>(splats.log_scales, rows, s.log_scale);
-    gather<4>(splats.quats, rows, s.quat);
+    gather<4>(splats.quats, rows, quat);
     gather<3>(splats.rgb, rows, s.rgb);
-    bad.look_at<3>(mean);
-    bad.look_at<3>(s.log_scale);
-    bad.look_at<4>(s.quat);
-    bad.look_at<3>(s.rgb);
     for (int i = 0; i < 3; ++i) s.mean[i] = widen(mean[i]);
+    for (int i = 0; i < 4; ++i) s.quat[i] = widen(quat[i]);
     return s;
   }
 
   void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
                 const hgs_static_gradients &out) const {
-    NonFinite ignored;  // the forward pass has looked
+    Refusal ignored;  // the forward pass has looked
     const Vec sigma = opacity(rows, ignored), d_logit = d_opacity * sigma * (1.0f - sigma);
     scatter<3>(out.means, rows, d_shape.mean);
     scatter<3>(out.log_scales, rows, d_shape.log_scale);
@@ -102,12 +133,14 @@ struct DynamicMoment {
 
   int64_t count() const { return splats.count; }
 
-  Vec opacity(const Rows &rows, NonFinite &bad) const {
-    const Fade f = fade(rows, bad);
+  void look_at_all(int64_t, int64_t, Refusal &) const {}
+
+  Vec opacity(const Rows &rows, Refusal &refusal) const {
+    const Fade f = fade(rows, refusal);
     return f.sigma * f.decay;
   }
 
-  Shape shape(const Rows &rows, NonFinite &bad) const {
+  Shape shape(const Rows &rows, Refusal &refusal) const {
     Shape s;
     Vec center, motion[12], rotation[8];
     gather<1>(splats.time_centers, rows, &center);
@@ -115,23 +148,21 @@ struct DynamicMoment {
     gather<8>(splats.rotation, rows, rotation);
     gather<3>(splats.log_scales, rows, s.log_scale);
     gather<3>(splats.rgb, rows, s.rgb);
-    bad.look_at<12>(motion);
-    bad.look_at<8>(rotation);
-    bad.look_at<3>(s.log_scale);
-    bad.look_at<3>(s.rgb);
-    const Wide wide = offset(center);
-    const Vec d = narrow(wide);
+    refusal.look_at<12>(motion);
+    refusal.look_at<8>(rotation);
+    refusal.look_at<3>(s.log_scale);
+    refusal.look_at_colours<3>(s.rgb);
+    const Wide d = offset(center);
     for (int i = 0; i < 3; ++i) {
-      s.mean[i] = widen(motion[i]) +
-                  wide * (widen(motion[3 + i]) + wide * (widen(motion[6 + i]) + wide * widen(motion[9 + i])));
+      s.mean[i] = widen(motion[i]) + d * (widen(motion[3 + i]) + d * (widen(motion[6 + i]) + d * widen(motion[9 + i])));
     }
-    for (int i = 0; i < 4; ++i) s.quat[i] = rotation[i] + d * rotation[4 + i];
+    for (int i = 0; i < 4; ++i) s.quat[i] = widen(rotation[i]) + d * widen(rotation[4 + i]);
     return s;
   }
 
   void backward(const Rows &rows, const ShapeGradient &d_shape, Vec d_opacity, const Vec *d_rgb,
                 const hgs_dynamic_gradients &out) const {
-    NonFinite ignored;  // the forward pass has looked
+    Refusal ignored;  // the forward pass has looked
     const Fade f = fade(rows, ignored);
     const Vec d = f.offset, opacity = f.sigma * f.decay;
     Vec motion[12], rotation[8], d_motion[12], d_rotation[8];
@@ -167,14 +198,14 @@ struct DynamicMoment {
 
   Wide offset(Vec center) const { return broadcast_wide(time) - widen(center); }
 
-  Fade fade(const Rows &rows, NonFinite &bad) const {
+  Fade fade(const Rows &rows, Refusal &refusal) const {
     Vec center, log_precision, logit;
     gather<1>(splats.time_centers, rows, &center);
     gather<1>(splats.time_log_precisions, rows, &log_precision);
     gather<1>(splats.opacity_logits, rows, &logit);
-    bad.look_at<1>(&center);
-    bad.look_at<1>(&log_precision);
-    bad.look_at<1>(&logit);
+    refusal.look_at<1>(&center);
+    refusal.look_at<1>(&log_precision);
+    refusal.look_at<1>(&logit);
     const Vec d = narrow(offset(center)), s = exp(log_precision);
     return {d, s, sigmoid(logit), exp(-s * d * d)};
   }

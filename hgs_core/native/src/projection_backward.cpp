@@ -72,20 +72,22 @@ void project_set_backward(const Workspace &w, const ScreenSet &set, const Moment
     const uint32_t *const splats = set.visible.data() + first;
     const Rows rows(static_cast<int>(std::min<int64_t>(kLanes, set.visible_count - first)),
                     [&](int k) { return set.splats[splats[k]].row; });
-    NonFinite ignored;  // the forward pass has looked
+    Refusal ignored;  // the forward pass has looked
     Vec sums[kGradientTerms];
     sum_slots(set, splats, rows.count, sums);
     const Projection p = project(model, moment.shape(rows, ignored));
+    const Round round(p);
+    const float root = 1.0f / std::sqrt(kExponentScale);  // moments are in coordinates that are smaller by it
     ScreenGradient g;
-    g.mean_x = p.conic_xx * sums[kHdx] + p.conic_xy * sums[kHdy];
-    g.mean_y = p.conic_xy * sums[kHdx] + p.conic_yy * sums[kHdy];
-    g.conic_xx = -0.5f * sums[kHdx2];
-    g.conic_xy = -sums[kHdxdy];
-    g.conic_yy = -0.5f * sums[kHdy2];
+    g.mean_x = root * round.t_by_x * sums[kHt];
+    g.mean_y = root * (round.t_by_y * sums[kHt] + round.e_by_y * sums[kHe]);
+    g.round_tt = sums[kHtt] * (1.0f / kExponentScale);
+    g.round_te = sums[kHte] * (1.0f / kExponentScale);
+    g.round_ee = sums[kHee] * (1.0f / kExponentScale);
     g.log_opacity = sums[kH];
     g.depth = sums[kDepth];
     const Vec d_opacity = sums[kH] / moment.opacity(rows, ignored);
-    moment.backward(rows, project_backward(model, p, g), d_opacity, sums + kRed, gradients);
+    moment.backward(rows, project_backward(model, p, round, g), d_opacity, sums + kRed, gradients);
     if (statistics != nullptr) add_statistics(rows, first_row, g, *statistics);
   });
 }

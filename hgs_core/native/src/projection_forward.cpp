@@ -34,15 +34,15 @@ struct Chunk {
   const CameraModel &model;
   ScreenSplat *out;       // the next visible splat
   int64_t entry_bound = 0;
-  NonFinite bad;
+  Refusal refusal;
 
   // Project the candidates and append those that are visible.
   template <class Moment>
   void project_rows(const Moment &moment, const Rows &rows) {
     const hgs_camera &camera = model.exact;
-    const Shape shape = moment.shape(rows, bad);
+    const Shape shape = moment.shape(rows, refusal);
     const Projection p = project(model, shape);
-    Vec opacity = moment.opacity(rows, bad);
+    Vec opacity = moment.opacity(rows, refusal);
     if (model.antialiased) opacity *= sqrt(max(compensation2(p), broadcast(kCompensationMin2)));
     const Vec log2_opacity = log2(opacity);
     const Vec reach = (log2_opacity - kLog2AlphaMin) * (2.0f * kLn2);
@@ -58,6 +58,7 @@ struct Chunk {
     const Vec zero{}, limit = broadcast(kCovarianceMax);
     Mask seen = both(greater_equal(p.distance_to_near_plane, zero), greater(p.conic_determinant, zero));
     seen = both(seen, both(greater(limit, p.cov_xx), greater(limit, p.cov_yy)));
+    seen = both(seen, greater_equal(broadcast(kDepthMax), p.z));
     seen = both(seen, greater_equal(opacity, broadcast(kAlphaMin)));
     seen = both(seen, both(greater(from_x + mean_x + half_x, zero), greater(from_y + mean_y + half_y, zero)));
     seen = both(seen, both(greater(broadcast(static_cast<float>(camera.width)), from_x + mean_x - half_x),
@@ -65,12 +66,12 @@ struct Chunk {
     const uint32_t seen_lanes = lane_bits(seen) & ((2u << (rows.count - 1)) - 1);
     if (seen_lanes == 0) return;
 
-    constexpr float kScale = 0.5f * kLog2E;
-    const Vec root_x = sqrt(kScale * p.conic_xx), root_y = kScale * p.conic_xy / root_x;
-    const Vec fall_y = kScale / p.cov_yy;
-    const Vec values[] = {from_x, from_y, mean_x, mean_y, root_x, root_y, fall_y, log2_opacity, shape.rgb[0],
-                          shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first, lines.last,
-                          columns.tiles() * lines.tiles()};
+    const Wide exact = exact_slope(model, shape, p);
+    const Vec slope = narrow(exact), slope_rest = narrow(exact - widen(slope));
+    const Vec scale_t = sqrt(kExponentScale * p.conic_xx), scale_e = sqrt(kExponentScale / p.cov_yy);
+    const Vec values[] = {from_x, from_y, mean_x, mean_y, slope, slope_rest, scale_t, scale_e, log2_opacity,
+                          shape.rgb[0], shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first,
+                          lines.last, columns.tiles() * lines.tiles()};
     constexpr int kValues = sizeof(values) / sizeof(values[0]);
     alignas(64) float f[kValues][kLanes];
     for (int i = 0; i < kValues; ++i) store(f[i], values[i]);
@@ -78,21 +79,22 @@ struct Chunk {
     for (int k = 0; k < rows.count; ++k) {
       if (!(seen_lanes >> k & 1)) continue;
       *out++ = {f[0][k], f[1][k], f[2][k], f[3][k], f[4][k], f[5][k], f[6][k], f[7][k], f[8][k], f[9][k], f[10][k],
-                f[11][k], pixel(f[12][k]), pixel(f[13][k]), pixel(f[14][k]), pixel(f[15][k]), rows.row[k]};
-      entry_bound += static_cast<int64_t>(f[16][k]);
+                f[11][k], f[12][k], pixel(f[13][k]), pixel(f[14][k]), pixel(f[15][k]), pixel(f[16][k]), rows.row[k]};
+      entry_bound += static_cast<int64_t>(f[17][k]);
     }
   }
 
   // Project splats [begin, end).
   template <class Moment>
   void project_range(const Moment &moment, int64_t begin, int64_t end) {
+    moment.look_at_all(begin, end, refusal);
     // First those that are opaque enough to be seen, so that projection has full vectors to work on.
     uint32_t candidates[kChunk];
     int count = 0;
     for (int64_t i = begin; i < end; i += kLanes) {
       const int lanes = static_cast<int>(std::min<int64_t>(kLanes, end - i));
       const Rows rows(lanes, [&](int k) { return static_cast<uint32_t>(i + k); });
-      const uint32_t alive = lane_bits(greater_equal(moment.opacity(rows, bad), broadcast(kAlphaMin)));
+      const uint32_t alive = lane_bits(greater_equal(moment.opacity(rows, refusal), broadcast(kAlphaMin)));
       for (int k = 0; k < lanes; ++k) {
         candidates[count] = rows.row[k];
         count += alive >> k & 1;
@@ -112,7 +114,7 @@ hgs_status project_set(const hgs_view &view, const Moment &moment, ScreenSet &se
   set.splats.reserve(count);
   set.chunk_visible.reserve(chunks);
   std::atomic<int64_t> entry_bound{0};
-  std::atomic<bool> finite{true};
+  std::atomic<bool> refused{false};
   parallel_for(threads, chunks, 1, [&](int64_t c) {
     const int64_t begin = c * kChunk;
     ScreenSplat *const first = set.splats.data() + begin;
@@ -120,9 +122,9 @@ hgs_status project_set(const hgs_view &view, const Moment &moment, ScreenSet &se
     chunk.project_range(moment, begin, std::min(count, begin + kChunk));
     set.chunk_visible[c] = static_cast<uint32_t>(chunk.out - first);
     entry_bound.fetch_add(chunk.entry_bound, std::memory_order_relaxed);
-    if (chunk.bad.found()) finite.store(false, std::memory_order_relaxed);
+    if (chunk.refusal.found()) refused.store(true, std::memory_order_relaxed);
   });
-  if (!finite) return HGS_NOT_FINITE;
+  if (refused) return HGS_REFUSED;
 
   uint32_t *const visible = set.visible.reserve(count);
   set.visible_count = 0;

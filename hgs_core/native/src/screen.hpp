@@ -13,11 +13,14 @@ constexpr int kTile = 16;  // pixels
 constexpr float kLowPass = 0.3f;  // pixels^2
 constexpr float kAlphaMin = 1.0f / 255.0f;
 constexpr float kLog2AlphaMin = -7.99435343685886f;
+constexpr float kExponentScale = 0.5f * 1.44269504088896341f;  // of squares in round coordinates, to base 2
 constexpr float kAlphaMax = 0.99f;
 constexpr float kTransmittanceMin = 1e-4f;
 constexpr double kFrustumMargin = 0.3;
 constexpr float kCompensationMin2 = 0.005f * 0.005f;
 constexpr float kCovarianceMax = 1e18f;  // pixels^2
+constexpr float kDepthMax = 1e18f;       // world units
+constexpr float kColourMax = 1e18f;
 
 // Covers the rounding of the edges of boxes, pixels. A pixel inside a box but outside its ellipse costs time only.
 constexpr float kPixelSlack = 1e-3f;
@@ -29,14 +32,15 @@ struct PixelRange {
 };
 
 // An ellipse on the screen, one cache line. At the offset (dx, dy) from the mean, its alpha is 2 to the power of
-//     log2_opacity - (root_x dx + root_y dy)^2 - fall_y dy^2,
+//     log2_opacity - t^2 - e^2,  t = scale_t (dx + slope dy),  e = scale_e dy,
 // the quadratic form of docs/numerics.md as a sum of squares: nothing cancels for long thin splats.
-// The mean is a whole pixel and a remainder, so that offsets are exact far from the picture's corner too.
+// What is multiplied by distances of thousands of pixels has more digits than a float: the mean is a whole pixel and a
+// remainder, and the slope, by which a needle turns a distance along it into one across it, is the sum of two floats.
 struct alignas(64) ScreenSplat {
   float origin_x, origin_y;  // whole numbers, pixels
   float mean_x, mean_y;      // from the origin, pixels
-  float root_x, root_y;      // 1 / pixel
-  float fall_y;              // 1 / pixel^2
+  float slope, slope_rest;
+  float scale_t, scale_e;    // 1 / pixel
   float log2_opacity;        // at least kLog2AlphaMin
   float r, g, b;
   float depth;               // camera-space z
@@ -57,11 +61,13 @@ struct TileEntry {
   uint32_t splat;  // in `splats` of its set
   uint32_t slot;   // in `slots` of its set
   TileBox box;
+  float middle_t;  // t in the middle of the box
 };
 
 // What a (splat, tile) pair adds to the gradient of a splat: sums over the tile's pixels of dL / d colour, dL / d depth
-// and, with h = dL / d ln(alpha) of a pixel and (dx, dy) its offset from the mean, of h times the powers of the offset.
-enum GradientTerm { kHdx, kHdy, kHdx2, kHdxdy, kHdy2, kRed, kGreen, kBlue, kH, kDepth, kGradientTerms };
+// and, with h = dL / d ln(alpha) of a pixel and (t, e) as in ScreenSplat, of h times the powers of t and e. In these
+// coordinates every splat is round; moments of the offsets in pixels would be nearly dependent for a needle.
+enum GradientTerm { kHt, kHe, kHtt, kHte, kHee, kRed, kGreen, kBlue, kH, kDepth, kGradientTerms };
 
 struct alignas(16) GradientSlot {
   float terms[kGradientTerms];

@@ -97,42 +97,56 @@ class TileList {
       : statics(w, w.statics, static_ends, tile), dynamics(w, w.dynamics, dynamic_ends, tile) {}
 };
 
-// Pixel centres of a tile: of the first block's columns, and of its rows in vectors.
-struct TileCentres {
-  Vec columns, rows[kTile / kLanes];
+// Pixel centres of a tile's rows, in vectors.
+struct TileRows {
+  float first;
+  Vec centres[kTile / kLanes];
 
-  explicit TileCentres(const TilePlace &place) {
-    columns = lane_numbers() + (static_cast<float>(place.x) + 0.5f);
-    for (int i = 0; i < kTile / kLanes; ++i) {
-      rows[i] = lane_numbers() + (static_cast<float>(place.y + i * kLanes) + 0.5f);
-    }
+  explicit TileRows(const TilePlace &place) : first(static_cast<float>(place.y) + 0.5f) {
+    for (int i = 0; i < kTile / kLanes; ++i) centres[i] = lane_numbers() + (first + static_cast<float>(i * kLanes));
   }
 };
 
-// The part of a splat's exponent that is the same along a row, from the first to the last row asked for.
-struct RowTerms {
-  alignas(64) float dy[kTile], linear[kTile], constant[kTile];
+// How far the rows or columns of a tile lie from the middle of [first, last], pixels; in vectors.
+inline const float *from_middle(int first, int last) {
+  struct Table {
+    alignas(64) float offsets[2 * kTile - 1][kTile];
+    constexpr Table() : offsets{} {
+      for (int sum = 0; sum < 2 * kTile - 1; ++sum) {
+        for (int i = 0; i < kTile; ++i) offsets[sum][i] = static_cast<float>(i) - 0.5f * static_cast<float>(sum);
+      }
+    }
+  };
+  static constexpr Table table;
+  return table.offsets[first + last];
+}
 
-  RowTerms(const ScreenSplat &s, const TileCentres &centres, int first_row, int last_row) {
-    for (int i = first_row / kLanes; i <= last_row / kLanes; ++i) {
-      const Vec d = centres.rows[i] - s.origin_y - s.mean_y;
-      store(dy + i * kLanes, d);
-      store(linear + i * kLanes, d * s.root_y);
-      store(constant + i * kLanes, s.log2_opacity - d * d * s.fall_y);
+// The part of a splat's exponent that is the same along a row, for the rows of its box; t from that of the middle row.
+struct RowTerms {
+  const float *dy;  // from the middle row
+  float t_by_y;
+  alignas(64) float t[kTile], constant[kTile];
+
+  RowTerms(const ScreenSplat &s, const TileBox &box, const TileRows &rows)
+      : dy(from_middle(box.y0, box.y1)), t_by_y(s.scale_t * s.slope) {
+    for (int i = box.y0 / kLanes; i <= box.y1 / kLanes; ++i) {
+      const Vec e = (rows.centres[i] - s.origin_y - s.mean_y) * s.scale_e;
+      store(t + i * kLanes, load(dy + i * kLanes) * t_by_y);
+      store(constant + i * kLanes, s.log2_opacity - e * e);
     }
   }
 };
 
 // A splat in one block of columns.
 struct BlockTerms {
-  Vec dx, scaled_dx;
+  Vec middle_t;  // in the middle row
 
-  BlockTerms(const ScreenSplat &s, const TileCentres &centres, int block)
-      : dx(centres.columns + (static_cast<float>(block * kLanes) - s.origin_x) - s.mean_x), scaled_dx(s.root_x * dx) {}
+  BlockTerms(const ScreenSplat &s, const TileEntry &entry, int block)
+      : middle_t(entry.middle_t + s.scale_t * load(from_middle(entry.box.x0, entry.box.x1) + block * kLanes)) {}
 
   // log2 of the alpha of a row's pixels.
   Vec power(const RowTerms &rows, int y) const {
-    const Vec t = scaled_dx + rows.linear[y];
+    const Vec t = middle_t + rows.t[y];
     return rows.constant[y] - t * t;
   }
 };
@@ -158,10 +172,11 @@ struct Blend {
 
 // Draw a splat over the transmittances of a tile; f(i, weight) hears of every vector of pixels.
 template <class F>
-inline void blend_splat(const ScreenSplat &s, const TileBox &box, const TileCentres &centres, float *T, F &&f) {
-  const RowTerms rows(s, centres, box.y0, box.y1);
+inline void blend_splat(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, float *T, F &&f) {
+  const TileBox box = entry.box;
+  const RowTerms rows(s, box, tile_rows);
   for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
-    const BlockTerms columns(s, centres, block);
+    const BlockTerms columns(s, entry, block);
     for (int y = box.y0; y <= box.y1; ++y) {
       const int i = block * kBlockSize + y * kLanes;
       const Blend blend(columns.power(rows, y), load(T + i));

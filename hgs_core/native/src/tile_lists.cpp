@@ -33,7 +33,7 @@ class Emitter {
     const int tx0 = box.x0 / kTile, tx1 = box.x1 / kTile, ty0 = box.y0 / kTile, ty1 = box.y1 / kTile;
     const size_t before = count_;
     next_ = emissions_.reserve(before + static_cast<size_t>(tx1 - tx0 + 1) * (ty1 - ty0 + 1), before) + before;
-    visit(splat, s, box, tx0, tx1, ty0, ty1);
+    visit(splat, s, ToT(s), box, tx0, tx1, ty0, ty1);
     count_ = next_ - emissions_.data();
     return static_cast<uint32_t>(count_ - before);
   }
@@ -41,9 +41,25 @@ class Emitter {
   size_t count() const { return count_; }
 
  private:
-  void visit(uint32_t splat, const ScreenSplat &s, const PixelRange &box, int tx0, int tx1, int ty0, int ty1) {
+  // The coordinate t of a place on the screen, in double precision: once per tile, so that within it t takes small steps
+  // from a small number.
+  struct ToT {
+    double mean_x, mean_y, slope, scale;
+
+    explicit ToT(const ScreenSplat &s)
+        : mean_x(static_cast<double>(s.origin_x) + s.mean_x),
+          mean_y(static_cast<double>(s.origin_y) + s.mean_y),
+          slope(static_cast<double>(s.slope) + s.slope_rest),
+          scale(s.scale_t) {}
+
+    float operator()(double x, double y) const {
+      return static_cast<float>(scale * ((x - mean_x) + slope * (y - mean_y)));
+    }
+  };
+
+  void visit(uint32_t splat, const ScreenSplat &s, const ToT &to_t, const PixelRange &box, int tx0, int tx1, int ty0, int ty1) {
     if (tx0 == tx1 && ty0 == ty1) {
-      add(splat, tx0, ty0, box);
+      add(splat, to_t, tx0, ty0, box);
       return;
     }
     const Ellipse ellipse(s);
@@ -55,17 +71,18 @@ class Emitter {
       for (int tx = row.x0 / kTile; tx <= row.x1 / kTile; ++tx) {
         PixelRange part{std::max(row.x0, tx * kTile), std::min(row.x1, tx * kTile + kTile - 1), top, bottom};
         if (tx0 != tx1) part = ellipse.narrow_y(part);
-        if (!part.empty()) add(splat, tx, ty, part);
+        if (!part.empty()) add(splat, to_t, tx, ty, part);
       }
     }
   }
 
-  void add(uint32_t splat, int tx, int ty, const PixelRange &r) {
+  void add(uint32_t splat, const ToT &to_t, int tx, int ty, const PixelRange &r) {
     const auto tile = static_cast<uint32_t>(ty * tiles_x_ + tx);
     if (tile_mask_ != nullptr && tile_mask_[tile] == 0) return;
     const auto x = [&](int i) { return static_cast<uint8_t>(i - tx * kTile); };
     const auto y = [&](int i) { return static_cast<uint8_t>(i - ty * kTile); };
-    *next_++ = {splat, tile, {x(r.x0), x(r.x1), y(r.y0), y(r.y1)}};
+    const float middle_t = to_t(0.5 * (r.x0 + r.x1 + 1), 0.5 * (r.y0 + r.y1 + 1));
+    *next_++ = {splat, tile, {x(r.x0), x(r.x1), y(r.y0), y(r.y1)}, middle_t};
     ++tile_counts_[tile];
   }
 
@@ -117,7 +134,7 @@ void list_by_tile(Workspace &w, ScreenSet &set, int threads) {
     for (int64_t i = begin; i < end; ++i) set.first_slot[set.order[i]] += slot;
     for (size_t i = 0; i < mine.count; ++i) {
       const Emission &e = mine.emissions[i];
-      entries[mine.tile_counts[e.tile]++] = {e.splat, slot++, e.box};
+      entries[mine.tile_counts[e.tile]++] = {e.splat, slot++, e.box, e.middle_t};
     }
   });
 }

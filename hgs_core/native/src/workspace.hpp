@@ -13,6 +13,7 @@ struct Emission {
   uint32_t splat;
   uint32_t tile;
   TileBox box;
+  float middle_t;
 };
 
 // The emissions of one thread, which has a consecutive part of the splats in order of depth.

@@ -1,9 +1,10 @@
-"""Parameters that are not numbers are refused by name, and only those that are looked at."""
+"""Parameters that no picture can show are refused by name, and only those that are looked at."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import re
 
 import pytest
 import torch
@@ -51,12 +52,38 @@ def test_the_first_of_several_is_named(backend: str) -> None:
 
 
 @every_backend
-def test_statics_out_of_sight_are_looked_at(backend: str) -> None:
+@pytest.mark.parametrize("field", STATIC)
+def test_statics_out_of_sight_are_looked_at(backend: str, field: str) -> None:
     splats = static_splats(40, dtype=torch.float32)
     splats.means[3, 2] = -5
-    splats.rgb[3] = math.nan
-    with pytest.raises(InputError, match=r"rgb\[3\] is nan"):
+    getattr(splats, field)[3].view(-1)[0] = math.nan
+    with pytest.raises(InputError, match=rf"{field}\[3\] is nan"):
         BACKENDS[backend](splats, None, View(camera()))
+
+
+@every_backend
+@pytest.mark.parametrize("field", STATIC)
+def test_statics_too_faint_to_be_seen_are_looked_at(backend: str, field: str) -> None:
+    splats = static_splats(40, dtype=torch.float32)
+    splats.opacity_logits[39] = -50
+    getattr(splats, field)[39].view(-1)[-1] = math.inf
+    with pytest.raises(InputError, match=rf"{field}\[39\] is inf"):
+        BACKENDS[backend](splats, None, View(camera()))
+
+
+@every_backend
+@pytest.mark.parametrize("value", [1.01e18, -3e38])
+def test_a_colour_beyond_the_limit_is_named(backend: str, value: float) -> None:
+    splats, moving = static_splats(40, dtype=torch.float32), dynamic_splats(40, dtype=torch.float32)
+    splats.opacity_logits[39] = -50
+    splats.rgb[39, 1] = value
+    with pytest.raises(InputError, match=re.escape(f"static splats: rgb[39] is {value:g}; give it")):
+        BACKENDS[backend](splats, None, View(camera()))
+    moving.time_log_precisions[:] = -5
+    moving.opacity_logits[:] = 1
+    moving.rgb[7, 2] = value
+    with pytest.raises(InputError, match=r"^dynamic splats: rgb\[7\] is "):
+        BACKENDS[backend](None, moving, View(camera(), 0.4))
 
 
 @every_backend
@@ -66,6 +93,7 @@ def test_dead_splats_are_not_looked_at(backend: str) -> None:
     splats.time_centers[::2] = 9
     for field in ("motion", "rotation", "log_scales", "rgb"):
         getattr(splats, field)[::2] = math.nan
+    splats.rgb[::4] = 1e30
     splats = splats.map(lambda array: array.requires_grad_())
     render = BACKENDS[backend](None, splats, View(camera(), 0.4))
     render.rgb.sum().backward()  # type: ignore[no-untyped-call]
