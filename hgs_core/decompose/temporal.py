@@ -2,7 +2,8 @@
 
 The background of a pixel is its median over frames spread evenly over time, which anything that stands at a place for
 less than half of them does not touch. A pixel moves in a frame where it differs from its background by more than the
-noise there. Where it does so in half of the frames, no state is the background, and it moves in all of them.
+noise there, once the frame has the background's exposure. Where it does so in half of the frames, no state is the
+background, and it moves in all of them.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.decompose.exposure import compensated
 from hgs_core.decompose.morphology import box_sum, close, despeckle, dilate
 
 __all__ = ["Background", "Frame", "estimate_background", "median_picture", "moving_pixels", "sample_frames"]
@@ -20,7 +22,10 @@ __all__ = ["Background", "Frame", "estimate_background", "median_picture", "movi
 _SAMPLES = 25  # frames that the median and the noise are taken from
 _STRIP = 64  # rows at a time, so that the median needs little memory
 _LARGE = 1 << 19  # pixels; larger pictures are judged at half resolution, which their noise and details allow
-_NOISE_FACTOR = 3.5  # standard deviations of the smoothed difference that count as motion
+_MAX_RADIUS = 3  # pixels; of the window that differences are averaged over
+_SMOOTHED = 1.5  # levels of 255: the window grows until noise averages out to less
+_DEVIATION = 0.79  # standard deviations per median of the largest of three Gaussian sizes: 1 / 1.265
+_NOISE_FACTOR = 4.5  # standard deviations of the smoothed difference that count as motion
 _NOISE_FLOOR = 5.0  # levels of 255 that no threshold goes below: slow drift and quantisation
 _NOISE_SPAN = 1.75  # a pixel's own threshold is at most this much above the picture's, or motion would hide itself
 _TEXTURE = 0.16  # of the local contrast: coding errors follow it, and jump where the encoder starts afresh
@@ -39,6 +44,7 @@ class Background:
     threshold: npt.NDArray[np.float32]  # [h, w] smoothed difference that counts as motion, levels of 255
     restless: npt.NDArray[np.bool_]  # [h, w] pixels without a background
     halved: bool  # h = H / 2 and w = W / 2, rounded up
+    radius: int  # pixels; differences are averaged over (2 radius + 1)^2 pixels: more where there is more noise
 
 
 def estimate_background(frame: Frame, frames: int) -> Background:
@@ -47,15 +53,19 @@ def estimate_background(frame: Frame, frames: int) -> Background:
     first = frame(chosen[0])
     halved = first.shape[0] * first.shape[1] > _LARGE
     stack = np.stack([_reduced(frame(index), halved) for index in chosen])  # S pictures [h, w, 3]
+    first_guess = median_picture(stack)
+    stack = np.stack([compensated(picture, first_guess) for picture in stack])
     rgb = median_picture(stack)
-    differences = np.stack([_difference(picture, rgb) for picture in stack])  # [S, h, w]
-    # The median deviation over time is deaf to what passes by; 1.4826 of it is a Gaussian's standard deviation.
+    radius = _radius(stack, rgb)
+    differences = np.stack([_difference(picture, rgb, radius) for picture in stack])  # [S, h, w]
+    # The median over time is deaf to what passes by.
     deviation = np.partition(differences, len(chosen) // 2, axis=0)[len(chosen) // 2]
-    noise = np.float32(1.4826) * deviation.astype(np.float32)
+    noise = np.float32(_DEVIATION) * deviation.astype(np.float32)
     base = max(_NOISE_FLOOR, _NOISE_FACTOR * float(np.median(noise)))  # of the still pixels: they are the most
-    threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + np.float32(_TEXTURE) * _contrast(rgb)
+    texture = np.float32(_TEXTURE * 3 / (2 * radius + 1)) * _contrast(rgb)
+    threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + texture
     restless = (differences > threshold).mean(axis=0) > _RESTLESS
-    return Background(rgb, threshold, restless, halved)
+    return Background(rgb, threshold, restless, halved, radius)
 
 
 def median_picture(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
@@ -69,7 +79,8 @@ def median_picture(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
 
 def moving_pixels(picture: npt.NDArray[np.uint8], background: Background) -> npt.NDArray[np.bool_]:
     """Return the mask [H, W] of what moves in a picture [H, W, 3]: objects, their shadows and reflections."""
-    differs = _difference(_reduced(picture, background.halved), background.rgb) > background.threshold
+    exposed = compensated(_reduced(picture, background.halved), background.rgb)
+    differs = _difference(exposed, background.rgb, background.radius) > background.threshold
     moving = despeckle(differs | background.restless, 2, 0.3)
     moving = dilate(close(moving, 3), _MARGIN)
     if background.halved:
@@ -82,14 +93,23 @@ def sample_frames(frames: int, count: int) -> Sequence[int]:
     return sorted({int(i) for i in np.linspace(0, frames - 1, min(frames, count)).round()})
 
 
-def _difference(picture: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
+def _radius(stack: npt.NDArray[np.uint8], rgb: npt.NDArray[np.uint8]) -> int:
+    """Return the radius of the window in which the noise of S pictures [S, h, w, 3] averages out."""
+    sizes = np.abs(stack[:, ::4, ::4].astype(np.int16) - rgb[::4, ::4])
+    noise = 1.4826 * float(np.median(np.median(sizes, axis=0)))
+    return int(np.clip(np.ceil((noise / _SMOOTHED - 1) / 2), 1, _MAX_RADIUS))
+
+
+def _difference(
+    picture: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8], radius: int
+) -> npt.NDArray[np.float32]:
     """Return the largest channel of the smoothed difference of two pictures [h, w, 3], levels of 255, [h, w].
 
-    The 3x3 mean is taken with the sign: noise cancels, motion and shadows do not.
+    The mean over the window is taken with the sign: noise cancels, motion and shadows do not.
     """
     signed = picture.astype(np.int16) - background
-    smooth = np.abs(box_sum(signed, 1)).max(axis=2)
-    return np.asarray(smooth, np.float32) * np.float32(1 / 9)
+    smooth = np.abs(box_sum(signed, radius)).max(axis=2)
+    return np.asarray(smooth, np.float32) * np.float32(1 / (2 * radius + 1) ** 2)
 
 
 def _contrast(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
