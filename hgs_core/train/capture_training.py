@@ -80,6 +80,7 @@ def train_capture(
         "dynamic": float(sum(len(state.dynamic) for state in states)),
         "history": key.state.history.curves,
         "profile": _summed([state.history.profile for state in states]),
+        "pruned": sum(state.history.pruned for state in states),
         "births": sum(state.history.births for state in states),
         "labels_changed": _summed([state.history.labels_changed for state in states]),
     }

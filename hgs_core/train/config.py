@@ -60,6 +60,7 @@ class TrainConfig:
     grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
+    prune_contribution: float = 0.01  # splats of less weight in every pixel of every training view are removed; 0: none
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
@@ -71,7 +72,7 @@ class TrainConfig:
     stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
     motion_order: int = 3  # degree of the position polynomial: 1, 2 or 3
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
-    antialiased: bool = False  # draw so, now and in every viewer: right from any distance (docs/training.md)
+    antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)
     checkpoint_every: int = 500  # cycles
     frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
@@ -91,7 +92,7 @@ class TrainConfig:
             value = getattr(self, name)
             if value < low:
                 raise InputError(f"config.{name}", f"{value} is too small", f"give {low} or more")
-        for name in ("densify_from", "densify_until", "prune_opacity", "dssim", "coarse_until"):
+        for name in ("densify_from", "densify_until", "prune_opacity", "prune_contribution", "dssim", "coarse_until"):
             value = getattr(self, name)
             if not 0 <= value <= 1:
                 raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")

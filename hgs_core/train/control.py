@@ -1,4 +1,4 @@
-"""Which splats there are: rounds of density control, births and labelling over a training state."""
+"""Which splats there are: rounds of density control, pruning, births and labelling over a training state."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.points import PointCloud
+from hgs_core.render.contribution import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.births import find_births, picture_error
@@ -23,8 +24,9 @@ from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.training_views import TrainingView, TrainingViews
 
-__all__ = ["control_births", "control_density", "control_labels"]
+__all__ = ["control_births", "control_contributions", "control_density", "control_labels"]
 
+_CONTRIBUTION_MOMENTS = 60  # of the segment at which contributions are weighed
 _BIRTH_INSTANTS = 30  # of the segment that a round of births looks at
 _BIRTH_OPACITY = 0.6
 _MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
@@ -56,6 +58,27 @@ def control_density(
         state.dynamic = refine(
             state.dynamic, state.dynamic_adam, dynamic_seen, plan(first_counts[1], config.max_dynamic)
         )
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def control_contributions(state: TrainState, config: TrainConfig, views: TrainingViews, statics_learn: bool) -> None:
+    """Remove the splats that no training view needs: whose largest weight T alpha in any pixel is too small."""
+    statics = len(state.static)
+    peak = np.zeros(statics + len(state.dynamic), np.float32)
+    for camera, moment in views.poses(_CONTRIBUTION_MOMENTS):
+        found = contributions(
+            state.static, state.dynamic, camera, moment, backend=config.backend, antialiased=config.antialiased
+        )
+        np.maximum(peak, found.peak, out=peak)
+    needed = peak >= config.prune_contribution
+    if statics_learn:
+        kept = _rows(needed[:statics])
+        state.static = state.static.take(kept)
+        state.static_adam.select(kept, 0)
+    kept = _rows(needed[statics:])
+    state.dynamic = state.dynamic.take(kept)
+    state.dynamic_adam.select(kept, 0)
+    state.history.pruned += len(peak) - len(state.static) - len(state.dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 

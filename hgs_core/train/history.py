@@ -24,6 +24,7 @@ class TrainingHistory:
     profile: dict[str, float] = field(default_factory=dict)  # seconds by activity
     labels_changed: dict[str, int] = field(default_factory=lambda: {"to_static": 0, "to_dynamic": 0})  # splats
     births: int = 0  # splats
+    pruned: int = 0  # splats that no view needed
     stride: int = 1  # reports per point of the curves
     loss: float = math.nan  # smoothed, of the training views
     psnr: float = math.nan  # smoothed, dB, of the training views as the scene shows them
@@ -63,7 +64,8 @@ class TrainingHistory:
         """Return plain values for a checkpoint."""
         return {
             "curves": self.curves, "profile": self.profile,
-            "labels_changed": self.labels_changed, "births": self.births, "stride": self.stride,
+            "labels_changed": self.labels_changed, "births": self.births,
+            "pruned": self.pruned, "stride": self.stride,
             "loss": self.loss, "psnr": self.psnr, "reports": self._reports,
         }  # fmt: skip
 

@@ -15,6 +15,7 @@ __all__ = ["Schedule"]
 _RELABEL_FROM = 0.1  # share of the cycles before the first round of labelling
 _RELABEL_ROUNDS = 10
 _BIRTHS = (0.3, 0.45)  # shares of the cycles after which splats are born
+_PRUNES = (*_BIRTHS, 0.65, 0.85)  # after which those that no view needs are removed: first to make room
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,11 @@ class Schedule:
         every = max(1, round((last - first) / _RELABEL_ROUNDS))
         done = cycle + 1
         return self.config.adaptive_labels and first < done <= last and (done - round(first)) % every == 0
+
+    def prunes_after(self, cycle: int) -> bool:
+        """Return whether splats that no view needs are removed after this cycle."""
+        wanted = self.config.prune_contribution > 0
+        return wanted and cycle + 1 in {round(share * self.config.cycles) for share in _PRUNES}
 
     def births_after(self, cycle: int) -> bool:
         """Return whether a round of births follows this cycle."""

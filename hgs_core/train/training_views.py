@@ -14,6 +14,7 @@ from torch.nn.functional import interpolate
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
+from hgs_core.decompose.temporal import sample_frames
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.targets import target_picture
@@ -21,7 +22,7 @@ from hgs_core.train.views import ViewSchedule, training_cameras
 
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 
-_SAMPLE_SIZE = 0.5  # of the pictures that labels are judged by
+_SAMPLE_SIZE = 0.5  # of the pictures that labels and contributions are judged by
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,14 @@ class TrainingViews:
         """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""
         for index, frames in self.order.samples(cycle):
             yield (self._view(index, frame, _SAMPLE_SIZE) for frame in frames)
+
+    def poses(self, moments: int) -> Iterator[tuple[Camera, float]]:
+        """Yield every training camera, at half size, with every one of at most `moments` normalised times."""
+        frames = sample_frames(self._segment.frames, moments)
+        times = self._capture.times[[self._segment.first + frame for frame in frames]]
+        for camera in self.cameras:
+            for seconds in times:
+                yield camera.scaled(_SAMPLE_SIZE), self._segment.clock.normalised(float(seconds))
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""

@@ -119,7 +119,7 @@ def test_what_is_not_finite_is_refused_and_nothing_of_it_stays(kind: int, field:
     np.testing.assert_array_equal(Raster(*sets, camera(), 0.3, threads=2).rgb, expected)
 
 
-@pytest.mark.parametrize("field", [*STATIC_SHAPES])
+@pytest.mark.parametrize("field", [field for field in STATIC_SHAPES if field != "rgb"])  # such colours are refused
 @pytest.mark.parametrize("value", [1e30, -1e30])
 def test_an_extreme_splat_harms_no_other(field: str, value: float) -> None:
     static, _ = scene(50)
