@@ -119,16 +119,26 @@ def test_what_is_not_finite_is_refused_and_nothing_of_it_stays(kind: int, field:
     np.testing.assert_array_equal(Raster(*sets, camera(), 0.3, threads=2).rgb, expected)
 
 
-@pytest.mark.parametrize("field", [field for field in STATIC_SHAPES if field != "rgb"])  # such colours are refused
-@pytest.mark.parametrize("value", [1e30, -1e30])
-def test_an_extreme_splat_harms_no_other(field: str, value: float) -> None:
+@pytest.mark.parametrize("field", [*STATIC_SHAPES])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_an_extreme_splat_harms_no_other(field: str, sign: int) -> None:
     static, _ = scene(50)
     extreme = static.map(np.copy)
-    getattr(extreme, field)[7] = value
+    getattr(extreme, field)[7] = sign * (1e18 if field == "rgb" else 1e30)
     raster = Raster(extreme, None, camera(), threads=1)
     assert np.isfinite(raster.rgb).all()
     assert (raster.alpha >= 0).all()
     assert (raster.alpha <= 1).all()
+
+
+def test_a_colour_beyond_the_limit_is_refused() -> None:
+    sets = scene(50, 50)
+    sets[1].time_centers[7], sets[1].opacity_logits[7] = 0.3, 4.0  # alive
+    for splats in sets:
+        splats.rgb[7, 2] = -1.0001e18
+        with pytest.raises(FloatingPointError, match="beyond 1e18"):
+            Raster(*sets, camera(), 0.3)
+        splats.rgb[7, 2] = 0
 
 
 def test_no_splats() -> None:
