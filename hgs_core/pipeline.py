@@ -50,17 +50,20 @@ def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | N
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:
-    """Find what moves and where the first points are: masks.npz and points.npz."""
+    """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz."""
     from hgs_core.capture.initialise import initial_points
-    from hgs_core.decompose.masks import motion_masks
+    from hgs_core.decompose.masks import MotionMasks, motion_masks
 
     folder = RunFolder(run)
     if folder.points.exists():
         return
     capture, config = _open(folder)
     cameras = training_cameras(capture, config)
-    masks = motion_masks(capture, cameras, progress=progress)
-    masks.save(folder.masks)
+    if folder.masks.exists():  # of a stage that was stopped, or put there to be used
+        masks = MotionMasks.load(folder.masks, capture)
+    else:
+        masks = motion_masks(capture, cameras, progress=progress)
+        masks.save(folder.masks)
     points = initial_points(
         capture, cameras, masks, every=_init_step(capture, config), static_target=config.static_points,
         dynamic_target=config.dynamic_points, seed=config.seed, progress=progress,

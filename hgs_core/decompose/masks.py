@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import zipfile
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -55,6 +55,12 @@ class MotionMasks:
         """Return the share of the pixels that move, 0..1, from at most 16 frames of each camera."""
         frames = sample_frames(len(self._capture.times), _SHARE_FRAMES)
         return float(np.mean([self.mask(camera, frame).mean() for camera in self.cameras for frame in frames]))
+
+    def changed(self, change: Callable[[int, int, npt.NDArray[np.bool_]], npt.NDArray[np.bool_]]) -> MotionMasks:
+        """Return masks that `change(camera, frame, mask)` puts in the place of these, given ones too."""
+        frames = range(len(self._capture.times))
+        masks = {c: [_pack(change(c, frame, self.mask(c, frame))) for frame in frames] for c in self.cameras}
+        return MotionMasks(self._capture, self.cameras, masks)
 
     def save(self, path: Path) -> None:
         """Write the automatic masks as an .npz file, which appears complete or not at all."""

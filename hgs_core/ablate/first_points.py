@@ -1,0 +1,95 @@
+"""Masks and first points of the runs of an ablation: found once, shared by all runs that start from the same."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from hgs_core.ablate.mask_changes import Mask
+from hgs_core.ablate.plan import RowRun
+from hgs_core.atomic import write_bytes
+from hgs_core.decompose.masks import MotionMasks
+from hgs_core.pipeline import initialise
+from hgs_core.progress import Progress, ProgressCallback
+
+__all__ = ["initialise_run", "moving_share"]
+
+_DECIDES = ("hold_out", "downscale", "seed", "static_points", "dynamic_points", "init_frames")  # first points
+_REPORT_EVERY = 20  # pictures
+
+
+def initialise_run(run: RowRun, others: Sequence[RowRun], progress: ProgressCallback) -> None:
+    """Give a run its masks.npz and points.npz: those of another run that starts from the same, else new ones.
+
+    Args:
+        run: the run; its row's change is done to the masks.
+        others: all runs of the ablation; the masks of the first one are unchanged, and there when another row's are
+            changed.
+        progress: hears of what is computed.
+
+    Raises:
+        InputError: a picture or a mask is missing or unreadable.
+        StageStopped: the callback wishes so.
+    """
+    folder = run.folder
+    if folder.points.exists():
+        return
+    for other in others:
+        if _points_of(other) == _points_of(run) and other.folder.points.exists():
+            _share(other.folder.masks, folder.masks)
+            _share(other.folder.points, folder.points)
+            return
+    for other in others:
+        if _masks_of(other) == _masks_of(run) and other.folder.masks.exists():
+            _share(other.folder.masks, folder.masks)
+            break
+    if run.row.masks is not None and not folder.masks.exists():
+        capture = folder.read_spec().open_capture()
+        masks = MotionMasks.load(others[0].folder.masks, capture)
+        pictures = len(masks.cameras) * len(capture.times)
+        masks.changed(_change(run, pictures, progress)).save(folder.masks)
+    initialise(run.path, progress)
+
+
+def moving_share(run: RowRun) -> float:
+    """Return the share of the training pictures, 0..1, that the masks of an initialised run call moving."""
+    return MotionMasks.load(run.folder.masks, run.folder.read_spec().open_capture()).share()
+
+
+def _masks_of(run: RowRun) -> tuple[Any, ...]:
+    """Return what decides the masks of a run."""
+    return () if run.row.masks is None else (run.row.name, run.seed if run.row.masks_vary else None)
+
+
+def _points_of(run: RowRun) -> tuple[Any, ...]:
+    """Return what decides the first points of a run."""
+    return (_masks_of(run), *(getattr(run.config, name) for name in _DECIDES))
+
+
+def _change(run: RowRun, pictures: int, progress: ProgressCallback) -> Callable[[int, int, Mask], Mask]:
+    """Return the row's change as a function of camera, frame and mask that reports how far it is."""
+    done = 0
+
+    def change(camera: int, frame: int, mask: Mask) -> Mask:
+        nonlocal done
+        assert run.row.masks is not None
+        changed = run.row.masks(mask, np.random.default_rng((run.seed, camera, frame)))
+        done += 1
+        if done % _REPORT_EVERY == 0 or done == pictures:
+            progress(Progress("masks", done, pictures))
+        return changed
+
+    return change
+
+
+def _share(source: Path, target: Path) -> None:
+    """Give a file a second name, or copy it where the file system has no hard links; no stage ever writes into it."""
+    if target.exists():
+        return
+    try:
+        target.hardlink_to(source)
+    except OSError:
+        write_bytes(target, source.read_bytes())

@@ -1,0 +1,105 @@
+"""The rows of an ablation: each changes one thing of the full method and asks one question."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from hgs_core.ablate.mask_changes import MaskChange, blobs_added, components_dropped, eroded, grown_to_share
+from hgs_core.decompose.morphology import dilate
+from hgs_core.errors import InputError
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["FULL", "ROWS", "Row", "rows_named"]
+
+_SHARES = (20, 40, 60, 80, 95)  # per cent of the picture
+_PIXELS = 3  # that masks are eroded or dilated by
+_DROPPED = 0.3  # share of the components
+_BLOBS, _BLOB_SHARE = 8, 0.05  # discs in each picture, and what they cover of it
+
+
+@dataclass(frozen=True)
+class Row:
+    """One change of the full method."""
+
+    name: str
+    asks: str  # the question, in a sentence
+    fields: Mapping[str, Any] = field(default_factory=dict)  # of the config, replaced
+    whole_budget: str = ""  # the field that gets max_static and max_dynamic together, for rows with a single set
+    masks: MaskChange | None = None  # done to every training mask, before the first points are found
+    masks_vary: bool = False  # with the seed
+    statics_at_rest: bool = False  # not trained: the statics of the full run are stored as dynamics at rest
+
+    def config(self, base: TrainConfig, seed: int) -> TrainConfig:
+        """Return the config of this row's run with a seed."""
+        changes = dict(self.fields)
+        if self.whole_budget:
+            changes[self.whole_budget] = base.max_static + base.max_dynamic
+        return dataclasses.replace(base, seed=seed, **changes)
+
+
+def _grown(share: float) -> MaskChange:
+    return lambda mask, _: grown_to_share(mask, share)
+
+
+FULL = Row("full", "The whole method: what every other row is compared with.")
+
+ROWS: Mapping[str, Row] = {
+    row.name: row
+    for row in (
+        FULL,
+        Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"init_frames": 1}),
+        Row("train-separate", "Can each set learn alone, where the masks say it belongs?", {"stages": "separate"}),
+        Row("train-together", "Is one step for both sets as good as one for each?", {"stages": "together"}),
+        Row("order-1", "Is straight motion enough?", {"motion_order": 1}),
+        Row("order-2", "Is motion with constant acceleration enough?", {"motion_order": 2}),
+        Row(
+            "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
+            {"labels": "dynamic", "adaptive_labels": False, "stages": "together"}, whole_budget="max_dynamic",
+        ),
+        Row(
+            "all-static", "What is time worth: a single set of static splats with the whole budget?",
+            {"labels": "static", "adaptive_labels": False, "birth_rounds": 0}, whole_budget="max_static",
+        ),
+        Row(
+            "no-parameter-sharing", "What would the full scene weigh if its statics were dynamic splats at rest?",
+            statics_at_rest=True,
+        ),
+        Row("no-colour-correction", "Do the cameras' colour maps help?", {"colour_correction": False}),
+        Row("no-births", "Do splats that are born where moving pixels are wrong help?", {"birth_rounds": 0}),
+        Row("fixed-labels", "Does it help that labels follow the evidence?", {"adaptive_labels": False}),
+        *(
+            Row(
+                f"masks-{share}", f"What if masks call {share} % of every picture moving?",
+                masks=_grown(share / 100),
+            )
+            for share in _SHARES
+        ),
+        Row("masks-eroded", f"What if masks are {_PIXELS} pixels too narrow?", masks=lambda m, _: eroded(m, _PIXELS)),
+        Row("masks-dilated", f"What if masks are {_PIXELS} pixels too wide?", masks=lambda m, _: dilate(m, _PIXELS)),
+        Row(
+            "masks-dropped", f"What if masks miss {_DROPPED:.0%} of the components that move?",
+            masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED), masks_vary=True,
+        ),
+        Row(
+            "masks-blobs", f"What if masks call {_BLOBS} random discs, {_BLOB_SHARE:.0%} of the picture, moving too?",
+            masks=lambda mask, generator: blobs_added(mask, generator, _BLOBS, _BLOB_SHARE), masks_vary=True,
+        ),
+    )
+}  # fmt: skip
+"""By name, in the order of the table."""
+
+
+def rows_named(names: Sequence[str] | None) -> tuple[Row, ...]:
+    """Return the rows of these names, or all; the full method is always the first.
+
+    Raises:
+        InputError: there is no such row.
+    """
+    for name in names or ():
+        if name not in ROWS:
+            raise InputError("--rows", f"there is no row {name!r}", f"use {', '.join(ROWS)}")
+    chosen = list(ROWS) if names is None else names
+    return tuple(ROWS[name] for name in dict.fromkeys((FULL.name, *chosen)))

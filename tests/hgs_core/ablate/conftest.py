@@ -1,0 +1,37 @@
+"""An ablation of a capture so small that it says nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hgs_core.ablate.plan import Ablation
+from hgs_core.ablate.rows import rows_named
+from hgs_core.train.config import TrainConfig
+from tests.synthetic import write_capture
+
+CONFIG = TrainConfig.from_json({
+    "cycles": 5, "densify_every": 2, "static_points": 100, "dynamic_points": 40, "init_frames": 2,
+    "max_static": 150, "max_dynamic": 60, "hold_out": ["1"],
+})  # fmt: skip
+
+MakeAblation = Callable[..., Ablation]
+
+
+@pytest.fixture(scope="session")
+def tiny_capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("ablate") / "capture"
+    write_capture(path, cameras=4, frames=4, width=48, height=36)
+    return path
+
+
+@pytest.fixture(scope="session")
+def make_ablation(tiny_capture: Path) -> MakeAblation:
+    """Return a function that describes an ablation of the tiny capture."""
+
+    def make(out: Path, rows: list[str] | None = None, seeds: tuple[int, ...] = (0,), **others: Path) -> Ablation:
+        return Ablation(tiny_capture, out, CONFIG, rows_named(rows), seeds, **others)
+
+    return make

@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from hgs_core.ablate.rows import FULL, ROWS, rows_named
+from hgs_core.errors import InputError
+from hgs_core.train.config import PRESETS, TrainConfig
+
+BASE = TrainConfig.for_preset("preview", hold_out=["cam00"])
+
+
+@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("preset", PRESETS)
+def test_every_row_changes_one_thing_of_a_valid_config(name: str, preset: str) -> None:
+    row, base = ROWS[name], TrainConfig.for_preset(preset, hold_out=["cam00"])
+    config = row.config(base, 3)
+    assert config == TrainConfig.from_json(config.to_json())
+    assert config.hold_out == base.hold_out
+    assert (config.seed, config.cycles) == (3, base.cycles)
+    changes = [dataclasses.replace(config, seed=base.seed) != base, row.masks is not None, row.statics_at_rest]
+    assert sum(changes) == (row != FULL)
+    assert row.asks
+
+
+@pytest.mark.parametrize(("name", "field"), [("all-dynamic", "max_dynamic"), ("all-static", "max_static")])
+def test_a_single_set_has_the_whole_budget(name: str, field: str) -> None:
+    assert getattr(ROWS[name].config(BASE, 0), field) == BASE.max_static + BASE.max_dynamic
+
+
+def test_the_full_method_comes_first_whether_named_or_not() -> None:
+    assert [row.name for row in rows_named(["order-2", "order-1", "order-2"])] == ["full", "order-2", "order-1"]
+    assert [row.name for row in rows_named(None)] == list(ROWS)
+
+
+def test_an_unknown_row_names_those_there_are() -> None:
+    with pytest.raises(InputError, match=r"'order-5'.*order-1, order-2"):
+        rows_named(["order-5"])
