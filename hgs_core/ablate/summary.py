@@ -17,7 +17,7 @@ FIGURES = (
 )  # fmt: skip
 """The fields of eval.json that are compared."""
 
-NEAR = 0.5  # dB: two runs that differ in nothing but the seed come to differ by 0.2 to 0.3
+NEAR = 0.5  # dB: runs of published methods that differ in the seed alone differ by 0.2 to 0.3
 ENOUGH_SEEDS = 3
 
 Scores = Mapping[str, Any]
