@@ -1,0 +1,55 @@
+"""Masks as picture files that people can look at and edit, in the layout that captures take (docs/captures.md)."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from hgs_core.errors import InputError
+from hgs_core.progress import Progress, ProgressCallback
+
+__all__ = ["export_masks"]
+
+_STAGE = "export"
+
+
+def export_masks(
+    folder: Path,
+    names: Sequence[str],
+    masks: Callable[[int], Iterable[npt.NDArray[np.bool_]]],
+    *,
+    progress: ProgressCallback,
+) -> None:
+    """Write `folder`/<camera>/<FFFF>.png, 255 where something moves and 0 elsewhere; all of them or none.
+
+    Args:
+        folder: must be new or empty.
+        names: of the cameras.
+        masks: gives the masks [H, W] of all frames of a camera, by its place in `names`.
+        progress: told after every camera.
+
+    Raises:
+        InputError: the folder is not empty.
+        StageStopped: the callback wishes so; nothing is left behind.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(folder, "exists and is not empty", "choose a new folder for --out")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = folder.parent / f".{folder.name}.tmp"
+    shutil.rmtree(unfinished, ignore_errors=True)
+    try:
+        progress(Progress(_STAGE, 0, len(names)))
+        for place, name in enumerate(names):
+            (unfinished / name).mkdir(parents=True)
+            for frame, mask in enumerate(masks(place)):
+                Image.fromarray(mask.astype(np.uint8) * 255).save(unfinished / name / f"{frame:04d}.png")
+            progress(Progress(_STAGE, place + 1, len(names)))
+        unfinished.replace(folder)
+    except BaseException:
+        shutil.rmtree(unfinished, ignore_errors=True)
+        raise
