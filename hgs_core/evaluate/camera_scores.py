@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from torch import Tensor
 
+from hgs_core.evaluate.colour_corrected_psnr import ColourCorrectedError
 from hgs_core.evaluate.flicker import Flicker
 from hgs_core.evaluate.picture_scores import PICTURE_METRICS, PictureScorer
 from hgs_core.evaluate.region_psnr import RegionError
@@ -27,6 +28,7 @@ class CameraScores:
         self._scorer = scorer
         self._flicker = Flicker()
         self.flicker: float | None = None
+        self.colour_corrected = ColourCorrectedError()
         self.frames: dict[str, list[float | None]] = {name: [] for name in (*PICTURE_METRICS, *REGIONS)}
         self.regions = {name: RegionError() for name in REGIONS}
 
@@ -41,6 +43,7 @@ class CameraScores:
             self.frames[name].append(error.psnr())
             self.regions[name].include(error)
         self._flicker.add(image, truth, moving)
+        self.colour_corrected.add(image, truth)
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""
@@ -57,7 +60,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
     """Return the scores of all frames of the cameras together.
 
     They are means over frames and cameras, but for psnr_dynamic and psnr_static, which are of the squared error pooled
-    over all frames, and flicker, which is a mean over cameras.
+    over all frames, and psnr_colour_corrected and flicker, which are means over cameras.
     """
     scores: Scores = {
         name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
@@ -67,6 +70,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
         for camera in cameras:
             pooled.include(camera.regions[name])
         scores[name] = _finite(pooled.psnr())
+    scores["psnr_colour_corrected"] = _mean([_finite(camera.colour_corrected.psnr()) for camera in cameras])
     scores["flicker"] = _mean([camera.flicker for camera in cameras])
     return scores
 

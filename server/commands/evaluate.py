@@ -21,6 +21,7 @@ FIELDS = (
     "flicker",
     "psnr_dynamic",  # dB, pooled over frames and cameras
     "psnr_static",
+    "psnr_colour_corrected",  # dB, after the best affine colour map of each camera
     "bytes_total",
     "bytes_static",
     "bytes_dynamic",

@@ -21,6 +21,7 @@ _SCORES = (
     ("flicker", "flicker", 4, ""),
     ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
     ("psnr_static", "PSNR where it is still", 2, "dB"),
+    ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
 )
 
 

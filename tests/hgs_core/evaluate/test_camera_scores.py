@@ -4,6 +4,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.colour_corrected_psnr import colour_corrected_psnr
 from hgs_core.evaluate.flicker import flicker
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.psnr import psnr
@@ -36,6 +37,8 @@ def test_every_score_is_combined_as_its_metric_says() -> None:
     assert together["ssim"] == sum(ssim(*pair) for pair in zip(images, truths, strict=True)) / 8
     pooled = [pooled_region_psnr(images, truths, region) for region in (moving, ~moving)]
     torch.testing.assert_close([together["psnr_dynamic"], together["psnr_static"]], pooled)
+    corrected = sum(colour_corrected_psnr(*frames[:2]) for frames in clips) / 2
+    torch.testing.assert_close(together["psnr_colour_corrected"], corrected)
     torch.testing.assert_close(together["flicker"], sum(flicker(*frames) or 0 for frames in clips) / 2)
     assert together["ms_ssim"] is together["lpips"] is together["flip"] is None
 

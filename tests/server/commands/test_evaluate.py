@@ -22,6 +22,7 @@ SCORES: dict[str, Any] = {
     "flicker": 0.004,
     "psnr_dynamic": None,
     "psnr_static": None,
+    "psnr_colour_corrected": 28.5,
     "bytes_total": 300,
     "bytes_static": 200,
     "bytes_dynamic": 90,
