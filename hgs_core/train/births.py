@@ -28,6 +28,7 @@ _MOST_PIXELS = 600  # of one picture that are swept
 _HULL = 0.75  # share of the views that must see a new point move, as in initialisation
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
 _SIZE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
+_CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
 _VOTES = 0.5  # share of the views whose pixel there must be wrong
 
 
@@ -53,7 +54,7 @@ def find_births(
 ) -> PointCloud:
     """Return at most `most` points that explain wrong moving pixels of one moment.
 
-    A point must lie in the hull of what moves, be confirmed by another view's depth, and be wrong in half of the views
+    A point must lie in the hull of what moves, be confirmed by two other views' depths, and be wrong in half of the views
     that see it: what is right in most views is there already.
     """
     wrong = [error > _WRONG for error in errors]
@@ -67,7 +68,7 @@ def find_births(
 
     ranges = depth_ranges(cameras, known)
     swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull)
-    chosen = np.flatnonzero((swept.agreeing > 0) & (swept.opposed <= swept.agreeing))
+    chosen = np.flatnonzero((swept.agreeing >= _CONFIRMED) & (swept.opposed <= swept.agreeing))
     chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
     if len(chosen) > most:
         urgency = _mean_error(cameras, errors, swept.xyz[chosen]) ** 2

@@ -52,7 +52,7 @@ class TrainConfig:
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
     dynamic_points: int = 10_000
     init_frames: int = 30  # frames that initialisation samples (interleaved-frame initialisation)
-    max_static: int = 60_000  # splat budgets
+    max_static: int = 80_000  # splat budgets
     max_dynamic: int = 20_000
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
