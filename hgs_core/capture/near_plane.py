@@ -20,9 +20,9 @@ def with_near_planes(cameras: Sequence[Camera], points: npt.NDArray[np.float32])
     """Return the cameras with near planes that suit the scene.
 
     In a dome every camera looks past the others, and the body of one is a surface like any other: seen from that
-    camera's own place it fills the picture. And what a camera sees too few of its neighbours agree on, training explains
-    by fog in front of that camera alone. A near plane at 60 % of the depth of the nearest of the points [P, 3] in view,
-    at least 8 % of their median, leaves both out, at any scale of the world.
+    camera's own place it fills the picture. And what a camera shows and too few others do, training explains by fog in
+    front of that camera alone. A near plane at 60 % of the depth of the nearest of the points [P, 3] in view, at least
+    8 % of their median, leaves both out, at any scale of the world.
     """
     planes = np.array([_near_plane(camera, points) for camera in cameras])
     if np.isnan(planes).all():

@@ -54,8 +54,8 @@ def find_births(
 ) -> PointCloud:
     """Return at most `most` points that explain wrong moving pixels of one moment.
 
-    A point must lie in the hull of what moves, be confirmed by two other views' depths, and be wrong in half of the views
-    that see it: what is right in most views is there already.
+    A point must lie in the hull of what moves, be confirmed by two other views' depths, and be wrong in half of the
+    views that see it: what is right in most views is there already.
     """
     wrong = [error > _WRONG for error in errors]
     wanted = [_worst(error, m & w) for error, m, w in zip(errors, moving, wrong, strict=True)]

@@ -66,7 +66,8 @@ def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path)
     result = evaluate_run(finished, silent)
     assert set(result) == {
         "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "psnr_dynamic", "psnr_static",
-        "psnr_colour_corrected", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic", "train_seconds", "frames", "cameras",
+        "psnr_colour_corrected", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
+        "train_seconds", "frames", "cameras",
         "cameras_trained_on", "truth", "masks", "per_camera", "per_frame",
     }  # fmt: skip
     chunks = sum(path.stat().st_size for path in (finished / "scene" / "chunks").iterdir())
