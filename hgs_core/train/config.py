@@ -8,7 +8,10 @@ from typing import Any
 
 from hgs_core.errors import InputError
 
-__all__ = ["PRESETS", "LearningRates", "TrainConfig"]
+__all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
+
+BUDGETS: dict[str, float] = {"low": 0.5, "default": 0.1, "high": 0.02}
+"""What encoding may cost the training views, dB."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +58,7 @@ class TrainConfig:
     checkpoint_every: int = 500  # cycles
     frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
+    budget: str = "default"  # of the encoded scene: one of `BUDGETS`
     learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)
 
     def __post_init__(self) -> None:
@@ -77,6 +81,8 @@ class TrainConfig:
                 raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")
         if self.backend not in ("auto", "cpu", "reference"):
             raise InputError("config.backend", f"unknown backend {self.backend!r}", "use auto, cpu or reference")
+        if self.budget not in BUDGETS:
+            raise InputError("config.budget", f"unknown budget {self.budget!r}", f"use one of {', '.join(BUDGETS)}")
         if len(set(self.hold_out)) != len(self.hold_out):
             raise InputError("config.hold_out", f"a camera is named twice in {','.join(self.hold_out)}")
 
