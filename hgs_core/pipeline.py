@@ -10,6 +10,10 @@ import json
 import logging
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hgs_core.atomic import write_bytes
 from hgs_core.capture.capture import Capture
@@ -17,10 +21,11 @@ from hgs_core.capture.open import open_capture
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder, RunSpec
+from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.views import training_cameras
 
-__all__ = ["STAGES", "create_run", "encode", "initialise", "train"]
+__all__ = ["STAGES", "create_run", "encode", "encode_again", "initialise", "train"]
 
 _MIN_CAMERAS = 2
 
@@ -94,26 +99,52 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 def encode(run: Path, progress: ProgressCallback) -> None:
     """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    folder = RunFolder(run)
+    if not folder.manifest.exists():
+        encode_again(run, None, progress)
+
+
+def encode_again(run: Path, budget: str | None, progress: ProgressCallback) -> None:
+    """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
+
+    Raises:
+        InputError: the run is not trained yet, or its capture is gone or has changed.
+    """
     from hgs_core.capture.near_plane import with_near_planes
     from hgs_core.capture.points import PointCloud
-    from hgs_core.codec import encode_scene
+    from hgs_core.codec import EncodeSettings, decode_scene, encode_scene
+    from hgs_core.encode_run import fitting_settings, measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.scene.files import load_scene
 
     folder = RunFolder(run)
-    if folder.manifest.exists():
-        return
     capture, config = _open(folder)
     scene = load_scene(folder.trained)
-    progress(Progress("encode", 0, 2))
+    progress(Progress("encode", 0, 4))
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
-    picture = thumbnail(scene, cameras[0], antialiased=config.antialiased)
-    progress(Progress("encode", 1, 2))
-    encode_scene(
-        scene, folder.scene, cameras=cameras, times=capture.times, title=capture.name, thumbnail=picture,
-        training=json.loads(folder.train_summary.read_text()), antialiased=config.antialiased,
+    seen = {i: cameras[i] for i in training_cameras(capture, config)}
+    utility = measure_utility(scene, list(seen.values()), capture.times, antialiased=config.antialiased)
+    progress(Progress("encode", 1, 4))
+
+    def write(out: Path, settings: EncodeSettings, picture: bytes | None) -> None:
+        encode_scene(
+            scene, out, cameras=cameras, times=capture.times, title=capture.name, settings=settings, thumbnail=picture,
+            training=json.loads(folder.train_summary.read_text()), antialiased=config.antialiased, utility=utility,
+        )  # fmt: skip
+
+    def encoded(settings: EncodeSettings) -> HybridScene[NDArray[np.float32]]:
+        with TemporaryDirectory() as out:
+            write(Path(out), settings, None)
+            return decode_scene(Path(out))
+
+    chosen = fitting_settings(
+        scene, encoded, capture, seen, budget or config.budget, antialiased=config.antialiased
     )  # fmt: skip
-    progress(Progress("encode", 2, 2))
+    progress(Progress("encode", 2, 4))
+    picture = thumbnail(scene, cameras[0], antialiased=config.antialiased)
+    progress(Progress("encode", 3, 4))
+    write(folder.scene, chosen, picture)
+    progress(Progress("encode", 4, 4))
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

@@ -19,17 +19,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.camera import Camera
-from hgs_core.codec.chunk import ENTRY, HEADER, pack, unpack
+from hgs_core.codec.chunk import ENTRY, HEADER, Stream, pack, unpack, varint
 from hgs_core.codec.decode import decode_chunk
-from hgs_core.codec.encode_chunk import SegmentTime, encode_dynamic_chunk, encode_static_chunk
+from hgs_core.codec.encode_chunk import encode_static_chunk
+from hgs_core.codec.encode_dynamic import SegmentTime, encode_dynamic_chunk
 from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.quantise import Grid
 from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.streams import compress
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors"
 SETTINGS = EncodeSettings()
-BOUND = 1e-3
+CAMERA = Camera("cam00", 640, 360, 500.0, 501.0, 320.0, 180.0, np.eye(4))
 
 Floats = NDArray[np.float32]
 
@@ -62,22 +65,20 @@ def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats[Floats
     )
 
 
-def static_chunk(splats: StaticSplats[Floats], bound: float = BOUND) -> bytes:
-    return encode_static_chunk(prepare_static(splats, bound, SETTINGS), bound, SETTINGS, 0)
+def static_chunk(splats: StaticSplats[Floats], settings: EncodeSettings = SETTINGS) -> bytes:
+    return encode_static_chunk(prepare_static(splats, [CAMERA], None, settings), settings, 0)[0]
 
 
 def dynamic_chunk(splats: DynamicSplats[Floats]) -> bytes:
-    prepared = prepare_dynamic(splats, 1.0, 0.02, BOUND, SETTINGS)
-    time = SegmentTime.of(2.0, 3.5, 1.0, prepared, SETTINGS)
-    return encode_dynamic_chunk(prepared, time, BOUND, SETTINGS, 7)[0]
+    prepared = prepare_dynamic(splats, 1.0, 0.02, [CAMERA], None, SETTINGS)
+    return encode_dynamic_chunk(prepared, SegmentTime(2.0, 3.5, 1.0), SETTINGS, 7)[0]
 
 
 def with_unknown_attribute(data: bytes) -> bytes:
     """Add an attribute of a later version of the format: its number, quantiser and content mean nothing yet."""
     container = unpack(data)
-    unknown = dataclasses.replace(
-        container.streams[-1], attribute=200, quantiser=99, transform=77, components=9, raw_bytes=5, data=b"later"
-    )
+    grid = Grid(float("nan"), (5, -3), 99)
+    unknown = Stream(attribute=200, components=2, transform=77, grid=grid, planes=(memoryview(b"later"),))
     return pack(dataclasses.replace(container, streams=(unknown, *container.streams)))
 
 
@@ -93,13 +94,32 @@ def poke(data: bytes, at: int, fmt: str, value: object) -> bytes:
     return sealed(changed)
 
 
+def without(data: bytes, attribute: int) -> bytes:
+    container = unpack(data)
+    streams = tuple(stream for stream in container.streams if stream.attribute != attribute)
+    return pack(dataclasses.replace(container, streams=streams))
+
+
+def with_planes(data: bytes, attribute: int, planes: list[bytes]) -> bytes:
+    """Replace the planes of an attribute, given before compression."""
+    container = unpack(data)
+    frames = tuple(memoryview(compress(plane, 3)) for plane in planes)
+    streams = [dataclasses.replace(s, planes=frames) if s.attribute == attribute else s for s in container.streams]
+    return pack(dataclasses.replace(container, streams=tuple(streams)))
+
+
 def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
     entry = HEADER.size
-    first = unpack(static).streams[0]
+    container = unpack(static)
+    first, second = container.streams[:2]
+    lengths = entry + ENTRY.size + sum(len(varint(2 * abs(zero))) for zero in first.grid.zeros)
     flipped = bytearray(static)
     flipped[len(static) // 2] ^= 0x10
     frame = bytearray(static)
-    frame[first.data_at] ^= 0xFF
+    frame[first.data_at[0]] ^= 0xFF
+    count = container.count
+    other_count = {"box": container.box, "count": count - 1}
+    forms = unpack(dynamic).count
     return {
         "empty": b"",
         "truncated_header": static[:40],
@@ -107,29 +127,47 @@ def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
         "extended": static + b"\0",
         "flipped_bit": bytes(flipped),
         "wrong_magic": b"PLY\n" + static[4:],
-        "later_version": poke(static, 4, "H", 2),
-        "unknown_kind": poke(static, 6, "B", 2),
-        "too_many_attributes": poke(static, 7, "B", 255),
+        "earlier_version": poke(static, 4, "B", 1),
+        "later_version": poke(static, 4, "B", 3),
+        "unknown_kind": poke(static, 5, "B", 2),
+        "too_many_attributes": poke(static, 6, "B", 255),
+        "reserved_byte": poke(static, 7, "B", 1),
         "no_splats": poke(static, 8, "I", 0),
         "lying_count": poke(static, 8, "I", 1 << 20),
+        "count_one_less": pack(dataclasses.replace(container, **other_count)),
         "count_beyond_limit": poke(static, 8, "I", 1 << 31),
-        "endless_time": poke(static, 24, "d", float("inf")),
-        "box_not_a_number": poke(static, 32, "f", float("nan")),
-        "repeated_attribute": poke(static, entry + ENTRY.size, "B", 1),
+        "box_not_a_number": poke(static, 20, "f", float("nan")),
+        "box_inside_out": poke(static, 20, "f", 1e9),
+        "endless_time": poke(static, 52, "d", float("inf")),
+        "bound_not_a_number": poke(static, 64, "f", float("nan")),
+        "negative_bound": poke(static, 60, "f", -1.0),
+        "repeated_attribute": poke(static, second.at, "B", 1),
         "missing_attribute": poke(static, entry, "B", 99),
-        "wrong_quantiser": poke(static, entry + 1, "B", 0),
-        "wrong_transform": poke(static, entry + 2, "B", 1),
-        "unknown_transform": poke(static, entry + ENTRY.size + 2, "B", 3),
-        "wrong_components": poke(static, entry + 3, "B", 2),
-        "too_many_bits": poke(static, entry + 4, "B", 25),
-        "offset_elsewhere": poke(static, entry + 8, "I", 0),
-        "length_beyond_end": poke(static, entry + 12, "I", 0xFFFFFFFF),
-        "wrong_raw_length": poke(static, entry + 16, "I", first.raw_bytes + 1),
-        "step_of_zero": poke(static, entry + 24, "f", 0.0),
-        "step_not_finite": poke(static, entry + 24, "f", float("inf")),
+        "wrong_components": poke(static, entry + 1, "B", 2),
+        "no_bits": poke(static, entry + 2, "B", 0),
+        "too_many_bits": poke(static, entry + 2, "B", 25),
+        "fewer_bits": poke(static, second.at + 2, "B", 1),
+        "wrong_transform": poke(static, entry + 3, "B", 1),
+        "unknown_transform": poke(static, second.at + 3, "B", 3),
+        "wrong_planes": poke(static, entry + 4, "B", 3),
+        "endless_planes": poke(static, entry + 4, "B", 255),
+        "step_of_zero": poke(static, entry + 5, "f", 0.0),
+        "step_not_finite": poke(static, entry + 5, "f", float("inf")),
+        "step_overflows": poke(static, second.at + 5, "f", 3e38),
+        "endless_number": poke(static, entry + 9, "I", 0xFFFFFFFF),
+        "zero_beyond_limit": poke(static, entry + 9, "Q", 0x0FFFFFFFFF),
+        "length_beyond_end": poke(static, lengths, "H", 0x7FFF),
         "frame_damaged": sealed(frame),
-        "static_called_dynamic": poke(static, 6, "B", 1),
+        "frame_of_other_length": with_planes(static, 4, [bytes(count + 1)]),
+        "frame_of_a_billion": with_planes(static, 4, [bytes(1 << 26)]),
+        "codes_beyond_the_grid": with_planes(static, 1, [b"\xff" * count] * len(first.planes)),
+        "static_called_dynamic": poke(static, 5, "B", 1),
         "dynamic_truncated": dynamic[: len(dynamic) // 2],
+        "form_unknown": with_planes(dynamic, 18, [b"\x08" * forms]),
+        "form_without_rows": with_planes(dynamic, 18, [bytes(forms)]),
+        "rows_without_form": without(dynamic, 18),
+        "form_without_attribute": without(dynamic, 19),
+        "form_of_fewer_rows": with_planes(dynamic, 18, [b"\x07" * forms]),
     }
 
 
@@ -140,6 +178,7 @@ def expected(data: bytes) -> dict[str, object]:
         "count": chunk.count,
         "time_range": chunk.time_range,
         "box": chunk.box,
+        "bounds": chunk.bounds._asdict(),
         "float32": {name: base64.b64encode(array.tobytes()).decode() for name, array in chunk.arrays.items()},
     }
 
@@ -163,7 +202,7 @@ def manifest() -> dict[str, object]:
     chunks = [[chunk(3, 30)], [], [chunk(4, 40)]]
     needs = [[], [f"{3:064x}"], []]
     return {
-        "format": "hgs-scene", "version": 1, "title": "Two segments", "start": 0.0, "end": 2.0, "frame_rate": 30.0,
+        "format": "hgs-scene", "version": 2, "title": "Two segments", "start": 0.0, "end": 2.0, "frame_rate": 30.0,
         "background": [0, 0, 0], "up": [0, -1, 0], "center": [0, 0, 2], "extent": 2.5, "cameras": [camera.to_json()],
         "segments": [{"start": 0.0, "end": 1.0}, {"start": 1.0, "end": 2.0}],
         "static": [chunk(1, 10), chunk(2, 20)],
@@ -179,7 +218,8 @@ def manifest() -> dict[str, object]:
 # What is put where in that manifest, and the field that the error must name. A value of None removes the field.
 WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["format"], "ply", "manifest.format"),
-    (["version"], 2, "manifest.version"),
+    (["version"], 1, "manifest.version"),
+    (["version"], 3, "manifest.version"),
     (["title"], 3, "manifest.title"),
     (["title"], None, "manifest.title"),
     (["end"], -1.0, "manifest.end"),

@@ -11,7 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.errors import InputError
-from server.commands import ablate, bench, evaluate, masks, publish, report, serve, submit, train, worker
+from server.commands import ablate, bench, encode, evaluate, masks, publish, report, serve, submit, train, worker
 from server.version import software_version
 
 __all__ = ["main"]
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="hgs", description="Dynamic scenes from multi-view video, streamed.")
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (train, masks, evaluate, report, publish, serve, worker, submit, bench, ablate):
+    for command in (train, masks, encode, evaluate, report, publish, serve, worker, submit, bench, ablate):
         command.add_parser(commands)
     options = parser.parse_args(arguments)
     try:

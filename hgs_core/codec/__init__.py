@@ -6,6 +6,7 @@ from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.folder import decode_scene, load_manifest, read_chunk
 from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry, Totals
 from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.weights import Utility
 
 __all__ = [
     "ChunkEntry",
@@ -16,6 +17,7 @@ __all__ = [
     "SegmentEntry",
     "SliceEntry",
     "Totals",
+    "Utility",
     "decode_chunk",
     "decode_scene",
     "encode_scene",

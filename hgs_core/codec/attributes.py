@@ -7,7 +7,7 @@ from enum import IntEnum
 
 from hgs_core.codec.streams import Transform
 
-__all__ = ["ATTRIBUTES", "BY_ID", "MOTION_ORDERS", "Attribute", "Kind", "Quantiser"]
+__all__ = ["ATTRIBUTES", "BY_ID", "MOTION_ORDERS", "TURNS", "Attribute", "Kind"]
 
 
 class Kind(IntEnum):
@@ -17,14 +17,6 @@ class Kind(IntEnum):
     DYNAMIC = 1
 
 
-class Quantiser(IntEnum):
-    """How the codes of an attribute are laid out and turned into numbers."""
-
-    AFFINE = 0  # origin + code * step
-    MORTON = 1  # the same, the three codes interleaved and stored as differences
-    SMALLEST_THREE = 2  # the same for three components of a unit quaternion, and the index of the fourth
-
-
 @dataclass(frozen=True)
 class Attribute:
     """One attribute: its id on the wire never changes its meaning."""
@@ -32,27 +24,36 @@ class Attribute:
     id: int
     name: str
     components: int
-    quantiser: Quantiser = Quantiser.AFFINE
-    transforms: tuple[Transform, ...] = (Transform.NONE, Transform.DELTA)  # those an encoder tries
+    morton: bool = False  # the three codes interleaved, stored as differences of the ascending Morton codes
+    transforms: tuple[Transform, ...] = (Transform.NONE, Transform.DELTA)  # those a decoder accepts
     dynamic_only: bool = False
-    optional: bool = False  # absent means zero
+    rows_of: int = 0  # bits of "form" of which a splat must have one to have a row; 0: every splat has one
 
+    def planes(self, bits: int) -> int:
+        """Return how many bytes a row has before compression."""
+        return (3 * bits + 7) // 8 if self.morton else self.components * ((bits + 7) // 8)
+
+
+TURNS = 4
+"""The bit of "form" that says that a splat's rotation changes; the two bits below it hold the order of its motion."""
+
+_CHAINED = (Transform.NONE, Transform.DELTA, Transform.CHAIN)
 
 ATTRIBUTES: dict[str, Attribute] = {
     attribute.name: attribute
     for attribute in (
-        Attribute(1, "position", 3, Quantiser.MORTON, (Transform.NONE,)),
-        Attribute(2, "log_scale", 3),
-        Attribute(3, "rotation", 3, Quantiser.SMALLEST_THREE),
+        Attribute(1, "position", 3, True, (Transform.NONE,)),
+        Attribute(2, "log_scale", 3, transforms=_CHAINED),
+        Attribute(3, "rotation", 3),
         Attribute(4, "opacity", 1),
-        Attribute(5, "rgb", 3, transforms=(Transform.NONE, Transform.DELTA, Transform.GREEN)),
+        Attribute(5, "rgb", 3, transforms=_CHAINED),
         Attribute(16, "time_center", 1, dynamic_only=True),
         Attribute(17, "time_log_precision", 1, dynamic_only=True),
-        Attribute(18, "time_exponent", 1, dynamic_only=True),
-        Attribute(19, "velocity", 3, dynamic_only=True, optional=True),
-        Attribute(20, "acceleration", 3, dynamic_only=True, optional=True),
-        Attribute(21, "jerk", 3, dynamic_only=True, optional=True),
-        Attribute(22, "turning", 4, dynamic_only=True, optional=True),
+        Attribute(18, "form", 1, dynamic_only=True),
+        Attribute(19, "velocity", 3, dynamic_only=True, rows_of=1),
+        Attribute(20, "acceleration", 3, dynamic_only=True, rows_of=2),
+        Attribute(21, "jerk", 3, dynamic_only=True, rows_of=3),
+        Attribute(22, "turning", 4, dynamic_only=True, rows_of=TURNS),
     )
 }
 """By name, in the order in which a chunk stores them."""

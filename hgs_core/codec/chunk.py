@@ -6,41 +6,49 @@ import math
 import struct
 import zlib
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from hgs_core.codec.attributes import Kind
 from hgs_core.codec.errors import ChunkError
-from hgs_core.codec.quantise import Affine
+from hgs_core.codec.quantise import MAX_ZERO, Grid
 
-__all__ = ["MAX_CHUNK_BYTES", "MAX_SPLATS", "Box", "Container", "Stream", "pack", "unpack"]
+__all__ = ["MAX_CHUNK_BYTES", "MAX_SPLATS", "Bounds", "Box", "Container", "Stream", "pack", "unpack", "varint"]
 
 MAGIC = b"HGSC"
-VERSION = 1
+VERSION = 2
 MAX_SPLATS = 1 << 20
 MAX_CHUNK_BYTES = 1 << 28
 
-# magic, version, kind, attributes, splats, index, time range, box, total bytes, reserved
-HEADER = struct.Struct("<4sHBBIIdd6fII")
-# id, quantiser, transform, components, bits, 3 reserved, offset, length, raw length, bound, step, origin
-ENTRY = struct.Struct("<5B3xIIIff4f")
+# magic, version, kind, attributes, reserved, splats, index, total bytes, box, time range, bounds
+HEADER = struct.Struct("<4s4BIII6f2d5f")
+ENTRY = struct.Struct("<5Bf")  # id, components, bits, transform, planes, step; then whole numbers of variable length
 CHECKSUM = struct.Struct("<I")
+VARINT_BYTES = 5
 
 Box = tuple[tuple[float, float, float], tuple[float, float, float]]  # smallest and largest corner
 
 
+class Bounds(NamedTuple):
+    """Declared errors: no splat of the chunk is farther from the encoder's than this (docs/format.md, "Bounds")."""
+
+    position: float  # world units, per axis, at any moment, in proportion to how far the splat has faded
+    blur: float  # world units: the standard deviation added in every direction before shapes are compared
+    shape: float  # |ln| of the ratio of standard deviations in any direction
+    opacity: float  # at any moment
+    rgb: float
+
+
 @dataclass(frozen=True)
 class Stream:
-    """One row of the attribute table and the compressed bytes it points to."""
+    """One row of the attribute table and the compressed planes it points to."""
 
     attribute: int
-    quantiser: int
-    transform: int
     components: int
-    grid: Affine
-    raw_bytes: int
-    data: bytes
+    transform: int
+    grid: Grid
+    planes: tuple[memoryview, ...]  # one zstd frame each
     at: int = 0  # byte of the chunk at which its table entry lies; set by `unpack`
-    data_at: int = 0  # byte at which its data lies; set by `unpack`
+    data_at: tuple[int, ...] = ()  # bytes at which its planes lie; set by `unpack`
 
 
 @dataclass(frozen=True)
@@ -52,29 +60,20 @@ class Container:
     index: int  # place among the chunks of its scene; makes equal content distinct
     time_range: tuple[float, float]  # seconds
     box: Box
+    bounds: Bounds
     streams: tuple[Stream, ...]
 
 
 def pack(container: Container) -> bytes:
     """Return the bytes of a chunk."""
-    offset = HEADER.size + ENTRY.size * len(container.streams)
-    total = offset + sum(len(s.data) for s in container.streams) + CHECKSUM.size
-    parts = [
-        HEADER.pack(
-            MAGIC, VERSION, container.kind, len(container.streams), container.count, container.index,
-            *container.time_range, *container.box[0], *container.box[1], total, 0,
-        )
-    ]  # fmt: skip
-    for s in container.streams:
-        origin = (*s.grid.origin, 0.0, 0.0, 0.0)[:4]
-        parts.append(
-            ENTRY.pack(
-                s.attribute, s.quantiser, s.transform, s.components, s.grid.bits,
-                offset, len(s.data), s.raw_bytes, s.grid.bound, s.grid.step, *origin,
-            )
-        )  # fmt: skip
-        offset += len(s.data)
-    body = b"".join([*parts, *(s.data for s in container.streams)])
+    table = b"".join(_entry(stream) for stream in container.streams)
+    planes = [plane for stream in container.streams for plane in stream.planes]
+    total = HEADER.size + len(table) + sum(map(len, planes)) + CHECKSUM.size
+    header = HEADER.pack(
+        MAGIC, VERSION, container.kind, len(container.streams), 0, container.count, container.index, total,
+        *container.box[0], *container.box[1], *container.time_range, *container.bounds,
+    )  # fmt: skip
+    body = b"".join([header, table, *planes])
     return body + CHECKSUM.pack(zlib.crc32(body))
 
 
@@ -86,46 +85,96 @@ def unpack(data: bytes) -> Container:
     """
     if len(data) < HEADER.size + CHECKSUM.size:
         raise ChunkError(len(data), "end of the chunk", f"at {len(data)} bytes", f"at least {HEADER.size} + 4")
-    magic, version, kind, attributes, count, index, start, end, *rest = HEADER.unpack_from(data)
-    corners, (total, reserved) = rest[:6], rest[6:]
+    magic, version, kind, attributes, reserved, count, index, total, *numbers = HEADER.unpack_from(data)
+    corners, (start, end), bounds = numbers[:6], numbers[6:8], numbers[8:]
     _expect(magic == MAGIC, 0, "magic", magic, MAGIC)
     _expect(version == VERSION, 4, "version", version, VERSION)
-    _expect(total == len(data), 56, "total length", total, f"{len(data)}, the length of the chunk")
-    _expect(total <= MAX_CHUNK_BYTES, 56, "total length", total, f"at most {MAX_CHUNK_BYTES}")
+    _expect(total == len(data), 16, "total length", total, f"{len(data)}, the length of the chunk")
+    _expect(total <= MAX_CHUNK_BYTES, 16, "total length", total, f"at most {MAX_CHUNK_BYTES}")
     (checksum,) = CHECKSUM.unpack_from(data, len(data) - CHECKSUM.size)
     actual = zlib.crc32(memoryview(data)[: -CHECKSUM.size])
     _expect(checksum == actual, len(data) - CHECKSUM.size, "checksum", f"{checksum:#010x}", f"{actual:#010x}")
-    _expect(kind in (Kind.STATIC, Kind.DYNAMIC), 6, "kind", kind, "0 (static) or 1 (dynamic)")
+    _expect(kind in (Kind.STATIC, Kind.DYNAMIC), 5, "kind", kind, "0 (static) or 1 (dynamic)")
+    _expect(reserved == 0, 7, "reserved field", reserved, 0)
     _expect(1 <= count <= MAX_SPLATS, 8, "splat count", count, f"1 to {MAX_SPLATS}")
-    _expect(math.isfinite(start) and math.isfinite(end) and start <= end, 16, "time range", (start, end), "ascending")
-    _expect(all(map(math.isfinite, corners)), 32, "box", tuple(corners), "finite numbers")
+    _expect(all(map(math.isfinite, corners)), 20, "box", tuple(corners), "finite numbers")
     box: Box = (tuple(corners[:3]), tuple(corners[3:]))
-    _expect(all(a <= b for a, b in zip(*box, strict=True)), 32, "box", box, "ascending corners")
-    _expect(reserved == 0, 60, "reserved field", reserved, 0)
-    return Container(Kind(kind), count, index, (start, end), box, _table(data, attributes))
+    _expect(all(a <= b for a, b in zip(*box, strict=True)), 20, "box", box, "ascending corners")
+    _expect(math.isfinite(start) and math.isfinite(end) and start <= end, 44, "time range", (start, end), "ascending")
+    _expect(all(math.isfinite(x) and x >= 0 for x in bounds), 60, "bounds", tuple(bounds), "finite, not negative")
+    return Container(Kind(kind), count, index, (start, end), box, Bounds(*bounds), _table(data, attributes))
+
+
+def _entry(stream: Stream) -> bytes:
+    grid = stream.grid
+    fixed = ENTRY.pack(stream.attribute, stream.components, grid.bits, stream.transform, len(stream.planes), grid.step)
+    zeros = [varint(2 * zero if zero >= 0 else -2 * zero - 1) for zero in grid.zeros]
+    return b"".join([fixed, *zeros, *(varint(len(plane)) for plane in stream.planes)])
+
+
+def varint(number: int) -> bytes:
+    """Encode a whole number as LEB128: seven bits a byte, low ones first, the highest bit set in all but the last."""
+    parts = bytearray()
+    while number >= 128:
+        parts.append(number & 127 | 128)
+        number >>= 7
+    parts.append(number)
+    return bytes(parts)
 
 
 def _table(data: bytes, attributes: int) -> tuple[Stream, ...]:
-    expected = HEADER.size + ENTRY.size * attributes
     limit = len(data) - CHECKSUM.size
-    _expect(expected <= limit, 7, "attribute count", attributes, f"at most {(limit - HEADER.size) // ENTRY.size}")
-    streams: list[Stream] = []
+    at = HEADER.size
+    entries: list[tuple[int, list[int], Stream]] = []
     for i in range(attributes):
-        at = HEADER.size + ENTRY.size * i
-        identity, quantiser, transform, components, bits, offset, length, raw, bound, step, *origin = ENTRY.unpack_from(
-            data, at
-        )
-        record = f"attribute {identity} (entry {i})"
-        _expect(data[at + 5 : at + 8] == b"\0\0\0", at + 5, f"{record} reserved", data[at + 5 : at + 8], "zeros")
-        _expect(all(s.attribute != identity for s in streams), at, record, "a repetition", "each attribute once")
-        _expect(offset == expected, at + 8, f"{record} offset", offset, f"{expected}, the end of what precedes it")
-        _expect(length <= limit - offset, at + 12, f"{record} length", length, f"at most {limit - offset}")
-        _expect(all(map(math.isfinite, (bound, step, *origin))), at + 20, f"{record} grid", (step, *origin), "finite")
-        expected = offset + length
-        grid = Affine(step, tuple(origin[:components]), bits, bound)
-        streams.append(Stream(identity, quantiser, transform, components, grid, raw, data[offset:expected], at, offset))
-    _expect(expected == limit, expected, "end of the last stream", expected, f"{limit}, where the checksum begins")
+        begin = at
+        _expect(at + ENTRY.size <= limit, at, f"entry {i}", "cut off", f"{ENTRY.size} bytes before byte {limit}")
+        identity, components, bits, kind, planes, step = ENTRY.unpack_from(data, at)
+        record = f"attribute {identity}"
+        _expect(all(s.attribute != identity for _, _, s in entries), at, record, "a repetition", "each attribute once")
+        at += ENTRY.size
+        zeros: list[int] = []
+        for _ in range(components):
+            where = at
+            coded, at = _read_varint(data, at, limit, f"{record} zero")
+            zeros.append(coded // 2 if coded % 2 == 0 else -(coded + 1) // 2)
+            _expect(abs(zeros[-1]) <= MAX_ZERO, where, f"{record} zero", zeros[-1], f"at most {MAX_ZERO} from 0")
+        lengths: list[int] = []
+        for _ in range(planes):
+            length, at = _read_varint(data, at, limit, f"{record} length")
+            lengths.append(length)
+        stream = Stream(identity, components, kind, Grid(step, tuple(zeros), bits), (), begin)
+        entries.append((begin, lengths, stream))
+    view = memoryview(data)
+    streams: list[Stream] = []
+    for begin, lengths, stream in entries:
+        frames: list[memoryview] = []
+        places: list[int] = []
+        for length in lengths:
+            record = f"attribute {stream.attribute} length"
+            _expect(length <= limit - at, begin, record, length, f"at most {limit - at}, what is left")
+            frames.append(view[at : at + length])
+            places.append(at)
+            at += length
+        streams.append(
+            Stream(stream.attribute, stream.components, stream.transform, stream.grid, tuple(frames), begin,
+                   tuple(places))
+        )  # fmt: skip
+    _expect(at == limit, at, "end of the last stream", at, f"{limit}, where the checksum begins")
     return tuple(streams)
+
+
+def _read_varint(data: bytes, at: int, limit: int, record: str) -> tuple[int, int]:
+    """Return a whole number below 2^32 and the byte after it."""
+    number = 0
+    for i in range(VARINT_BYTES):
+        _expect(at + i < limit, at, record, "cut off", f"a whole number before byte {limit}")
+        byte = data[at + i]
+        number |= (byte & 127) << (7 * i)
+        if byte < 128:
+            _expect(number < 1 << 32, at, record, number, "below 2^32")
+            return number, at + i + 1
+    raise ChunkError(at, record, f"longer than {VARINT_BYTES} bytes", "below 2^32")
 
 
 def _expect(condition: bool, byte: int, record: str, found: Any, expected: Any) -> None:

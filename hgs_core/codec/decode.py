@@ -9,16 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.codec import morton
-from hgs_core.codec.attributes import ATTRIBUTES, BY_ID, MOTION_ORDERS, Attribute, Kind, Quantiser
-from hgs_core.codec.chunk import Box, Stream, unpack
+from hgs_core.codec.attributes import ATTRIBUTES, BY_ID, MOTION_ORDERS, TURNS, Attribute, Kind
+from hgs_core.codec.chunk import Bounds, Box, Container, Stream, unpack
 from hgs_core.codec.errors import ChunkError
-from hgs_core.codec.quantise import MAX_BITS, quats_from_smallest_three
+from hgs_core.codec.quantise import MAX_BITS, eased, unit_quats
 from hgs_core.codec.streams import Transform, decompress, from_planes, undo_transform
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["DecodedChunk", "decode_chunk"]
+__all__ = ["DecodedChunk", "decode_chunk", "time_exponents"]
 
-MAX_EXPONENT = 40  # of 2, either sign
+TABLE = 80  # byte at which the attribute table begins
+LARGEST_FORM = TURNS + 3
 
 # An opacity of 1 has no logit; alpha is clamped to 0.99, so this one cannot be told from it.
 LARGEST_OPACITY = 1 - 1e-6
@@ -37,9 +38,8 @@ class DecodedChunk:
     index: int
     time_range: tuple[float, float]  # seconds
     box: Box  # world units; holds the centre of every splat whenever it can be seen
+    bounds: Bounds
     arrays: Mapping[str, Floats]
-    bounds: Mapping[str, float]  # declared error per attribute (names of `ATTRIBUTES`)
-    attributes: Mapping[str, Floats]  # [N, C] as stored, before powers of two are applied
 
     def static(self) -> StaticSplats[Floats]:
         """Return the splats of a static chunk."""
@@ -70,129 +70,152 @@ def decode_chunk(data: bytes) -> DecodedChunk:
         ChunkError: the bytes are not a valid chunk.
     """
     container = unpack(data)
-    count = container.count
-    values: dict[str, Floats] = {}
-    bounds: dict[str, float] = {}
+    streams: dict[str, Stream] = {}
     for stream in container.streams:
         attribute = BY_ID.get(stream.attribute)
         if attribute is None or (attribute.dynamic_only and container.kind == Kind.STATIC):
             continue  # of a later version of the format
-        values[attribute.name] = _decode_stream(stream, attribute, count)
-        bounds[attribute.name] = stream.grid.bound
-    for attribute in ATTRIBUTES.values():
-        if attribute.name in values or (attribute.dynamic_only and container.kind == Kind.STATIC):
-            continue
-        if not attribute.optional:
-            raise ChunkError(64, "attribute table", f"without {attribute.name}", f"attribute {attribute.id}")
+        _check_entry(stream, attribute)
+        streams[attribute.name] = stream
+    rows = _rows(container, streams)
+    for name, attribute in ATTRIBUTES.items():
+        if name in rows and name not in streams:
+            raise ChunkError(TABLE, "attribute table", f"without {name}", f"attribute {attribute.id}")
+        if name in streams and name != "form" and name not in rows:
+            raise ChunkError(
+                streams[name].at, f"attribute {attribute.id} ({name})", "there", "no row of it by the form"
+            )
+    values = {name: _decode_stream(streams[name], ATTRIBUTES[name], _length(rows[name])) for name in rows}
     arrays = {
         "log_scales": values["log_scale"],
-        "opacities": np.clip(values["opacity"][:, 0], np.float32(0), np.float32(1)),
+        "opacities": eased(values["opacity"][:, 0]).astype(np.float32),
         "rgb": values["rgb"],
     }
     if container.kind == Kind.STATIC:
-        arrays |= {"means": values["position"], "quats": values["rotation"]}
+        arrays |= {"means": values["position"], "quats": unit_quats(values["rotation"])}
     else:
-        arrays |= _dynamic_arrays(values, count)
+        arrays |= _dynamic_arrays(values, rows, container.count)
     for name, array in arrays.items():
         if not np.isfinite(array).all():
-            raise ChunkError(64, f"{name} of splat {_first_bad(array)}", "not finite", "a finite number")
+            raise ChunkError(TABLE, f"{name} of splat {_first_bad(array)}", "not finite", "a finite number")
     return DecodedChunk(
-        container.kind, count, container.index, container.time_range, container.box, arrays, bounds, values
+        container.kind, container.count, container.index, container.time_range, container.box, container.bounds, arrays
     )
 
 
-def _dynamic_arrays(values: Mapping[str, Floats], count: int) -> dict[str, Floats]:
-    exponents = values["time_exponent"][:, 0]
-    whole = (np.abs(exponents) <= MAX_EXPONENT) & (exponents == np.rint(exponents))
-    if not whole.all():
-        splat = int(np.argmin(whole))
-        raise ChunkError(64, f"time_exponent of splat {splat}", exponents[splat], f"a whole number to {MAX_EXPONENT}")
-    power = np.ldexp(1.0, exponents.astype(np.int32))[:, None]  # float64: exact
+def time_exponents(log_precisions: Floats) -> NDArray[np.int32]:
+    """Return e [N], 0 to 20: about the reciprocal of the time for which a splat can be seen is 2^e.
+
+    floor((ln s - 1.75) * 0.7213475204444817) in binary64, clamped; then sqrt(ln(255) / s) <= 1.02 * 2^-e.
+    """
+    exact = (log_precisions.astype(np.float64) - 1.75) * 0.7213475204444817
+    return np.clip(np.floor(exact), 0, 20).astype(np.int32)
+
+
+def _rows(container: Container, streams: Mapping[str, Stream]) -> dict[str, NDArray[np.intp] | int]:
+    """Return which attributes have rows: those of all splats as the number N, sparse ones as indices of splats."""
+    dynamic = container.kind == Kind.DYNAMIC
+    rows: dict[str, NDArray[np.intp] | int] = {
+        name: container.count
+        for name, a in ATTRIBUTES.items()
+        if not a.rows_of and (dynamic or not a.dynamic_only) and name != "form"
+    }
+    if not dynamic or "form" not in streams:
+        return rows
+    stream = streams["form"]
+    codes = _codes(stream, ATTRIBUTES["form"], container.count)[0]
+    if codes.max() > LARGEST_FORM:
+        splat = int(codes.argmax())
+        raise ChunkError(stream.data_at[0], f"form of splat {splat}", codes[splat], f"at most {LARGEST_FORM}")
+    for name, attribute in ATTRIBUTES.items():
+        if attribute.rows_of == TURNS:
+            members = np.flatnonzero(codes & np.uint32(TURNS))
+        elif attribute.rows_of:
+            members = np.flatnonzero((codes & np.uint32(3)) >= attribute.rows_of)
+        else:
+            continue
+        if len(members):
+            rows[name] = members
+    return rows
+
+
+def _length(rows: NDArray[np.intp] | int) -> int:
+    return rows if isinstance(rows, int) else len(rows)
+
+
+def _dynamic_arrays(
+    values: Mapping[str, Floats], rows: Mapping[str, NDArray[np.intp] | int], count: int
+) -> dict[str, Floats]:
+    precisions = values["time_log_precision"][:, 0]
+    if not np.isfinite(precisions).all():
+        raise ChunkError(TABLE, f"time_log_precision of splat {_first_bad(precisions)}", "not finite", "finite")
+    exponents = time_exponents(precisions)
     motion = np.zeros((count, 4, 3), np.float32)
     rotation = np.zeros((count, 2, 4), np.float32)
     motion[:, 0] = values["position"]
-    rotation[:, 0] = values["rotation"]
-    with np.errstate(over="ignore"):
-        for order, name in enumerate(MOTION_ORDERS, start=1):
+    rotation[:, 0] = unit_quats(values["rotation"])
+    for array, names in ((motion, MOTION_ORDERS), (rotation, ("turning",))):
+        for order, name in enumerate(names, start=1):
             if name in values:
-                motion[:, order] = (values[name].astype(np.float64) * power**order).astype(np.float32)
-        if "turning" in values:
-            rotation[:, 1] = (values["turning"].astype(np.float64) * power).astype(np.float32)
+                members = rows[name]
+                with np.errstate(over="ignore"):
+                    array[members, order] = np.ldexp(values[name], order * exponents[members, None])
     return {
         "motion": motion,
         "rotation": rotation,
-        "time_centers": values["time_center"][:, 0],
-        "time_log_precisions": values["time_log_precision"][:, 0],
+        "time_centers": np.ldexp(values["time_center"][:, 0], -exponents),
+        "time_log_precisions": precisions,
     }
 
 
-def _decode_stream(stream: Stream, attribute: Attribute, count: int) -> Floats:
-    """Return the values [N, C] of one attribute; C is 4 for rotations."""
-    record = f"attribute {stream.attribute} ({attribute.name})"
+def _check_entry(stream: Stream, attribute: Attribute) -> None:
+    """Check an attribute's row of the table against what the attribute must be."""
+    record = f"attribute {attribute.id} ({attribute.name})"
     bits = stream.grid.bits
-    for offset, field, found, expected in (
-        (1, "quantiser", stream.quantiser, attribute.quantiser.value),
-        (3, "components", stream.components, attribute.components),
-    ):
-        if found != expected:
-            raise ChunkError(stream.at + offset, f"{record} {field}", found, expected)
-    green = attribute.name == "rgb"
-    if stream.transform > Transform.GREEN or (stream.transform == Transform.GREEN and not green):
-        raise ChunkError(stream.at + 2, f"{record} transform", stream.transform, "0, 1, or 2 for rgb")
-    if attribute.quantiser == Quantiser.MORTON and stream.transform != Transform.NONE:
-        raise ChunkError(stream.at + 2, f"{record} transform", stream.transform, 0)
+    if stream.components != attribute.components:
+        raise ChunkError(stream.at + 1, f"{record} components", stream.components, attribute.components)
     if not 1 <= bits <= MAX_BITS:
-        raise ChunkError(stream.at + 4, f"{record} bits", bits, f"1 to {MAX_BITS}")
-    if not stream.grid.step > 0:
-        raise ChunkError(stream.at + 24, f"{record} step", stream.grid.step, "above 0")
-    planes = planes_of(attribute, bits)
-    if stream.raw_bytes != planes * count:
-        raise ChunkError(stream.at + 16, f"{record} raw length", stream.raw_bytes, f"{planes} x {count} splats")
-    try:
-        raw = decompress(stream.data, stream.raw_bytes)
-    except ValueError as error:
-        raise ChunkError(
-            stream.data_at, f"{record} data", error, f"a zstd frame of {stream.raw_bytes} bytes"
-        ) from error
-    if attribute.quantiser == Quantiser.MORTON:
-        return stream.grid.decode(_grid_points(raw, count, bits, stream, record))
-    index = np.zeros(count, np.uint32)
-    if attribute.quantiser == Quantiser.SMALLEST_THREE:
-        index = np.frombuffer(raw, np.uint8)[-count:].astype(np.uint32)
-        _check_codes(index[:, None], 2, stream, f"{record} index")
-        raw = raw[:-count]
-    codes = from_planes(raw, count, attribute.components, bits)
-    _check_codes(codes, bits, stream, record)
-    values = stream.grid.decode(undo_transform(codes, bits, Transform(stream.transform)))
-    return quats_from_smallest_three(index, values) if attribute.quantiser == Quantiser.SMALLEST_THREE else values
+        raise ChunkError(stream.at + 2, f"{record} bits", bits, f"1 to {MAX_BITS}")
+    if stream.transform not in attribute.transforms:
+        raise ChunkError(stream.at + 3, f"{record} transform", stream.transform, sorted(attribute.transforms))
+    if len(stream.planes) != attribute.planes(bits):
+        raise ChunkError(stream.at + 4, f"{record} planes", len(stream.planes), attribute.planes(bits))
+    if not 0 < stream.grid.step < np.inf:
+        raise ChunkError(stream.at + 5, f"{record} step", stream.grid.step, "above 0 and finite")
 
 
-def planes_of(attribute: Attribute, bits: int) -> int:
-    """Return how many bytes per splat an attribute of `bits` has before compression."""
-    if attribute.quantiser == Quantiser.MORTON:
-        return (3 * bits + 7) // 8
-    planes = attribute.components * ((bits + 7) // 8)
-    return planes + 1 if attribute.quantiser == Quantiser.SMALLEST_THREE else planes
+def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.uint32]]:
+    """Return the codes of each component, [rows] each."""
+    bits = stream.grid.bits
+    record = f"attribute {attribute.id} ({attribute.name})"
+    planes: list[NDArray[np.uint8]] = []
+    for p, (frame, at) in enumerate(zip(stream.planes, stream.data_at, strict=True)):
+        try:
+            planes.append(decompress(frame, rows))
+        except ValueError as error:
+            raise ChunkError(at, f"{record} plane {p}", error, f"a zstd frame of {rows} bytes") from error
+    if attribute.morton:
+        try:
+            return morton.grid_points(planes, bits)
+        except ValueError as error:
+            raise ChunkError(stream.data_at[0], f"{record} codes", error, f"below 2^{3 * bits}") from error
+    codes = from_planes(planes, bits)
+    if bits % 8:
+        for c, component in enumerate(codes):
+            splat = int(component.argmax())
+            if component[splat] >> np.uint32(bits):
+                at = stream.data_at[c * ((bits + 7) // 8)]
+                raise ChunkError(at, f"{record} code of row {splat}", component[splat], f"below 2^{bits}")
+    return undo_transform(codes, bits, Transform(stream.transform))
 
 
-def _grid_points(raw: bytes, count: int, bits: int, stream: Stream, record: str) -> NDArray[np.uint32]:
-    """Return the grid points [N, 3] of a Morton stream."""
-    planes = np.frombuffer(raw, np.uint8).reshape(-1, count)
-    steps = np.zeros((count, morton.LIMBS), np.uint64)
-    for p, plane in enumerate(planes):
-        steps[:, p // 3] |= plane.astype(np.uint64) << np.uint64(8 * (p % 3))
-    grid_codes = morton.accumulate(steps)
-    # The codes ascend, so the last one shows whether any is too large.
-    last = sum(int(x) << morton.LIMB_BITS * i for i, x in enumerate(grid_codes[-1]))
-    if last >> (3 * bits):
-        raise ChunkError(stream.data_at, f"{record} codes", "beyond the grid", f"below 2^{3 * bits}")
-    return morton.deinterleave(grid_codes)
-
-
-def _check_codes(codes: NDArray[np.uint32], bits: int, stream: Stream, record: str) -> None:
-    if (codes >> np.uint32(bits)).any():
-        splat = int(np.argmax((codes >> np.uint32(bits)).any(axis=1)))
-        raise ChunkError(stream.data_at, f"{record} code of splat {splat}", codes[splat].max(), f"below 2^{bits}")
+def _decode_stream(stream: Stream, attribute: Attribute, rows: int) -> Floats:
+    """Return the values [rows, C] of one attribute."""
+    components = _codes(stream, attribute, rows)  # first, so that nothing is allocated for rows that are not there
+    values = np.empty((rows, attribute.components), np.float32)
+    for c, codes in enumerate(components):
+        values[:, c] = stream.grid.decode(codes, c)
+    return values
 
 
 def _first_bad(array: Floats) -> int:

@@ -15,14 +15,16 @@ from numpy.typing import NDArray
 from hgs_core.atomic import write_bytes
 from hgs_core.camera import Camera
 from hgs_core.codec.chunk import Box
-from hgs_core.codec.decode import DecodedChunk, decode_chunk
-from hgs_core.codec.encode_chunk import SegmentTime, encode_dynamic_chunk, encode_static_chunk
+from hgs_core.codec.decode import DecodedChunk
+from hgs_core.codec.encode_chunk import encode_static_chunk
+from hgs_core.codec.encode_dynamic import SegmentTime, encode_dynamic_chunk
 from hgs_core.codec.folder import CHUNKS, MANIFEST, THUMBNAIL
 from hgs_core.codec.layers import dynamic_layers, slice_times, static_layers
 from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.codec.prepare import prepare_dynamic, prepare_static
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.viewpoint import find_viewpoint
+from hgs_core.codec.weights import Utility
 from hgs_core.errors import InputError
 from hgs_core.scene.splats import HybridScene, Segment
 from hgs_core.scene.temporal import lifetime
@@ -42,6 +44,16 @@ class _Coded:
     data: bytes
 
 
+@dataclass(frozen=True)
+class _Shown:
+    """A segment, its number, until when it is shown (seconds), and the seconds between the capture's frames."""
+
+    segment: Segment[Floats]
+    number: int
+    until: float
+    interval: float
+
+
 def encode_scene(
     scene: HybridScene[Floats],
     out: Path,
@@ -54,12 +66,15 @@ def encode_scene(
     thumbnail: bytes | None = None,
     training: Mapping[str, Any] | None = None,
     antialiased: bool = False,
+    utility: Utility | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
-    JSON can hold, `antialiased` whether the splats were trained to be drawn so. Equal arguments give equal bytes. The
-    manifest appears last and atomically; chunks of an earlier scene in the same folder are removed after that.
+    JSON can hold, `antialiased` whether the splats were trained to be drawn so, `utility` what every splat was measured
+    to do to the capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Equal
+    arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same folder
+    are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -77,14 +92,14 @@ def encode_scene(
     moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
-    bound = settings.position_error or settings.pixel_error * view.pixel
-
-    static = _static_chunks(scene, cameras, view.extent, bound, settings)
+    static = _static_chunks(scene, cameras, utility, settings)
     coded = list(static)
     slices: list[SliceEntry] = []
     for i, segment in enumerate(scene.segments):
         until = scene.segments[i + 1].start if i + 1 < len(scene.segments) else segment.end
-        pieces, chunks = _segment_chunks(segment, i, until, interval, bound, settings, len(coded))
+        shown = _Shown(segment, i, until, interval)
+        known = None if utility is None else utility.dynamic[i]
+        pieces, chunks = _segment_chunks(shown, cameras, known, settings, len(coded))
         slices += pieces
         coded += chunks
     manifest = Manifest(
@@ -109,38 +124,36 @@ def encode_scene(
 
 
 def _static_chunks(
-    scene: HybridScene[Floats], cameras: Sequence[Camera], near: float, bound: float, settings: EncodeSettings
+    scene: HybridScene[Floats], cameras: Sequence[Camera], utility: Utility | None, settings: EncodeSettings
 ) -> list[_Coded]:
-    splats = prepare_static(scene.static, bound, settings)
-    chunks: list[_Coded] = []
-    for layer in static_layers(splats, cameras, near, bound, settings):
-        data = encode_static_chunk(splats.take(layer.index), layer.bound, settings, len(chunks))
-        chunks.append(_coded(data, decode_chunk(data)))
-    return chunks
+    splats = prepare_static(scene.static, cameras, None if utility is None else utility.static, settings)
+    return [
+        _coded(*encode_static_chunk(splats.take(layer.index), settings, i))
+        for i, layer in enumerate(static_layers(splats, settings))
+    ]
 
 
 def _segment_chunks(
-    segment: Segment[Floats],
-    number: int,
-    until: float,
-    interval: float,
-    bound: float,
+    shown: _Shown,
+    cameras: Sequence[Camera],
+    utility: NDArray[np.float64] | None,
     settings: EncodeSettings,
     index: int,
 ) -> tuple[list[SliceEntry], list[_Coded]]:
-    """Encode a segment that is shown until `until` seconds; `index` numbers its first chunk."""
+    """Encode a segment; `index` numbers its first chunk."""
+    segment = shown.segment
     length = segment.end - segment.start
-    shown_until = segment.normalised(until)
-    frame = interval / length if length > 0 else 1.0
-    splats = prepare_dynamic(segment.dynamic, shown_until, frame, bound, settings)
-    time = SegmentTime.of(segment.start, segment.end, shown_until, splats, settings)
-    seconds = slice_times(segment.start, until, settings.slice_seconds)
+    shown_until = segment.normalised(shown.until)
+    frame = shown.interval / length if length > 0 else 1.0
+    splats = prepare_dynamic(segment.dynamic, shown_until, frame, cameras, utility, settings)
+    time = SegmentTime(segment.start, segment.end, shown_until)
+    seconds = slice_times(segment.start, shown.until, settings.slice_seconds)
     limits = np.linspace(0.0, shown_until, len(seconds))
     count = len(limits) - 1
     chunks: list[list[_Coded]] = [[] for _ in range(count)]
     needs: list[list[str]] = [[] for _ in range(count)]
-    for layer in dynamic_layers(splats, time, limits, bound, settings):
-        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, layer.bound, settings, index)
+    for layer in dynamic_layers(splats, time, limits, settings):
+        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, settings, index)
         index += 1
         chunk = _coded(data, decoded)
         chunks[layer.slice].append(chunk)
@@ -152,7 +165,7 @@ def _segment_chunks(
             needs[later].append(chunk.entry.id)
     slices = [
         SliceEntry(
-            number,
+            shown.number,
             float(seconds[i]),
             float(seconds[i + 1]),
             tuple(chunk.entry for chunk in chunks[i]),

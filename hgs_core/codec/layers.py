@@ -1,22 +1,22 @@
-"""How splats are cut into chunks: statics by how much they show, dynamics by when they live."""
+"""How splats are cut into chunks: by how much they show, dynamics also by when they live."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.camera import Camera
-from hgs_core.codec.attributes import MOTION_ORDERS
-from hgs_core.codec.encode_chunk import SegmentTime
+from hgs_core.codec.encode_dynamic import SegmentTime
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.steps import ideal_position_steps
+from hgs_core.codec.weights import grades
 
 __all__ = ["Layer", "dynamic_layers", "slice_times", "static_layers"]
 
-FINEST_SHARE = 2.0**-19  # a bound below this share of a coordinate costs more bits than float32 is worth
+LIKE = 8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
+LONG_LIVED = 1024  # splats that live on together, from which they get chunks apart from those that die earlier
 
 Index = NDArray[np.intp]
 Doubles = NDArray[np.float64]
@@ -24,43 +24,21 @@ Doubles = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Layer:
-    """The splats of one chunk, and the position bound they are encoded with."""
+    """The splats of one chunk."""
 
     index: Index
-    bound: float
+    utility: float  # mean of the splats': the higher, the earlier it is worth fetching
     slice: int = 0  # of dynamic splats: the first slice in which they live
 
 
-def static_layers(
-    splats: Prepared, cameras: Sequence[Camera], near: float, bound: float, settings: EncodeSettings
-) -> list[Layer]:
-    """Cut static splats into chunks, the most visible first.
-
-    A splat's weight is its opacity times the solid angle it fills, averaged over the cameras. Splats whose nearest
-    camera is 4, 16, ... times farther than `near` (the cameras' distance from the scene) may be off by as much more:
-    no camera of the capture sees the difference, and a coarser grid costs fewer bits.
-    """
-    if len(splats) == 0:
-        return []
-    means = splats.values["position"]
-    scales = np.sort(np.exp(splats.values["log_scale"]), axis=1)
-    area = scales[:, 1] * scales[:, 2]
-    weight = np.zeros(len(splats))
-    nearest = np.full(len(splats), np.inf)
-    for camera in cameras:
-        distance = np.linalg.norm(means - camera.position, axis=1)
-        weight += np.minimum(1.0, area / np.maximum(distance, 1e-3 * near) ** 2)
-        nearest = np.minimum(nearest, distance)
-    weight *= splats.values["opacity"][:, 0]
-    coarse = np.floor(np.log2(np.maximum(nearest / near, 1.0)) / 2)
-    coarse = np.maximum(coarse, _coarse(np.abs(means).max(axis=1), bound))
-    layers: list[tuple[float, Layer]] = []
-    for level in np.unique(coarse):
-        members = np.flatnonzero(coarse == level)
-        members = members[np.argsort(-weight[members], kind="stable")]
-        for part in _even_parts(members, settings.static_chunk_splats):
-            layers.append((float(weight[part].mean()), Layer(part, bound * 4.0**level)))
-    return [layer for _, layer in sorted(layers, key=lambda item: -item[0])]
+def static_layers(splats: Prepared, settings: EncodeSettings) -> list[Layer]:
+    """Cut static splats into chunks of like grade, those that show most first."""
+    everyone = np.arange(len(splats))
+    layers = [
+        Layer(part, float(splats.values["utility"][part].mean()))
+        for part in _like(everyone, splats, settings, settings.static_chunk_splats)
+    ]
+    return sorted(layers, key=lambda layer: -layer.utility)
 
 
 def slice_times(start: float, end: float, slice_seconds: float) -> Doubles:
@@ -69,39 +47,38 @@ def slice_times(start: float, end: float, slice_seconds: float) -> Doubles:
     return np.linspace(start, end, count + 1)
 
 
-def dynamic_layers(
-    splats: Prepared, time: SegmentTime, limits: Doubles, bound: float, settings: EncodeSettings
-) -> list[Layer]:
-    """Cut the splats of a segment into chunks by the first slice in which they live, and within it by the last.
+def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, settings: EncodeSettings) -> list[Layer]:
+    """Cut the splats of a segment into chunks by the first slice in which they live, by the last, and by grade.
 
     `limits` [S + 1] are the slices' limits in normalised time. Chunks of splats that die together let a seek leave
-    out what is already dead; a chunk is not made smaller than `small_chunk_splats` for that.
+    out what is already dead; a chunk is not made smaller than `LONG_LIVED` for that. Within a slice those that show
+    most come first.
     """
-    start, end = time.life(splats)
+    if len(splats) == 0:
+        return []
+    start, end = time.life(splats, settings)
     last_slice = len(limits) - 2
     first = np.clip(np.searchsorted(limits, start, side="right") - 1, 0, last_slice)
     last = np.clip(np.searchsorted(limits, end, side="right") - 1, 0, last_slice)
-    center = splats.values["time_center"][:, 0]
-    reach = np.maximum(np.abs(start - center), np.abs(end - center))[:, None]
-    size = sum(np.abs(splats.values[n]) * reach**k for k, n in enumerate(("position", *MOTION_ORDERS)))
-    coarse = _coarse(np.asarray(size).max(axis=1), bound) if len(splats) else np.zeros(0)
     layers: list[Layer] = []
     for current in range(last_slice + 1):
-        for level in np.unique(coarse[first == current]):
-            members = np.flatnonzero((first == current) & (coarse == level))
-            for group in _by_last(members, last, settings.small_chunk_splats):
-                for part in _even_parts(group, settings.dynamic_chunk_splats):
-                    layers.append(Layer(part, bound * 4.0**level, current))
+        parts = [
+            part
+            for group in _by_last(np.flatnonzero(first == current), last)
+            for part in _like(group, splats, settings, settings.dynamic_chunk_splats)
+        ]
+        found = [Layer(part, float(splats.values["utility"][part].mean()), current) for part in parts]
+        layers += sorted(found, key=lambda layer: -layer.utility)
     return layers
 
 
-def _by_last(members: Index, last: NDArray[np.intp], smallest: int) -> list[Index]:
-    """Group splats by the last slice they live in; groups smaller than `smallest` are joined with the next."""
+def _by_last(members: Index, last: NDArray[np.intp]) -> list[Index]:
+    """Group splats by the last slice they live in; groups smaller than `LONG_LIVED` are joined with the next."""
     groups: list[Index] = []
     waiting = np.zeros(0, np.intp)
     for final in np.unique(last[members]):
         waiting = np.concatenate([waiting, members[last[members] == final]])
-        if len(waiting) >= smallest:
+        if len(waiting) >= LONG_LIVED:
             groups.append(waiting)
             waiting = waiting[:0]
     if len(waiting) and groups:
@@ -111,9 +88,30 @@ def _by_last(members: Index, last: NDArray[np.intp], smallest: int) -> list[Inde
     return groups
 
 
-def _coarse(size: Doubles, bound: float) -> Doubles:
-    """Return how many factors of 4 the bound must grow by to be worth storing for numbers of this size."""
-    return np.ceil(np.log2(np.maximum(size * FINEST_SHARE / bound, 1.0)) / 2)
+def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: int) -> list[Index]:
+    """Cut splats into chunks of about one grade and, within it, of position steps of about one size.
+
+    Grades of fewer than `small_chunk_splats` are joined with the next lower one: the finest of a chunk counts.
+    """
+    grade = grades(splats.values["utility"][members, 0])
+    groups: list[Index] = []
+    waiting = np.zeros(0, np.intp)
+    for value in np.unique(grade)[::-1]:
+        waiting = np.concatenate([waiting, members[grade == value]])
+        if len(waiting) >= settings.small_chunk_splats:
+            groups.append(waiting)
+            waiting = waiting[:0]
+    if len(waiting) and groups:
+        groups[-1] = np.concatenate([groups[-1], waiting])
+    elif len(waiting):
+        groups.append(waiting)
+    parts: list[Index] = []
+    for group in groups:
+        step = ideal_position_steps(splats.take(group), settings)
+        level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LIKE) + 0.5), 0)
+        for one in np.unique(level):
+            parts += _even_parts(group[level == one], largest)
+    return parts
 
 
 def _even_parts(members: Index, largest: int) -> list[Index]:

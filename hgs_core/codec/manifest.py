@@ -14,7 +14,7 @@ from hgs_core.errors import InputError
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
 
 FORMAT = "hgs-scene"
-VERSION = 1
+VERSION = 2
 
 Triple = tuple[float, float, float]
 

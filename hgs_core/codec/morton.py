@@ -2,40 +2,43 @@
 
 A code of up to 72 bits is kept as three 24-bit limbs, low limb first: limb i interleaves bits 8i..8i+7 of x, y and z,
 x lowest. Sorting by the code puts neighbours in space next to each other, and the differences of sorted codes
-are small.
+are small. Decoding takes a shorter way where codes fit into 63 bits.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["LIMBS", "LIMB_BITS", "accumulate", "deinterleave", "differences", "interleave", "order"]
+__all__ = ["LIMBS", "LIMB_BITS", "differences", "grid_points", "interleave", "order", "to_planes"]
 
 LIMBS = 3
 LIMB_BITS = 24
 LIMB_MASK = np.uint64((1 << LIMB_BITS) - 1)
+WORD_BITS = 21  # of a coordinate whose Morton code fits into 63 bits
+DIGIT = 15  # bits of a code that are looked up at once: five of each coordinate
 
 Limbs = NDArray[np.uint64]  # [N, 3]
 
 _SPREAD = np.array([sum((b >> i & 1) << 3 * i for i in range(8)) for b in range(256)], np.uint64)
+
+# A digit's coordinates, x in bits 0 to 4, y in 21 to 25, z in 42 to 46.
+_GATHER = np.bitwise_or.reduce(
+    [
+        ((np.arange(1 << DIGIT, dtype=np.uint64) >> np.uint64(3 * k + axis)) & np.uint64(1))
+        << np.uint64(WORD_BITS * axis + k)
+        for k in range(DIGIT // 3)
+        for axis in range(3)
+    ]
+)
 
 
 def interleave(grid: NDArray[np.uint32]) -> Limbs:
     """Return the codes of grid points [N, 3], each coordinate below 2^24."""
     parts = [(grid >> np.uint32(8 * limb)) & np.uint32(255) for limb in range(LIMBS)]
     return np.stack([_SPREAD[p[:, 0]] | _SPREAD[p[:, 1]] << 1 | _SPREAD[p[:, 2]] << 2 for p in parts], axis=1)
-
-
-def deinterleave(limbs: Limbs) -> NDArray[np.uint32]:
-    """Return the grid points [N, 3] of codes."""
-    grid = np.zeros((len(limbs), 3), np.uint32)
-    for limb in range(LIMBS):
-        for axis in range(3):
-            for bit in range(8):
-                taken = limbs[:, limb] >> np.uint64(3 * bit + axis) & np.uint64(1)
-                grid[:, axis] |= taken.astype(np.uint32) << np.uint32(8 * limb + bit)
-    return grid
 
 
 def order(limbs: Limbs) -> NDArray[np.intp]:
@@ -55,10 +58,51 @@ def differences(limbs: Limbs) -> Limbs:
     return steps.astype(np.uint64)
 
 
-def accumulate(steps: Limbs) -> Limbs:
-    """Undo `differences`. The top limb is not reduced, so that the caller can see an overflow."""
+def to_planes(steps: Limbs, bits: int) -> list[bytes]:
+    """Split differences of codes of `bits` per coordinate into byte planes, low byte first."""
+    return [(steps[:, p // 3] >> np.uint64(8 * (p % 3))).astype(np.uint8).tobytes() for p in range((3 * bits + 7) // 8)]
+
+
+def grid_points(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
+    """Add up differences in byte planes; return the coordinates x, y and z, each [N].
+
+    Raises:
+        ValueError: a code reaches 2^(3 bits).
+    """
+    return _points_of_words(planes, bits) if bits <= WORD_BITS else _points_of_limbs(planes, bits)
+
+
+def _points_of_words(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
+    codes = planes[0].astype(np.uint64)
+    for p, plane in enumerate(planes[1:], start=1):
+        codes |= plane.astype(np.uint64) << np.uint64(8 * p)
+    codes = np.cumsum(codes, dtype=np.uint64)
+    # One difference is below 2^64, so a sum that does not fit is smaller than the one before.
+    if int(codes[-1]) >> 3 * bits or (codes[1:] < codes[:-1]).any():
+        raise ValueError("beyond the grid")
+    low = np.uint64((1 << DIGIT) - 1)
+    packed = _GATHER[codes & low]
+    for digit in range(1, -(-3 * bits // DIGIT)):
+        packed |= _GATHER[codes >> np.uint64(DIGIT * digit) & low] << np.uint64(DIGIT // 3 * digit)
+    mask = np.uint64((1 << WORD_BITS) - 1)
+    return [(packed >> np.uint64(WORD_BITS * axis) & mask).astype(np.uint32) for axis in range(3)]
+
+
+def _points_of_limbs(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
+    steps = np.zeros((len(planes[0]), LIMBS), np.uint64)
+    for p, plane in enumerate(planes):
+        steps[:, p // 3] |= plane.astype(np.uint64) << np.uint64(8 * (p % 3))
     limbs = np.cumsum(steps, axis=0, dtype=np.uint64)
     for limb in range(LIMBS - 1):
         limbs[:, limb + 1] += limbs[:, limb] >> np.uint64(LIMB_BITS)
         limbs[:, limb] &= LIMB_MASK
-    return limbs
+    # The codes ascend, so the last one shows whether any is too large.
+    if sum(int(x) << LIMB_BITS * i for i, x in enumerate(limbs[-1])) >> 3 * bits:
+        raise ValueError("beyond the grid")
+    points = [np.zeros(len(limbs), np.uint32) for _ in range(3)]
+    for limb in range(LIMBS):
+        for axis in range(3):
+            for bit in range(8):
+                taken = limbs[:, limb] >> np.uint64(3 * bit + axis) & np.uint64(1)
+                points[axis] |= taken.astype(np.uint32) << np.uint32(8 * limb + bit)
+    return points

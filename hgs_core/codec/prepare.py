@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.camera import Camera
 from hgs_core.codec.attributes import MOTION_ORDERS
+from hgs_core.codec.rotations import canonical, product
 from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.weights import estimated_utility, pixels_per_unit
 from hgs_core.errors import InputError
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
@@ -22,6 +25,7 @@ LARGEST_COORDINATE = 1e30
 LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
 LARGEST_LOG_SCALE = 30.0
 LARGEST_RGB = 8.0  # either sign; training keeps colours near [0, 1]
+LEAST_UTILITY = 1e-4  # what shows less has the steps of this
 NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
 STEADY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
 MEANINGFUL_INFINITIES = {
@@ -37,8 +41,9 @@ Doubles = NDArray[np.float64]
 class Prepared:
     """Splats as float64 arrays by attribute name ("position" [N, 3], "opacity" [N, 1], ...), with unit rotations.
 
-    A dynamic set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in
-    normalised time, not yet scaled by powers of two.
+    Beside what is stored there are "utility" [N, 1] and "scale" [N, 1], pixels per world unit (`weights.py`). A dynamic
+    set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised
+    time.
     """
 
     values: Mapping[str, Doubles]
@@ -52,25 +57,34 @@ class Prepared:
         return Prepared({name: array[index] for name, array in self.values.items()})
 
 
-def prepare_static(splats: StaticSplats[NDArray[np.floating[Any]]], bound: float, settings: EncodeSettings) -> Prepared:
-    """Drop splats that are never drawn, normalise quaternions, limit scales; `bound` is the position error.
+def prepare_static(
+    splats: StaticSplats[NDArray[np.floating[Any]]],
+    cameras: Sequence[Camera],
+    utility: Doubles | None,
+    settings: EncodeSettings,
+) -> Prepared:
+    """Drop splats that show too little, name the axes canonically, limit scales; guess `utility` [N] if it is None.
 
     Raises:
         InputError: a number that is not finite or too large; names the splat and the field.
     """
     _check("static splat", splats.items())
-    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb, bound, settings)
+    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb)
     values["position"] = np.asarray(splats.means, np.float64)
-    values["rotation"] = _normalised(np.asarray(splats.quats, np.float64))[0]
     _check_size("static splat", "means", values["position"], LARGEST_COORDINATE)
-    return Prepared(values).take(values["opacity"][:, 0] >= NEGLIGIBLE_OPACITY)
+    quats = _normalised(np.asarray(splats.quats, np.float64))[0]
+    turn, values["log_scale"] = canonical(quats, values["log_scale"])
+    quats = product(quats, turn)
+    values["rotation"] = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
+    return _weighed(values, values["position"], cameras, utility, 1.0, settings)
 
 
 def prepare_dynamic(
     splats: DynamicSplats[NDArray[np.floating[Any]]],
     shown_until: float,
     frame: float,
-    bound: float,
+    cameras: Sequence[Camera],
+    utility: Doubles | None,
     settings: EncodeSettings,
 ) -> Prepared:
     """Do the same for the splats of a segment that is shown for normalised times [0, `shown_until`].
@@ -82,15 +96,16 @@ def prepare_dynamic(
     """
     _check("dynamic splat", splats.items())
     start, end = lifetime(splats)
-    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb, bound, settings)
+    values = _common(splats.log_scales, splats.opacity_logits, splats.rgb)
     motion = np.asarray(splats.motion, np.float64)
     rotation, turning = _rotation_polynomial(np.asarray(splats.rotation, np.float64))
+    turn, values["log_scale"] = canonical(rotation, values["log_scale"])
     center = np.asarray(splats.time_centers, np.float64)[:, None]
     values |= {
         "position": motion[:, 0],
         **{name: motion[:, order] for order, name in enumerate(MOTION_ORDERS, start=1)},
-        "rotation": rotation,
-        "turning": turning,
+        "rotation": product(rotation, turn),
+        "turning": product(turning, turn),
         "time_center": center,
     }
     furthest = np.maximum(np.abs(center), np.abs(shown_until - center))
@@ -105,15 +120,40 @@ def prepare_dynamic(
     for order in range(4):
         reach = motion[:, order] * np.maximum(1.0, furthest) ** order
         _check_size("dynamic splat", "motion", np.where(living, reach, 0.0), LARGEST_COORDINATE)
-    return Prepared(values).take(alive)
+    values = {name: array[alive] for name, array in values.items()}
+    start, end = np.clip(start[alive], 0, shown_until), np.clip(end[alive], 0, shown_until)
+    midway = ((start + end) / 2)[:, None] - values["time_center"]
+    m0, m1, m2, m3 = (values[name] for name in ("position", *MOTION_ORDERS))
+    halfway = m0 + midway * (m1 + midway * (m2 + midway * m3))
+    share = (end - start) / max(shown_until, 1e-9) / 3  # it is brightest for about a third of its life
+    known = None if utility is None else utility[alive]
+    return _weighed(values, halfway, cameras, known, share, settings)
 
 
-def _common(
-    log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any], bound: float, settings: EncodeSettings
-) -> dict[str, Doubles]:
-    smallest = math.log(settings.smallest_scale * bound)
+def _weighed(
+    values: dict[str, Doubles],
+    points: Doubles,
+    cameras: Sequence[Camera],
+    utility: Doubles | None,
+    shown: Doubles | float,
+    settings: EncodeSettings,
+) -> Prepared:
+    """Add utility and scale, and drop what shows too little."""
+    opacity = values["opacity"][:, 0]
+    scale = pixels_per_unit(points, cameras) if len(points) else np.zeros(0)
+    if utility is None:
+        utility = estimated_utility(values["log_scale"], opacity, scale, shown)
+        kept = opacity >= NEGLIGIBLE_OPACITY
+    else:
+        kept = (opacity >= NEGLIGIBLE_OPACITY) & (utility >= settings.prune * settings.coarseness**2)
+    values["utility"] = np.maximum(utility, LEAST_UTILITY)[:, None]
+    values["scale"] = scale[:, None]
+    return Prepared(values).take(kept)
+
+
+def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -> dict[str, Doubles]:
     return {
-        "log_scale": np.clip(np.asarray(log_scales, np.float64), smallest, max(smallest, LARGEST_LOG_SCALE)),
+        "log_scale": np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE),
         "opacity": np.exp(-np.logaddexp(0.0, -np.asarray(logits, np.float64)))[:, None],
         "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_RGB, LARGEST_RGB),
     }

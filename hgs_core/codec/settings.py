@@ -13,25 +13,30 @@ __all__ = ["EncodeSettings"]
 
 @dataclass(frozen=True)
 class EncodeSettings:
-    """Error bounds and sizes. Every bound holds for every splat; `encode_scene` checks it by decoding.
+    """Quantiser steps and sizes.
 
-    A bound is relaxed only where nothing can show it: positions of splats far behind the scene (in proportion to
-    their distance), and numbers so large that float32 cannot hold them more finely.
+    Steps are those of a splat whose utility (`weights.py`) is 1; a splat that shows less has wider ones, in
+    proportion to 1 / sqrt(utility) and at most `largest_*`, and one that shows more narrower ones. All grow with
+    `coarseness`.
     """
 
-    position_error: float | None = None  # world units, per axis, at every moment of a splat's life; None: `pixel_error`
-    pixel_error: float = 0.07  # pixels of the capture at the cameras' median distance from the scene's centre
-    log_scale_error: float = 0.04  # i.e. 4 % of a splat's size
-    rotation_error: float = 0.005  # distance of unit quaternions; twice that is an angle in radians
-    opacity_error: float = 1 / 510  # of the peak
-    fade_error: float = 0.01  # of the opacity at any moment, because of the time attributes
-    rgb_error: float = 1 / 510
-    smallest_scale: float = 0.1  # in position errors: a splat thinner than this is drawn as this thin
+    coarseness: float = 1.0
+    position_step: float = 0.085  # in effective radii of the splat
+    shape_step: float = 0.045  # of ln of the standard deviation on the screen, i.e. 4.5 %
+    rotation_step: float = 1.0  # of a quaternion's components, in shape steps over how much longer than wide a splat is
+    opacity_step: float = 0.05  # of the opacity, in proportion to it
+    rgb_step: float = 0.024
+    largest_position_step: float = 1.0  # pixels of the cameras that see the splat
+    largest_shape_step: float = 0.7
+    largest_rotation_step: float = 0.15
+    largest_opacity_step: float = 0.06  # of the number stored
+    largest_rgb_step: float = 0.2
+    prune: float = 0.004  # splats of less utility than this times coarseness squared are dropped
     shortest_life: float = 0.05  # in frames: half the life of the briefest splat
     slice_seconds: float = 0.5
     static_chunk_splats: int = 8192  # at most
     dynamic_chunk_splats: int = 8192  # at most
-    small_chunk_splats: int = 1024  # dynamic chunks of fewer splats are joined with those that live longer
+    small_chunk_splats: int = 512  # chunks of fewer splats are joined with the next
     compression_level: int = 19  # of zstd
 
     def __post_init__(self) -> None:
@@ -45,7 +50,7 @@ class EncodeSettings:
             if field.type == "int":
                 if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                     raise InputError(f"encode.{field.name}", f"{value!r} is not a whole number of at least 1")
-            elif value is not None and not (math.isfinite(value) and 1e-9 <= value <= 1e9):
+            elif not (math.isfinite(value) and (1e-9 <= value <= 1e9 or (value == 0 and field.name == "prune"))):
                 raise InputError(f"encode.{field.name}", f"{value!r} is out of range", "give a number from 1e-9 to 1e9")
         if self.compression_level > 22:
             raise InputError("encode.compression_level", f"{self.compression_level} is too large", "give 1 to 22")

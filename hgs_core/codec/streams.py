@@ -1,11 +1,12 @@
-"""From integer codes to the bytes of a stream and back: transforms, byte planes, one zstd frame.
+"""From integer codes to the bytes of a stream and back: transforms, byte planes, one zstd frame per plane.
 
-A stream of C components of b bits holds, for each component, ceil(b / 8) planes of N bytes, low byte first.
+A stream of C components of b bits has, for each component, ceil(b / 8) planes of one byte per row, low byte first.
 """
 
 from __future__ import annotations
 
 from enum import IntEnum
+from threading import local
 
 import numpy as np
 import zstandard
@@ -15,51 +16,56 @@ __all__ = ["Transform", "compress", "decompress", "from_planes", "to_planes", "t
 
 Codes = NDArray[np.uint32]  # [N, C]
 
+_threads = local()
+
 
 class Transform(IntEnum):
     """What is done to the codes before they are split into planes; differences are modulo 2^bits, then zigzag."""
 
     NONE = 0
-    DELTA = 1  # each splat minus the one before it (the first minus zero), per component
-    GREEN = 2  # (r, g, b) becomes (g, r - g, b - g)
+    DELTA = 1  # each row minus the one before it (the first minus zero), per component
+    CHAIN = 2  # each component minus the one before it; the first as it is
 
 
 def transform(codes: Codes, bits: int, kind: Transform) -> Codes:
-    """Apply a transform."""
+    """Apply a transform to codes [..., N, C]; a chain needs no more than the last axis."""
     if kind == Transform.DELTA:
         before = np.concatenate([np.zeros((1, codes.shape[1]), np.uint32), codes[:-1]])
         return _zigzag(codes - before, bits)
-    if kind == Transform.GREEN:
-        green = codes[:, 1:2]
-        return np.concatenate([green, _zigzag(codes[:, [0, 2]] - green, bits)], axis=1)
+    if kind == Transform.CHAIN:
+        return np.concatenate([codes[..., :1], _zigzag(codes[..., 1:] - codes[..., :-1], bits)], axis=-1)
     return codes
 
 
-def undo_transform(codes: Codes, bits: int, kind: Transform) -> Codes:
-    """Undo `transform`."""
+def undo_transform(codes: list[NDArray[np.uint32]], bits: int, kind: Transform) -> list[NDArray[np.uint32]]:
+    """Undo `transform` on one array [N] per component."""
     mask = np.uint32((1 << bits) - 1)
     if kind == Transform.DELTA:
-        return np.cumsum(_unzigzag(codes), axis=0, dtype=np.uint32) & mask
-    if kind == Transform.GREEN:
-        green = codes[:, :1]
-        others = (_unzigzag(codes[:, 1:]) + green) & mask
-        return np.concatenate([others[:, :1], green, others[:, 1:]], axis=1)
+        return [np.cumsum(_unzigzag(c), dtype=np.uint32) & mask for c in codes]
+    if kind == Transform.CHAIN:
+        done = codes[:1]
+        for c in codes[1:]:
+            done.append((done[-1] + _unzigzag(c)) & mask)
+        return done
     return codes
 
 
-def to_planes(codes: Codes, bits: int) -> bytes:
-    """Split codes below 2^bits into byte planes."""
-    planes = [codes[:, c] >> np.uint32(8 * p) for c in range(codes.shape[1]) for p in range((bits + 7) // 8)]
-    return np.stack(planes).astype(np.uint8).tobytes()
+def to_planes(codes: Codes, bits: int) -> list[bytes]:
+    """Split codes [N, C] below 2^bits into byte planes."""
+    shifts = [np.uint32(8 * p) for p in range((bits + 7) // 8)]
+    return [(codes[:, c] >> s).astype(np.uint8).tobytes() for c in range(codes.shape[1]) for s in shifts]
 
 
-def from_planes(raw: bytes, count: int, components: int, bits: int) -> Codes:
-    """Join byte planes into codes [count, components]; `raw` has the exact length."""
-    planes = np.frombuffer(raw, np.uint8).reshape(components, (bits + 7) // 8, count)
-    codes = np.zeros((components, count), np.uint32)
-    for p in range(planes.shape[1]):
-        codes |= planes[:, p].astype(np.uint32) << np.uint32(8 * p)
-    return np.ascontiguousarray(codes.T)
+def from_planes(planes: list[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
+    """Join byte planes into codes, one array [N] per component."""
+    each = (bits + 7) // 8
+    codes = []
+    for c in range(0, len(planes), each):
+        joined = planes[c].astype(np.uint32)
+        for p in range(1, each):
+            joined |= planes[c + p].astype(np.uint32) << np.uint32(8 * p)
+        codes.append(joined)
+    return codes
 
 
 def compress(raw: bytes, level: int) -> bytes:
@@ -67,22 +73,25 @@ def compress(raw: bytes, level: int) -> bytes:
     return zstandard.ZstdCompressor(level=level, write_checksum=False, write_content_size=True).compress(raw)
 
 
-def decompress(frame: bytes, length: int) -> bytes:
+def decompress(frame: memoryview, length: int) -> NDArray[np.uint8]:
     """Return the content of one zstd frame of exactly `length` bytes; no more than that is ever allocated.
 
     Raises:
         ValueError: it is not one whole frame with that content size.
     """
+    decoder: zstandard.ZstdDecompressor | None = getattr(_threads, "decoder", None)
+    if decoder is None:
+        decoder = _threads.decoder = zstandard.ZstdDecompressor()
     try:
-        stated = zstandard.get_frame_parameters(frame).content_size
+        stated = zstandard.frame_content_size(frame)
         if stated != length:
-            raise ValueError(f"a frame of {stated} bytes")
-        raw = zstandard.ZstdDecompressor().decompress(frame, max_output_size=length, allow_extra_data=False)
+            raise ValueError("without content size" if stated < 0 else f"a frame of {stated} bytes")
+        raw = decoder.decompress(frame, max_output_size=length, allow_extra_data=False)
     except zstandard.ZstdError as error:
         raise ValueError(f"damaged ({error})") from error
     if len(raw) != length:
         raise ValueError(f"a frame of {len(raw)} bytes")
-    return raw
+    return np.frombuffer(raw, np.uint8)
 
 
 def _zigzag(codes: Codes, bits: int) -> Codes:
@@ -95,6 +104,6 @@ def _zigzag(codes: Codes, bits: int) -> Codes:
     )
 
 
-def _unzigzag(codes: Codes) -> Codes:
+def _unzigzag(codes: NDArray[np.uint32]) -> NDArray[np.uint32]:
     """Undo `_zigzag`, modulo 2^32."""
     return codes >> np.uint32(1) ^ (np.uint32(0) - (codes & np.uint32(1)))

@@ -8,7 +8,10 @@ from typing import Any
 
 from hgs_core.errors import InputError
 
-__all__ = ["PRESETS", "LearningRates", "TrainConfig"]
+__all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
+
+BUDGETS: dict[str, float] = {"low": 0.5, "default": 0.1, "high": 0.02}
+"""What encoding may cost the training views, dB."""
 
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
@@ -17,6 +20,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "stages": ("interleaved", "together", "separate"),
     "motion_order": (1, 2, 3),
     "birth_rounds": (0, 1, 2),
+    "budget": tuple(BUDGETS),
 }
 
 
@@ -76,6 +80,7 @@ class TrainConfig:
     checkpoint_every: int = 500  # cycles
     frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
+    budget: str = "default"  # of the encoded scene: one of `BUDGETS`
     learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)
 
     def __post_init__(self) -> None:

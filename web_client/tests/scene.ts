@@ -1,7 +1,8 @@
 /** Small manifests and chunks for tests. */
 
-import type { Box, ChunkEntry, DynamicChunk, Manifest, SliceEntry, StaticChunk } from "../src/codec/types";
+import type { Bounds, Box, ChunkEntry, DynamicChunk, Manifest, SliceEntry, StaticChunk } from "../src/codec/types";
 
+const bounds: Bounds = { position: 0, blur: 0, shape: 0, opacity: 0, rgb: 0 };
 const box: Box = { min: [-1, -1, -1], max: [1, 1, 1] };
 
 export const entry = (id: string, splats = 1): ChunkEntry => ({ id, bytes: 100, splats, box });
@@ -15,7 +16,7 @@ export const slice = (start: number, end: number, ids: string[], needs: string[]
 });
 
 export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
-  version: 1,
+  version: 2,
   title: "test",
   start: 0,
   end: 2,
@@ -42,6 +43,7 @@ export function staticChunk(means: number[]): StaticChunk {
     count,
     timeRange: [0, 0],
     box,
+    bounds,
     means: Float32Array.from(means),
     quats: Float32Array.from({ length: 4 * count }, (_, i) => (i % 4 === 0 ? 1 : 0)),
     logScales: new Float32Array(3 * count).fill(-2),
@@ -70,6 +72,7 @@ export function dynamicChunk(
     count,
     timeRange: [0, 2],
     box,
+    bounds,
     motion,
     rotation,
     logScales: new Float32Array(3 * count).fill(-2),

@@ -47,7 +47,7 @@ def chunk_sizes(folder: RunFolder, manifest: Manifest) -> list[ChunkSize]:
             raise InputError(file, f"cannot be read ({error.strerror})", "encode the scene again") from error
         except ChunkError as error:
             raise InputError(file, str(error), "encode the scene again") from error
-        streams = {_name(stream.attribute): len(stream.data) for stream in chunk.streams}
+        streams = {_name(stream.attribute): sum(map(len, stream.planes)) for stream in chunk.streams}
         rest = len(data) - sum(streams.values())
         sizes.append(ChunkSize(chunk.kind, number, chunk.count, streams | {CONTAINER: rest}))
     return sizes

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,21 +23,24 @@ def test_limbs_are_the_code(points: list[tuple[int, int, int]]) -> None:
 
 
 @given(grids)
-def test_deinterleave_undoes_interleave(points: list[tuple[int, int, int]]) -> None:
-    grid = np.array(points, np.uint32)
-    np.testing.assert_array_equal(morton.deinterleave(morton.interleave(grid)), grid)
-
-
-@given(grids)
 def test_order_sorts_the_codes(points: list[tuple[int, int, int]]) -> None:
     order = morton.order(morton.interleave(np.array(points, np.uint32)))
     assert [code_of(points[i]) for i in order] == sorted(map(code_of, points))
 
 
-@given(grids)
-def test_accumulate_undoes_differences(points: list[tuple[int, int, int]]) -> None:
-    limbs = morton.interleave(np.array(points, np.uint32))
-    limbs = limbs[morton.order(limbs)]
-    steps = morton.differences(limbs)
+@given(grids, st.sampled_from([21, 24]))
+def test_grid_points_come_back_from_the_planes_of_differences(points: list[tuple[int, int, int]], bits: int) -> None:
+    grid = np.array(points, np.uint32) & np.uint32((1 << bits) - 1)
+    limbs = morton.interleave(grid)
+    order = morton.order(limbs)
+    steps = morton.differences(limbs[order])
     assert (steps < 1 << 24).all()
-    np.testing.assert_array_equal(morton.accumulate(steps), limbs)
+    planes = [np.frombuffer(plane, np.uint8) for plane in morton.to_planes(steps, bits)]
+    np.testing.assert_array_equal(np.stack(morton.grid_points(planes, bits), axis=1), grid[order])
+
+
+@pytest.mark.parametrize("bits", [3, 8, 20, 21, 22, 24])
+def test_codes_beyond_the_grid_are_refused(bits: int) -> None:
+    planes = [np.full(3, 255, np.uint8) for _ in range(-(-3 * bits // 8))]
+    with pytest.raises(ValueError, match="beyond the grid"):
+        morton.grid_points(planes, bits)

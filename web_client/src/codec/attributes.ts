@@ -1,15 +1,21 @@
 /** The attributes a chunk can hold (docs/format.md, "Attributes"). */
 
-export const QUANTISER = { affine: 0, morton: 1, smallestThree: 2 } as const;
+export const TRANSFORM = { none: 0, delta: 1, chain: 2 } as const;
 
-export const TRANSFORM = { none: 0, delta: 1, green: 2 } as const;
+/** The bit of "form" that says that a splat's rotation changes; the two bits below it hold the order of its motion. */
+export const TURNS = 4;
 
 export interface Attribute {
   readonly id: number;
   readonly name: AttributeName;
   readonly components: number;
-  readonly quantiser: number;
+  /** The three codes interleaved, stored as differences of the ascending Morton codes. */
+  readonly morton: boolean;
+  /** The largest number of a transform it may have. */
+  readonly lastTransform: number;
   readonly dynamicOnly: boolean;
+  /** Order of motion, or TURNS, that a splat must have to have a row; 0: every splat has one. */
+  readonly rowsOf: number;
 }
 
 export type AttributeName =
@@ -20,7 +26,7 @@ export type AttributeName =
   | "rgb"
   | "time_center"
   | "time_log_precision"
-  | "time_exponent"
+  | "form"
   | "velocity"
   | "acceleration"
   | "jerk"
@@ -30,29 +36,28 @@ function attribute(
   id: number,
   name: AttributeName,
   components: number,
-  quantiser: number = QUANTISER.affine,
+  lastTransform: number = TRANSFORM.delta,
+  rowsOf = 0,
 ): Attribute {
-  return { id, name, components, quantiser, dynamicOnly: id >= 16 };
+  return { id, name, components, morton: name === "position", lastTransform, dynamicOnly: id >= 16, rowsOf };
 }
 
 export const ATTRIBUTES: readonly Attribute[] = [
-  attribute(1, "position", 3, QUANTISER.morton),
-  attribute(2, "log_scale", 3),
-  attribute(3, "rotation", 3, QUANTISER.smallestThree),
+  attribute(1, "position", 3, TRANSFORM.none),
+  attribute(2, "log_scale", 3, TRANSFORM.chain),
+  attribute(3, "rotation", 3),
   attribute(4, "opacity", 1),
-  attribute(5, "rgb", 3),
+  attribute(5, "rgb", 3, TRANSFORM.chain),
   attribute(16, "time_center", 1),
   attribute(17, "time_log_precision", 1),
-  attribute(18, "time_exponent", 1),
-  attribute(19, "velocity", 3),
-  attribute(20, "acceleration", 3),
-  attribute(21, "jerk", 3),
-  attribute(22, "turning", 4),
+  attribute(18, "form", 1),
+  attribute(19, "velocity", 3, TRANSFORM.delta, 1),
+  attribute(20, "acceleration", 3, TRANSFORM.delta, 2),
+  attribute(21, "jerk", 3, TRANSFORM.delta, 3),
+  attribute(22, "turning", 4, TRANSFORM.delta, TURNS),
 ];
 
-/** Bytes per splat of an attribute of `bits` before compression. */
+/** Bytes per row of an attribute of `bits` before compression. */
 export function planesOf(attribute: Attribute, bits: number): number {
-  if (attribute.quantiser === QUANTISER.morton) return Math.ceil((3 * bits) / 8);
-  const planes = attribute.components * Math.ceil(bits / 8);
-  return attribute.quantiser === QUANTISER.smallestThree ? planes + 1 : planes;
+  return attribute.morton ? Math.ceil((3 * bits) / 8) : attribute.components * Math.ceil(bits / 8);
 }

@@ -1,128 +1,213 @@
 /** From the bytes of a chunk to float arrays, bit for bit as docs/format.md states. */
 
-import { ATTRIBUTES, type Attribute, type AttributeName, planesOf, QUANTISER, TRANSFORM } from "./attributes";
-import { type Stream, unpack } from "./container";
+import { ATTRIBUTES, type Attribute, type AttributeName, planesOf, TURNS } from "./attributes";
+import { type Container, type Stream, TABLE, unpack } from "./container";
 import { ChunkError } from "./errors";
 import { gridPoints } from "./morton";
-import { dequantise, quatsFromSmallestThree } from "./quantise";
+import { completeQuats, dequantise, ease } from "./quantise";
 import { fromPlanes, undoTransform } from "./streams";
 import type { DecodedChunk } from "./types";
 import { decompress, zstdReady } from "./zstd";
 
 const MAX_BITS = 24;
-const MAX_EXPONENT = 40;
-const POWERS = Array.from({ length: 6 * MAX_EXPONENT + 1 }, (_, i) => 2 ** (i - 3 * MAX_EXPONENT));
-const MOTION_ORDERS = ["velocity", "acceleration", "jerk"] as const;
+const MAX_EXPONENT = 20;
+const LARGEST_FORM = TURNS + 3;
 
-type Values = Map<AttributeName, Float32Array<ArrayBuffer>>;
+type Floats = Float32Array<ArrayBuffer>;
+type Streams = ReadonlyMap<AttributeName, Stream>;
+
+/** Which splats have rows of an attribute: a list, or all of them. */
+type Rows = Map<AttributeName, Uint32Array | "all">;
 
 /** Decodes a chunk. Every size is checked before anything is allocated. Rejects with ChunkError. */
 export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
   await zstdReady();
-  const { kind, count, timeRange, box, streams } = unpack(bytes);
-  const known = ATTRIBUTES.filter((attribute) => kind === "dynamic" || !attribute.dynamicOnly);
-  const values: Values = new Map();
-  for (const stream of streams) {
-    const attribute = known.find(({ id }) => id === stream.attribute);
-    if (attribute) values.set(attribute.name, decodeStream(stream, attribute, count));
+  const container = unpack(bytes);
+  const { kind, count, timeRange, box, bounds } = container;
+  const streams = knownStreams(container);
+  const rows = rowsOf(container, streams);
+  for (const { name, id } of ATTRIBUTES) {
+    const stream = streams.get(name);
+    if (rows.has(name) && !stream) throw new ChunkError(TABLE, "attribute table", `without ${name}`, `attribute ${id}`);
+    if (stream && name !== "form" && !rows.has(name))
+      throw new ChunkError(stream.at, `attribute ${id} (${name})`, "there", "no row of it by the form");
   }
-  const common = {
-    count,
-    timeRange,
-    box,
-    logScales: required(values, "log_scale"),
-    opacities: required(values, "opacity").map((opacity) => Math.min(1, Math.max(0, opacity))),
-    rgb: required(values, "rgb"),
-  };
-  const chunk: DecodedChunk =
-    kind === "static"
-      ? { kind, ...common, means: required(values, "position"), quats: required(values, "rotation") }
-      : { kind, ...common, ...polynomials(values, count) };
+  const reader = new Reader(streams, rows, count);
+  const still = kind === "static";
+  const positions = reader.read("position");
+  const logScales = reader.read("log_scale");
+  const rotations = reader.read("rotation", still ? 4 : 3, still ? 1 : 0);
+  const opacities = reader.read("opacity");
+  const rgb = reader.read("rgb");
+  ease(opacities);
+  const common = { count, timeRange, box, bounds, logScales, opacities, rgb };
+  let chunk: DecodedChunk;
+  if (kind === "static") {
+    completeQuats(rotations, 4);
+    chunk = { kind, ...common, means: positions, quats: rotations };
+  } else {
+    chunk = { kind, ...common, ...polynomials(reader, positions, rotations) };
+  }
   for (const [name, array] of Object.entries(chunk)) {
     if (!(array instanceof Float32Array)) continue;
-    const bad = array.findIndex((number) => !Number.isFinite(number));
+    const bad = firstNotFinite(array);
     if (bad >= 0)
-      throw new ChunkError(64, `${name} of splat ${Math.floor((bad * count) / array.length)}`, array[bad], "finite");
+      throw new ChunkError(
+        TABLE,
+        `${snake(name)} of splat ${Math.floor((bad * count) / array.length)}`,
+        array[bad],
+        "finite",
+      );
   }
   return chunk;
 }
 
-function required(values: Values, name: AttributeName): Float32Array<ArrayBuffer> {
-  const array = values.get(name);
-  if (!array) throw new ChunkError(64, "attribute table", `without ${name}`, "every attribute that is not optional");
-  return array;
+const snake = (name: string): string => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
+
+/** Index of the first number that is not finite, or -1. */
+function firstNotFinite(array: Float32Array): number {
+  let sum = 0;
+  for (let i = 0; i < array.length; i++) sum += array[i] * 0; // NaN as soon as one is not finite
+  return sum === 0 ? -1 : array.findIndex((number) => !Number.isFinite(number));
+}
+
+/** The streams of attributes that this version knows, their table entries checked. */
+function knownStreams({ kind, streams }: Container): Streams {
+  const known = new Map<AttributeName, Stream>();
+  for (const stream of streams) {
+    const attribute = ATTRIBUTES.find(({ id }) => id === stream.attribute);
+    if (!attribute || (attribute.dynamicOnly && kind === "static")) continue;
+    checkEntry(stream, attribute);
+    known.set(attribute.name, stream);
+  }
+  return known;
+}
+
+function checkEntry({ at, components, grid, transform, planes }: Stream, attribute: Attribute): void {
+  const expect = (condition: boolean, byte: number, field: string, found: unknown, expected: unknown) => {
+    if (!condition)
+      throw new ChunkError(byte, `attribute ${attribute.id} (${attribute.name}) ${field}`, found, expected);
+  };
+  const { bits, step } = grid;
+  expect(components === attribute.components, at + 1, "components", components, attribute.components);
+  expect(bits >= 1 && bits <= MAX_BITS, at + 2, "bits", bits, `1 to ${MAX_BITS}`);
+  expect(transform <= attribute.lastTransform, at + 3, "transform", transform, `at most ${attribute.lastTransform}`);
+  expect(planes.length === planesOf(attribute, bits), at + 4, "planes", planes.length, planesOf(attribute, bits));
+  expect(step > 0 && step < Infinity, at + 5, "step", step, "above 0 and finite");
+}
+
+/** Finds which attributes have rows, and which splats those belong to. */
+function rowsOf({ kind, count }: Container, streams: Streams): Rows {
+  const rows: Rows = new Map();
+  for (const { name, rowsOf, dynamicOnly } of ATTRIBUTES) {
+    if (rowsOf === 0 && name !== "form" && (kind === "dynamic" || !dynamicOnly)) rows.set(name, "all");
+  }
+  const stream = streams.get("form");
+  if (!stream || kind === "static") return rows;
+  const [forms] = codesOf(stream, attributeOf("form"), count);
+  const wrong = forms.findIndex((form) => form > LARGEST_FORM);
+  if (wrong >= 0)
+    throw new ChunkError(stream.planes[0].at, `form of splat ${wrong}`, forms[wrong], `at most ${LARGEST_FORM}`);
+  for (const { name, rowsOf } of ATTRIBUTES) {
+    if (rowsOf === 0) continue;
+    const members: number[] = [];
+    for (let i = 0; i < count; i++) {
+      if (rowsOf === TURNS ? forms[i] & TURNS : (forms[i] & 3) >= rowsOf) members.push(i);
+    }
+    if (members.length) rows.set(name, Uint32Array.from(members));
+  }
+  return rows;
+}
+
+function attributeOf(name: AttributeName): Attribute {
+  return ATTRIBUTES.find((attribute) => attribute.name === name) as Attribute;
+}
+
+class Reader {
+  constructor(
+    readonly streams: Streams,
+    readonly rows: Rows,
+    readonly count: number,
+  ) {}
+
+  /** Values of an attribute, rows of `stride`, its components from `offset` on; no rows if the chunk has none. */
+  read(name: AttributeName, stride = attributeOf(name).components, offset = 0): Floats {
+    const members = this.rows.get(name);
+    const stream = this.streams.get(name);
+    if (!members || !stream) return new Float32Array(0);
+    const length = members === "all" ? this.count : members.length;
+    const values = new Float32Array(length * stride);
+    codesOf(stream, attributeOf(name), length).forEach((codes, c) => {
+      dequantise(codes, stream.grid, c, values, offset + c, stride);
+    });
+    return values;
+  }
+}
+
+/** Codes of each component, checked. */
+function codesOf(stream: Stream, attribute: Attribute, rows: number): (Uint8Array | Uint32Array)[] {
+  const { bits } = stream.grid;
+  const record = `attribute ${attribute.id} (${attribute.name})`;
+  const planes = stream.planes.map(({ data, at }, p) => {
+    const raw = decompress(data, rows);
+    if (!raw) throw new ChunkError(at, `${record} plane ${p}`, "damaged", `a zstd frame of ${rows} bytes`);
+    return raw;
+  });
+  if (attribute.morton) {
+    const points = gridPoints(planes, bits);
+    if (!points) throw new ChunkError(stream.planes[0].at, `${record} codes`, "beyond the grid", `below 2^${3 * bits}`);
+    return points;
+  }
+  const codes = fromPlanes(planes, bits);
+  if (bits % 8 !== 0) {
+    codes.forEach((component, c) => {
+      let splat = 0;
+      for (let i = 1; i < component.length; i++) if (component[i] > component[splat]) splat = i;
+      if (component[splat] < 2 ** bits) return;
+      const { at } = stream.planes[c * Math.ceil(bits / 8)];
+      throw new ChunkError(at, `${record} code of row ${splat}`, component[splat], `below 2^${bits}`);
+    });
+  }
+  undoTransform(codes, bits, stream.transform);
+  return codes;
 }
 
 /** Puts the polynomials of a dynamic chunk together, and undoes their scaling by powers of two. */
-function polynomials(values: Values, count: number) {
-  const exponents = required(values, "time_exponent");
-  const bad = exponents.findIndex((e) => !(Number.isInteger(e) && Math.abs(e) <= MAX_EXPONENT));
-  if (bad >= 0) throw new ChunkError(64, `time_exponent of splat ${bad}`, exponents[bad], `whole, to ${MAX_EXPONENT}`);
+function polynomials(reader: Reader, positions: Floats, rotations: Floats) {
+  const { count } = reader;
+  const timeCenters = reader.read("time_center");
+  const timeLogPrecisions = reader.read("time_log_precision");
+  const higher = (["velocity", "acceleration", "jerk"] as const).map((name) => reader.read(name));
+  const turning = reader.read("turning");
+  const bad = firstNotFinite(timeLogPrecisions);
+  if (bad >= 0)
+    throw new ChunkError(TABLE, `time_log_precision of splat ${bad}`, timeLogPrecisions[bad], "a finite number");
+  // About the reciprocal of the time for which a splat can be seen is 2^e.
+  const exponents = Uint8Array.from(timeLogPrecisions, (precision) =>
+    Math.min(MAX_EXPONENT, Math.max(0, Math.floor((precision - 1.75) * 0.7213475204444817))),
+  );
+  for (let i = 0; i < count; i++) timeCenters[i] *= 2 ** -exponents[i];
   const motion = new Float32Array(count * 12);
   const rotation = new Float32Array(count * 8);
-  place(required(values, "position"), 3, motion, 12, 0);
-  place(required(values, "rotation"), 4, rotation, 8, 0);
-  for (const [i, name] of MOTION_ORDERS.entries()) {
-    const coefficients = values.get(name);
-    if (coefficients) place(coefficients, 3, motion, 12, 3 * (i + 1), exponents, i + 1);
+  for (let i = 0; i < count; i++) {
+    for (let c = 0; c < 3; c++) {
+      motion[12 * i + c] = positions[3 * i + c];
+      rotation[8 * i + 1 + c] = rotations[3 * i + c];
+    }
   }
-  const turning = values.get("turning");
-  if (turning) place(turning, 4, rotation, 8, 4, exponents, 1);
-  return {
-    motion,
-    rotation,
-    timeCenters: required(values, "time_center"),
-    timeLogPrecisions: required(values, "time_log_precision"),
+  const place = (name: AttributeName, values: Floats, width: number, to: Floats, stride: number, order: number) => {
+    const members = reader.rows.get(name);
+    if (!members || members === "all") return;
+    for (let row = 0; row < members.length; row++) {
+      const power = 2 ** (order * exponents[members[row]]);
+      const at = members[row] * stride + order * width;
+      for (let c = 0; c < width; c++) to[at + c] = values[row * width + c] * power;
+    }
   };
-}
-
-/** Copies rows of `width` to `offset` in rows of `stride`, times 2^(order * exponent). */
-function place(
-  from: Float32Array,
-  width: number,
-  to: Float32Array,
-  stride: number,
-  offset: number,
-  exponents?: Float32Array,
-  order = 0,
-): void {
-  for (let i = 0, row = offset; i * width < from.length; i++, row += stride) {
-    const power = exponents ? POWERS[order * exponents[i] + 3 * MAX_EXPONENT] : 1;
-    for (let c = 0; c < width; c++) to[row + c] = from[i * width + c] * power;
-  }
-}
-
-/** Returns the values [N * C] of one attribute; C is 4 for rotations. */
-function decodeStream(stream: Stream, attribute: Attribute, count: number): Float32Array<ArrayBuffer> {
-  const record = `attribute ${attribute.id} (${attribute.name})`;
-  const { bits, step } = stream.grid;
-  const expect = (condition: boolean, byte: number, field: string, found: unknown, expected: unknown) => {
-    if (!condition) throw new ChunkError(byte, `${record} ${field}`, found, expected);
-  };
-  const { at, quantiser, components, transform, rawBytes } = stream;
-  expect(quantiser === attribute.quantiser, at + 1, "quantiser", quantiser, attribute.quantiser);
-  expect(components === attribute.components, at + 3, "components", components, attribute.components);
-  const most = quantiser === QUANTISER.morton ? 0 : attribute.name === "rgb" ? TRANSFORM.green : TRANSFORM.delta;
-  expect(transform <= most, at + 2, "transform", transform, `at most ${most}`);
-  expect(bits >= 1 && bits <= MAX_BITS, at + 4, "bits", bits, `1 to ${MAX_BITS}`);
-  expect(step > 0, at + 24, "step", step, "above 0");
-  const planes = planesOf(attribute, bits);
-  expect(rawBytes === planes * count, at + 16, "raw length", rawBytes, `${planes} x ${count} splats`);
-  const raw = decompress(stream.data, rawBytes);
-  if (!raw) throw new ChunkError(stream.dataAt, `${record} data`, "damaged", `a zstd frame of ${rawBytes} bytes`);
-  if (quantiser === QUANTISER.morton) {
-    const points = gridPoints(raw, count, bits);
-    if (!points) throw new ChunkError(stream.dataAt, `${record} codes`, "beyond the grid", `below 2^${3 * bits}`);
-    return dequantise(points, 3, stream.grid);
-  }
-  const codes = fromPlanes(raw, count, components, bits);
-  const large = codes.findIndex((code) => code >= 2 ** bits);
-  expect(large < 0, stream.dataAt, `code of splat ${Math.floor(large / components)}`, codes[large], `below 2^${bits}`);
-  undoTransform(codes, components, bits, transform);
-  const numbers = dequantise(codes, components, stream.grid);
-  if (quantiser !== QUANTISER.smallestThree) return numbers;
-  const index = raw.subarray(raw.length - count);
-  const wrong = index.findIndex((i) => i > 3);
-  expect(wrong < 0, stream.dataAt, `index code of splat ${wrong}`, index[wrong], "0 to 3");
-  return quatsFromSmallestThree(index, numbers);
+  place("velocity", higher[0], 3, motion, 12, 1);
+  place("acceleration", higher[1], 3, motion, 12, 2);
+  place("jerk", higher[2], 3, motion, 12, 3);
+  place("turning", turning, 4, rotation, 8, 1);
+  completeQuats(rotation, 8);
+  return { motion, rotation, timeCenters, timeLogPrecisions };
 }

@@ -2,35 +2,41 @@
 
 import { crc32 } from "./crc32";
 import { ChunkError } from "./errors";
-import type { Box } from "./types";
+import type { Bounds, Box } from "./types";
 
 const MAGIC = 0x43534748; // "HGSC"
-const VERSION = 1;
+const VERSION = 2;
 const MAX_SPLATS = 2 ** 20;
 const MAX_CHUNK_BYTES = 2 ** 28;
-const HEADER = 64;
-const ENTRY = 44;
+const MAX_ZERO = 2 ** 28;
+const ENTRY = 9; // bytes, before its whole numbers of variable length
 const CHECKSUM = 4;
+const VARINT_BYTES = 5;
 
-/** A uniform grid: value = origin + code * step, in binary32. */
+/** Byte at which the attribute table begins. */
+export const TABLE = 80;
+
+/** A uniform grid: value = (code - zero) * step, one zero per component; in binary64, rounded to binary32. */
 export interface Grid {
   readonly bits: number;
   readonly step: number;
-  readonly origin: Float32Array;
+  readonly zeros: readonly number[];
+}
+
+export interface Plane {
+  readonly data: Uint8Array;
+  /** Byte of the chunk at which it lies. */
+  readonly at: number;
 }
 
 export interface Stream {
   readonly attribute: number;
-  readonly quantiser: number;
   readonly transform: number;
   readonly components: number;
   readonly grid: Grid;
-  readonly rawBytes: number;
-  readonly data: Uint8Array;
+  readonly planes: readonly Plane[];
   /** Byte of the chunk at which its table entry lies. */
   readonly at: number;
-  /** Byte at which its data lies. */
-  readonly dataAt: number;
 }
 
 export interface Container {
@@ -38,82 +44,100 @@ export interface Container {
   readonly count: number;
   readonly timeRange: readonly [number, number];
   readonly box: Box;
+  readonly bounds: Bounds;
   readonly streams: readonly Stream[];
 }
 
 /** Reads header and table, and checks every size in them; nothing is decompressed. Throws ChunkError. */
 export function unpack(bytes: Uint8Array): Container {
   const length = bytes.length;
-  if (length < HEADER + CHECKSUM)
-    throw new ChunkError(length, "end of the chunk", `at ${length}`, `at least ${HEADER} + 4`);
+  if (length < TABLE + CHECKSUM)
+    throw new ChunkError(length, "end of the chunk", `at ${length}`, `at least ${TABLE} + 4`);
   const view = new DataView(bytes.buffer, bytes.byteOffset, length);
   const u32 = (at: number) => view.getUint32(at, true);
   expect(u32(0) === MAGIC, 0, "magic", u32(0), MAGIC);
-  expect(view.getUint16(4, true) === VERSION, 4, "version", view.getUint16(4, true), VERSION);
-  expect(u32(56) === length, 56, "total length", u32(56), `${length}, the length of the chunk`);
-  expect(length <= MAX_CHUNK_BYTES, 56, "total length", length, `at most ${MAX_CHUNK_BYTES}`);
+  expect(bytes[4] === VERSION, 4, "version", bytes[4], VERSION);
+  expect(u32(16) === length, 16, "total length", u32(16), `${length}, the length of the chunk`);
+  expect(length <= MAX_CHUNK_BYTES, 16, "total length", length, `at most ${MAX_CHUNK_BYTES}`);
   const actual = crc32(bytes.subarray(0, length - CHECKSUM));
   expect(u32(length - CHECKSUM) === actual, length - CHECKSUM, "checksum", u32(length - CHECKSUM), actual);
-  const kind = view.getUint8(6);
-  expect(kind <= 1, 6, "kind", kind, "0 (static) or 1 (dynamic)");
+  expect(bytes[5] <= 1, 5, "kind", bytes[5], "0 (static) or 1 (dynamic)");
+  expect(bytes[7] === 0, 7, "reserved field", bytes[7], 0);
   const count = u32(8);
   expect(count >= 1 && count <= MAX_SPLATS, 8, "splat count", count, `1 to ${MAX_SPLATS}`);
-  const start = view.getFloat64(16, true);
-  const end = view.getFloat64(24, true);
-  expect(Number.isFinite(start) && Number.isFinite(end) && start <= end, 16, "time range", [start, end], "ascending");
   const corner = (at: number) => [0, 4, 8].map((i) => view.getFloat32(at + i, true)) as [number, number, number];
-  const box = { min: corner(32), max: corner(44) };
-  const ordered = box.min.every((low, i) => Number.isFinite(low) && Number.isFinite(box.max[i]) && low <= box.max[i]);
-  expect(ordered, 32, "box", [box.min, box.max], "finite ascending corners");
-  expect(u32(60) === 0, 60, "reserved field", u32(60), 0);
-  const streams = readTable(bytes, view, view.getUint8(7));
-  return { kind: kind === 0 ? "static" : "dynamic", count, timeRange: [start, end], box, streams };
+  const box = { min: corner(20), max: corner(32) };
+  const finite = [...box.min, ...box.max].every(Number.isFinite);
+  expect(finite && box.min.every((low, i) => low <= box.max[i]), 20, "box", [box.min, box.max], "ascending corners");
+  const start = view.getFloat64(44, true);
+  const end = view.getFloat64(52, true);
+  expect(Number.isFinite(start) && Number.isFinite(end) && start <= end, 44, "time range", [start, end], "ascending");
+  const declared = [0, 1, 2, 3, 4].map((i) => view.getFloat32(60 + 4 * i, true));
+  expect(
+    declared.every((bound) => Number.isFinite(bound) && bound >= 0),
+    60,
+    "bounds",
+    declared,
+    "finite, not negative",
+  );
+  const [position, blur, shape, opacity, rgb] = declared;
+  return {
+    kind: bytes[5] === 0 ? "static" : "dynamic",
+    count,
+    timeRange: [start, end],
+    box,
+    bounds: { position, blur, shape, opacity, rgb },
+    streams: readTable(bytes, view, bytes[6]),
+  };
 }
 
 function readTable(bytes: Uint8Array, view: DataView, attributes: number): Stream[] {
   const limit = bytes.length - CHECKSUM;
-  let expected = HEADER + ENTRY * attributes;
-  expect(expected <= limit, 7, "attribute count", attributes, `at most ${Math.floor((limit - HEADER) / ENTRY)}`);
-  const streams: Stream[] = [];
+  let at = TABLE;
+  const varint = (record: string): number => {
+    let number = 0;
+    for (let i = 0; i < VARINT_BYTES; i++) {
+      expect(at + i < limit, at, record, "cut off", `a whole number before byte ${limit}`);
+      const byte = bytes[at + i];
+      number += (byte & 127) * 2 ** (7 * i);
+      if (byte >= 128) continue;
+      expect(number < 2 ** 32, at, record, number, "below 2^32");
+      at += i + 1;
+      return number;
+    }
+    throw new ChunkError(at, record, `longer than ${VARINT_BYTES} bytes`, "below 2^32");
+  };
+  const entries: { stream: Stream; lengths: number[] }[] = [];
   for (let i = 0; i < attributes; i++) {
-    const at = HEADER + ENTRY * i;
-    const attribute = view.getUint8(at);
-    const record = `attribute ${attribute} (entry ${i})`;
-    const reserved = bytes.subarray(at + 5, at + 8);
-    expect(
-      reserved.every((byte) => byte === 0),
-      at + 5,
-      `${record} reserved`,
-      reserved,
-      "zeros",
-    );
-    expect(
-      !streams.some((stream) => stream.attribute === attribute),
-      at,
-      record,
-      "a repetition",
-      "each attribute once",
-    );
-    const offset = view.getUint32(at + 8, true);
-    expect(offset === expected, at + 8, `${record} offset`, offset, `${expected}, the end of what precedes it`);
-    const length = view.getUint32(at + 12, true);
-    expect(length <= limit - offset, at + 12, `${record} length`, length, `at most ${limit - offset}`);
-    const numbers = [0, 1, 2, 3, 4, 5].map((n) => view.getFloat32(at + 20 + 4 * n, true));
-    expect(numbers.every(Number.isFinite), at + 20, `${record} grid`, numbers, "finite numbers");
-    expected = offset + length;
-    streams.push({
-      attribute,
-      quantiser: view.getUint8(at + 1),
-      transform: view.getUint8(at + 2),
-      components: view.getUint8(at + 3),
-      grid: { bits: view.getUint8(at + 4), step: numbers[1], origin: Float32Array.from(numbers.slice(2)) },
-      rawBytes: view.getUint32(at + 16, true),
-      data: bytes.subarray(offset, expected),
-      at,
-      dataAt: offset,
+    const begin = at;
+    expect(at + ENTRY <= limit, at, `entry ${i}`, "cut off", `${ENTRY} bytes before byte ${limit}`);
+    const [attribute, components, bits, transform, planes] = bytes.subarray(at, at + 5);
+    const record = `attribute ${attribute}`;
+    const repeated = entries.some(({ stream }) => stream.attribute === attribute);
+    expect(!repeated, at, record, "a repetition", "each attribute once");
+    const step = view.getFloat32(at + 5, true);
+    at += ENTRY;
+    const zeros = Array.from({ length: components }, () => {
+      const where = at;
+      const coded = varint(`${record} zero`);
+      const zero = coded % 2 === 0 ? coded / 2 : -(coded + 1) / 2;
+      expect(Math.abs(zero) <= MAX_ZERO, where, `${record} zero`, zero, `at most ${MAX_ZERO} from 0`);
+      return zero;
     });
+    const lengths = Array.from({ length: planes }, () => varint(`${record} length`));
+    const grid = { bits, step, zeros };
+    entries.push({ stream: { attribute, transform, components, grid, planes: [], at: begin }, lengths });
   }
-  expect(expected === limit, expected, "end of the last stream", expected, `${limit}, where the checksum begins`);
+  const streams = entries.map(({ stream, lengths }): Stream => {
+    const planes = lengths.map((length): Plane => {
+      const record = `attribute ${stream.attribute} length`;
+      expect(length <= limit - at, stream.at, record, length, `at most ${limit - at}, what is left`);
+      at += length;
+      return { data: bytes.subarray(at - length, at), at: at - length };
+    });
+    return { ...stream, planes };
+  });
+  expect(at === limit, at, "end of the last stream", at, `${limit}, where the checksum begins`);
   return streams;
 }
 

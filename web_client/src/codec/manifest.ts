@@ -84,11 +84,11 @@ class Field {
 export function parseManifest(json: unknown): Manifest {
   const root = new Field("manifest", json);
   if (root.get("format").text() !== "hgs-scene") throw root.get("format").error('"hgs-scene"');
-  if (root.get("version").whole(1) !== 1) throw root.get("version").error("1");
+  if (root.get("version").whole(1) !== 2) throw root.get("version").error("2");
   const totals = root.get("totals");
   const segments = root.get("segments").some().map(readSpan);
   const manifest: Manifest = {
-    version: 1,
+    version: 2,
     title: root.get("title").text(),
     ...readSpan(root),
     frameRate: root.get("frame_rate").positive(),

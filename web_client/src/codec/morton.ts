@@ -2,41 +2,49 @@
 
 const LIMB = 2 ** 24;
 
+// The coordinates of the 12 low bits of a code: x in bits 0 to 3, y in 8 to 11, z in 16 to 19.
+const GATHER = Uint32Array.from({ length: 4096 }, (_, code) => {
+  let packed = 0;
+  for (let bit = 0; bit < 12; bit++) packed |= ((code >> bit) & 1) << (8 * (bit % 3) + Math.floor(bit / 3));
+  return packed;
+});
+
 /**
- * Adds up the differences in byte planes (low byte first) and returns the grid points [N * 3], or undefined if a code
- * reaches 2^(3 bits).
+ * Adds up the differences in byte planes (low byte first) and returns the coordinates, one array per axis, or undefined
+ * if a code reaches 2^(3 bits).
  */
-export function gridPoints(raw: Uint8Array, count: number, bits: number): Uint32Array | undefined {
-  const planes = Math.ceil((3 * bits) / 8);
-  const points = new Uint32Array(count * 3);
-  const limbs = [0, 0, 0];
-  for (let i = 0; i < count; i++) {
-    let carry = 0;
-    for (let limb = 0; limb < 3; limb++) {
-      let sum = limbs[limb] + carry;
-      for (let p = 3 * limb; p < 3 * limb + 3 && p < planes; p++) sum += raw[p * count + i] << (8 * (p - 3 * limb));
-      carry = sum >= LIMB ? 1 : 0;
-      limbs[limb] = sum - carry * LIMB;
+export function gridPoints(planes: readonly Uint8Array[], bits: number): Uint32Array[] | undefined {
+  const count = planes[0].length;
+  const used = Math.ceil(planes.length / 3);
+  const points = [new Uint32Array(count), new Uint32Array(count), new Uint32Array(count)];
+  const [xs, ys, zs] = points;
+  // The upper planes of a limb may be absent: an empty one reads as zeros.
+  const none = new Uint8Array(count);
+  const sums = [0, 0, 0];
+  const carries = new Uint8Array(count);
+  for (let limb = 0; limb < used; limb++) {
+    const [low, middle, high] = [0, 1, 2].map((p) => planes[3 * limb + p] ?? none);
+    const shift = 8 * limb;
+    let sum = 0;
+    for (let i = 0; i < count; i++) {
+      sum += (low[i] | (middle[i] << 8) | (high[i] << 16)) + carries[i];
+      carries[i] = sum >= LIMB ? 1 : 0;
+      if (carries[i]) sum -= LIMB;
+      const a = GATHER[sum & 4095];
+      const b = GATHER[sum >> 12];
+      const packed = a | (b << 4);
+      xs[i] |= (packed & 255) << shift;
+      ys[i] |= ((packed >> 8) & 255) << shift;
+      zs[i] |= ((packed >> 16) & 255) << shift;
     }
-    if (carry) return undefined;
-    for (let axis = 0; axis < 3; axis++) {
-      points[3 * i + axis] =
-        everyThird(limbs[0] >> axis) | (everyThird(limbs[1] >> axis) << 8) | (everyThird(limbs[2] >> axis) << 16);
-    }
+    sums[limb] = sum;
+    // A carry out of the last limb is beyond any grid.
+    if (limb === used - 1 && carries.indexOf(1) >= 0) return undefined;
   }
   // The codes ascend, so the last one shows whether any is too large.
-  const top = 3 * bits;
   for (let limb = 0; limb < 3; limb++) {
-    const allowed = Math.min(24, Math.max(0, top - 24 * limb));
-    if (limbs[limb] >= 2 ** allowed) return undefined;
+    const allowed = Math.min(24, Math.max(0, 3 * bits - 24 * limb));
+    if (sums[limb] >= 2 ** allowed) return undefined;
   }
   return points;
-}
-
-/** Gathers bits 0, 3, ..., 21. */
-function everyThird(code: number): number {
-  let x = code & 0x249249;
-  x = (x | (x >> 2)) & 0x0c30c3;
-  x = (x | (x >> 4)) & 0x00f00f;
-  return (x | (x >> 8)) & 0xff;
 }

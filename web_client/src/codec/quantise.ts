@@ -1,30 +1,41 @@
-/** From codes to numbers, each operation rounded to binary32 (or binary64 where docs/format.md says so). */
+/** From codes to numbers, each operation rounded to binary32 where docs/format.md says so, else in binary64. */
 
 import type { Grid } from "./container";
 
-const { fround } = Math;
-
-/** Values [N * C] of codes: origin + code * step. */
-export function dequantise(codes: Uint32Array, components: number, grid: Grid): Float32Array<ArrayBuffer> {
-  const values = new Float32Array(codes.length);
-  const { step, origin } = grid;
-  for (let i = 0; i < codes.length; i++) values[i] = origin[i % components] + fround(codes[i] * step);
-  return values;
+/** Writes (code - zero) * step of one component to `values` from `offset`, `stride` apart. */
+export function dequantise(
+  codes: Uint8Array | Uint32Array,
+  grid: Grid,
+  component: number,
+  values: Float32Array,
+  offset: number,
+  stride: number,
+): void {
+  const { step, bits } = grid;
+  const zero = grid.zeros[component];
+  if (bits <= 8) {
+    const table = new Float32Array(256);
+    for (let code = 0; code < 256; code++) table[code] = (code - zero) * step;
+    for (let i = 0, at = offset; i < codes.length; i++, at += stride) values[at] = table[codes[i]];
+  } else {
+    for (let i = 0, at = offset; i < codes.length; i++, at += stride) values[at] = (codes[i] - zero) * step;
+  }
 }
 
-/** Quaternions [N * 4] from the index of the largest component and the other three. */
-export function quatsFromSmallestThree(index: Uint8Array, three: Float32Array): Float32Array<ArrayBuffer> {
-  const quats = new Float32Array(index.length * 4);
-  for (let i = 0; i < index.length; i++) {
-    const a = three[3 * i];
-    const b = three[3 * i + 1];
-    const c = three[3 * i + 2];
-    const largest = index[i];
-    const at = 4 * i;
-    quats[at + (largest > 0 ? 0 : 1)] = a;
-    quats[at + (largest > 1 ? 1 : 2)] = b;
-    quats[at + (largest > 2 ? 2 : 3)] = c;
-    quats[at + largest] = Math.sqrt(Math.max(0, 1 - (a * a + b * b + c * c)));
+/** Replaces every x by x x (3 - 2 x), x limited to [0, 1]: opacities, of what is stored for them. */
+export function ease(values: Float32Array): void {
+  for (let i = 0; i < values.length; i++) {
+    const x = Math.min(1, Math.max(0, values[i]));
+    values[i] = x * x * (3 - 2 * x);
   }
-  return quats;
+}
+
+/** Writes w = sqrt(max(0, 1 - (x x + y y + z z))) before the vector parts x, y, z, which lie `stride` apart. */
+export function completeQuats(quats: Float32Array, stride: number): void {
+  for (let at = 0; at < quats.length; at += stride) {
+    const x = quats[at + 1];
+    const y = quats[at + 2];
+    const z = quats[at + 3];
+    quats[at] = Math.sqrt(Math.max(0, 1 - (x * x + y * y + z * z)));
+  }
 }

@@ -2,33 +2,35 @@
 
 import { TRANSFORM } from "./attributes";
 
-/** Joins byte planes (components, low byte first, then splats) into codes [N * C], components of a splat together. */
-export function fromPlanes(raw: Uint8Array, count: number, components: number, bits: number): Uint32Array {
-  const codes = new Uint32Array(count * components);
-  const planes = Math.ceil(bits / 8);
-  for (let c = 0; c < components; c++) {
-    for (let p = 0; p < planes; p++) {
-      const from = (c * planes + p) * count;
-      for (let i = 0; i < count; i++) codes[i * components + c] |= raw[from + i] << (8 * p);
+/** Joins byte planes (components, low byte first) into codes, one array per component. */
+export function fromPlanes(planes: readonly Uint8Array[], bits: number): (Uint8Array | Uint32Array)[] {
+  const each = Math.ceil(bits / 8);
+  if (each === 1) return [...planes];
+  const codes: Uint32Array[] = [];
+  for (let c = 0; c < planes.length; c += each) {
+    const joined = Uint32Array.from(planes[c]);
+    for (let p = 1; p < each; p++) {
+      const plane = planes[c + p];
+      for (let i = 0; i < joined.length; i++) joined[i] |= plane[i] << (8 * p);
     }
+    codes.push(joined);
   }
   return codes;
 }
 
-/** Undoes a transform in place; `codes` are below 2^bits before and after. */
-export function undoTransform(codes: Uint32Array, components: number, bits: number, transform: number): void {
+/** Undoes a transform in place; codes are below 2^bits before and after. */
+export function undoTransform(codes: readonly (Uint8Array | Uint32Array)[], bits: number, transform: number): void {
   const mask = 2 ** bits - 1;
   if (transform === TRANSFORM.delta) {
-    for (let i = 0; i < codes.length; i++) {
-      const before = i < components ? 0 : codes[i - components];
-      codes[i] = (before + unzigzag(codes[i])) & mask;
+    for (const component of codes) {
+      let last = 0;
+      for (let i = 0; i < component.length; i++) component[i] = last = (last + unzigzag(component[i])) & mask;
     }
-  } else if (transform === TRANSFORM.green) {
-    for (let i = 0; i < codes.length; i += 3) {
-      const green = codes[i];
-      codes[i] = (green + unzigzag(codes[i + 1])) & mask;
-      codes[i + 1] = green;
-      codes[i + 2] = (green + unzigzag(codes[i + 2])) & mask;
+  } else if (transform === TRANSFORM.chain) {
+    for (let c = 1; c < codes.length; c++) {
+      const before = codes[c - 1];
+      const component = codes[c];
+      for (let i = 0; i < component.length; i++) component[i] = (before[i] + unzigzag(component[i])) & mask;
     }
   }
 }

@@ -6,12 +6,26 @@ export interface Box {
   readonly max: readonly [number, number, number];
 }
 
+/** Declared errors: no splat of the chunk is farther from the encoder's than this. */
+export interface Bounds {
+  /** World units, per axis, at any moment, in proportion to how far the splat has faded. */
+  readonly position: number;
+  /** World units: the standard deviation added in every direction before shapes are compared. */
+  readonly blur: number;
+  /** Of |ln| of the ratio of standard deviations in any direction. */
+  readonly shape: number;
+  /** At any moment. */
+  readonly opacity: number;
+  readonly rgb: number;
+}
+
 interface ChunkCommon {
   readonly count: number;
   /** Seconds: the segment whose normalised time [0, 1] the splats use; [0, 0] in a static chunk. */
   readonly timeRange: readonly [number, number];
   /** Holds the centre of every splat whenever it can be seen. */
   readonly box: Box;
+  readonly bounds: Bounds;
   /** [N * 3] natural logarithms of the standard deviations. */
   readonly logScales: Float32Array;
   /** [N] in [0, 1]; of dynamic splats the peak sigma. */
@@ -95,7 +109,7 @@ export interface Totals {
 }
 
 export interface Manifest {
-  readonly version: 1;
+  readonly version: 2;
   readonly title: string;
   /** Seconds of the capture's clock. */
   readonly start: number;

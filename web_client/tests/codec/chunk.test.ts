@@ -1,4 +1,5 @@
 import { readdirSync, readFileSync } from "node:fs";
+import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import { decodeChunk } from "../../src/codec/chunk";
 import { crc32 } from "../../src/codec/crc32";
@@ -11,6 +12,7 @@ interface Expected {
   count: number;
   time_range: number[];
   box: number[][];
+  bounds: Record<string, number>;
   float32: Record<string, string>;
 }
 
@@ -34,6 +36,7 @@ describe("decodeChunk", () => {
     expect(chunk.count).toBe(expected.count);
     expect(chunk.timeRange).toEqual(expected.time_range);
     expect([chunk.box.min, chunk.box.max]).toEqual(expected.box);
+    expect(chunk.bounds).toEqual(expected.bounds);
     for (const [snake, base64] of Object.entries(expected.float32)) {
       const key = snake.replace(/_(.)/g, (_, letter: string) => letter.toUpperCase());
       const array = (chunk as unknown as Record<string, Float32Array>)[key];
@@ -48,27 +51,58 @@ describe("decodeChunk", () => {
     expect({ byte, record }).toEqual(expected);
   });
 
-  it.each(["static", "dynamic"])("meets any damage of the %s vector with ChunkError", async (name) => {
-    const original = bytesOf(`${name}.chunk`);
-    let state = 1;
-    const random = (below: number) => {
-      state = (Math.imul(state, 1664525) + 1013904223) >>> 0; // a linear congruential generator: the same damage each run
-      return Math.floor((state / 2 ** 32) * below);
-    };
-    let refused = 0;
-    for (let round = 0; round < 1000; round++) {
-      const bytes = original.slice();
-      const reach = random(2) ? bytes.length : 64 + 44 * bytes[7];
-      bytes[random(reach)] = random(256);
-      new DataView(bytes.buffer).setUint32(bytes.length - 4, crc32(bytes.subarray(0, -4)), true);
-      const error = await decodeChunk(bytes).then(
-        () => undefined,
-        (reason: unknown) => reason,
+  it.each(["static", "dynamic"])(
+    "meets any damage of the %s vector with ChunkError",
+    async (name) => {
+      const original = bytesOf(`${name}.chunk`);
+      const place = fc.nat(original.length - 1);
+      const change = fc.tuple(place, fc.constantFrom("bit", "byte", "word", "cut", "grow"), fc.nat(2 ** 32 - 1));
+      let refused = 0;
+      await fc.assert(
+        fc.asyncProperty(fc.array(change, { minLength: 1, maxLength: 3 }), async (changes) => {
+          const bytes = sealed(changes.reduce(damaged, original));
+          const result = await decodeChunk(bytes).catch((reason: unknown) => reason);
+          if (result instanceof Error) {
+            expect(result).toBeInstanceOf(ChunkError);
+            refused++;
+          } else {
+            const arrays = Object.values(result as object).filter((value) => value instanceof Float32Array);
+            expect(arrays.every((array) => array.every(Number.isFinite))).toBe(true);
+          }
+        }),
+        { numRuns: 500, seed: 1 },
       );
-      if (error === undefined) continue;
-      expect(error).toBeInstanceOf(ChunkError);
-      refused++;
+      expect(refused).toBeGreaterThan(250);
+    },
+    60_000,
+  );
+
+  it("refuses every truncation", async () => {
+    const original = bytesOf("dynamic.chunk");
+    for (let length = 0; length < original.length; length += 7) {
+      await expect(decodeChunk(original.subarray(0, length))).rejects.toBeInstanceOf(ChunkError);
     }
-    expect(refused).toBeGreaterThan(300);
-  });
+  }, 60_000);
 });
+
+type Change = [at: number, how: string, value: number];
+
+/** The bytes with one change; the stated length follows when some are lost or gained. */
+function damaged(bytes: Uint8Array, [place, how, value]: Change): Uint8Array {
+  const at = place % bytes.length;
+  let changed = bytes.slice();
+  if (how === "bit") changed[at] ^= 1 << (value & 7);
+  else if (how === "byte") changed[at] = value & 255;
+  else if (how === "word") changed.set(new Uint8Array(Uint32Array.of(value).buffer).subarray(0, bytes.length - at), at);
+  else if (how === "cut") changed = Uint8Array.of(...bytes.subarray(0, at), ...bytes.subarray(at + (value % 40)));
+  else changed = Uint8Array.of(...bytes.subarray(0, at), value & 255, value & 255, ...bytes.subarray(at));
+  if (changed.length >= 20 && changed.length !== bytes.length)
+    new DataView(changed.buffer).setUint32(16, changed.length, true);
+  return changed;
+}
+
+/** Makes the checksum right again, so that the fault behind it is met. */
+function sealed(bytes: Uint8Array): Uint8Array {
+  if (bytes.length >= 4) new DataView(bytes.buffer).setUint32(bytes.length - 4, crc32(bytes.subarray(0, -4)), true);
+  return bytes;
+}

@@ -1,0 +1,95 @@
+"""Quaternions of splats, and which of the equal ones is cheapest to store."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["canonical", "matrices", "product", "shape_error", "turn_between", "vector_to_quats"]
+
+Doubles = NDArray[np.float64]
+
+
+def product(a: Doubles, b: Doubles) -> Doubles:
+    """Return the Hamilton product of quaternions [..., 4], w first."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def matrices(quats: Doubles) -> Doubles:
+    """Return rotation matrices [..., 3, 3] of unit quaternions [..., 4]."""
+    w, x, y, z = np.moveaxis(quats, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def vector_to_quats(vector: Doubles) -> Doubles:
+    """Return unit quaternions [..., 4] with w >= 0 of vector parts [..., 3]."""
+    w = np.sqrt(np.maximum(0.0, 1 - (vector**2).sum(axis=-1, keepdims=True)))
+    return np.concatenate([w, vector], axis=-1)
+
+
+def turn_between(a: Doubles, b: Doubles) -> Doubles:
+    """Return the rotation from unit quaternions a to b [..., 4] about a's own axes, [..., 3], radians if small."""
+    difference = product(a * (1.0, -1.0, -1.0, -1.0), b)
+    sign = np.where(difference[..., :1] < 0, -2.0, 2.0)
+    return difference[..., 1:] * sign
+
+
+def _cube_rotations() -> dict[tuple[int, ...], Doubles]:
+    """Return the 24 rotations of a cube [4, 4] for each order in which they leave the axes."""
+    found: dict[tuple[int, ...], list[Doubles]] = {}
+    for entries in itertools.product((-1.0, 0.0, 1.0), repeat=4):
+        quat = np.array(entries)
+        filled = np.flatnonzero(quat)
+        if len(filled) in (1, 2, 4) and quat[filled[0]] > 0:
+            quat = quat / np.linalg.norm(quat)
+            found.setdefault(tuple(int(i) for i in np.abs(matrices(quat)).argmax(axis=0)), []).append(quat)
+    return {order: np.array(quats) for order, quats in found.items()}
+
+
+_CUBE = _cube_rotations()
+
+
+def canonical(quats: Doubles, log_scales: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the cube rotation [N, 4] to multiply quaternions by from the right, and the log-scales in falling order.
+
+    An ellipsoid looks the same with its axes renamed or turned round: of the 24 rotations that describe it, this
+    takes the one that names the axes from longest to shortest and has the largest |w|, at least 1/2.
+    """
+    order = np.argsort(-log_scales, axis=1, kind="stable")
+    turn = np.empty_like(quats)
+    for axes, choices in _CUBE.items():
+        members = np.flatnonzero((order == axes).all(axis=1))
+        w = product(quats[members, None], choices)[..., 0]
+        turn[members] = choices[np.abs(w).argmax(axis=1)]
+    return turn, np.take_along_axis(log_scales, order, axis=1)
+
+
+def shape_error(
+    quats: Doubles, log_scales: Doubles, other_quats: Doubles, other_log_scales: Doubles, blur: float
+) -> Doubles:
+    """Return the largest |ln| [N] of the ratio of standard deviations in any direction, both shapes blurred."""
+    a, b = (
+        (axes * (np.exp(2 * scales) + blur * blur)[:, None, :]) @ np.swapaxes(axes, 1, 2)
+        for axes, scales in ((matrices(quats), log_scales), (matrices(other_quats), other_log_scales))
+    )
+    size = np.trace(a, axis1=1, axis2=2)[:, None, None]
+    lower = np.linalg.inv(np.linalg.cholesky(a / size))
+    ratio = np.linalg.eigvalsh(lower @ (b / size) @ np.swapaxes(lower, 1, 2))
+    return np.asarray(np.abs(np.log(np.maximum(ratio, 1e-300))).max(axis=1) / 2)

@@ -1,0 +1,38 @@
+"""`hgs encode RUN`: encode a trained run again, with another budget."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from hgs_core.train.config import BUDGETS
+from server.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "encode",
+        help="encode a trained run again",
+        description="Encode a trained run in place of its encoded scene: as small as a loss of quality allows.",
+    )
+    parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
+    parser.add_argument(
+        "--budget", choices=list(BUDGETS), help="of the loss on the training views; default: that of the run's config"
+    )
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from hgs_core.pipeline import encode_again
+    from hgs_core.run_folder import RunFolder
+
+    folder = RunFolder(options.run_folder)
+    folder.read_spec()  # before torch is loaded: a wrong path is told at once
+    with folder.exclusive(), ProgressBars() as bars:
+        encode_again(options.run_folder, options.budget, bars)
+    print(folder.scene)
+    return 0
