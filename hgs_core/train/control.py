@@ -101,7 +101,7 @@ def control_births(
             )
             for camera, truth in zip(views.cameras, instant.pictures, strict=True)
         ]  # fmt: skip
-        known = state.static.means.numpy()
+        known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         born.append(
             find_births(
                 views.cameras, instant.pictures, instant.moving, errors, known, instant.seconds, most, generator
