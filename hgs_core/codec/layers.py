@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from hgs_core.codec.encode_dynamic import SegmentTime
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.settings import EncodeSettings
-from hgs_core.codec.steps import ideal_position_steps
+from hgs_core.codec.steps import FINEST_SHARE, ideal_position_steps
 from hgs_core.codec.weights import grades
 
 __all__ = ["Layer", "dynamic_layers", "slice_times", "static_layers"]
 
 LIKE = 8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
-LONG_LIVED = 1024  # splats that live on together, from which they get chunks apart from those that die earlier
+LONG_LIVED = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
 
 Index = NDArray[np.intp]
 Doubles = NDArray[np.float64]
@@ -108,7 +108,10 @@ def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: i
     parts: list[Index] = []
     for group in groups:
         step = ideal_position_steps(splats.take(group), settings)
-        level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LIKE) + 0.5), 0)
+        level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LIKE)), 0)
+        near = np.abs(splats.values["position"][group]).max(axis=1) * FINEST_SHARE < np.median(step)
+        if (level > 0).sum() < settings.small_chunk_splats:
+            level[near] = 0  # float32 can hold them on the others' grid, and so few do not pay for a chunk
         for one in np.unique(level):
             parts += _even_parts(group[level == one], largest)
     return parts

@@ -36,7 +36,7 @@ class EncodeSettings:
     slice_seconds: float = 0.5
     static_chunk_splats: int = 8192  # at most
     dynamic_chunk_splats: int = 8192  # at most
-    small_chunk_splats: int = 512  # chunks of fewer splats are joined with the next
+    small_chunk_splats: int = 1024  # chunks of fewer splats are joined with the next
     compression_level: int = 19  # of zstd
 
     def __post_init__(self) -> None:

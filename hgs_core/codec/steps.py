@@ -12,7 +12,7 @@ from hgs_core.codec.quantise import float32_below, uneased
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import LOW_PASS, grades
 
-__all__ = ["BLUR", "Steps", "ideal_position_steps"]
+__all__ = ["BLUR", "FINEST_SHARE", "Steps", "ideal_position_steps", "screen_deviations"]
 
 BLUR = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
 UNEVEN = 98.0  # per cent of splats that are no longer and thinner than what the rotation's step is made for
