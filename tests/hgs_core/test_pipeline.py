@@ -79,7 +79,7 @@ def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path)
     assert json.loads((finished / "eval.json").read_text()) == result
 
 
-def test_a_run_is_published_and_scored_with_the_antialiasing_it_was_trained_with(finished: Path, tmp_path: Path) -> None:
+def test_a_run_is_published_and_scored_as_antialiased_as_it_was_trained(finished: Path, tmp_path: Path) -> None:
     run = tmp_path / "run"
     shutil.copytree(finished, run)
     spec = json.loads((run / "run.json").read_text())
