@@ -27,8 +27,10 @@ __all__ = ["fitting_settings", "measure_utility"]
 
 CAMERAS_PER_FRAME = 4  # that every frame's splats are weighed in; the next frame takes the next cameras
 VIEWS = 12  # in which the loss is measured
-ROUNDS = 5  # of halving the range of coarsenesses
+ROUNDS = 4  # of encoding to find the coarseness: most scenes need two
+NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.25, 8.0)
+FARTHEST = 4.0  # factor between two coarsenesses tried
 GOLDEN = 0.618  # fractional parts of its multiples spread evenly
 
 Floats = NDArray[np.float32]
@@ -90,14 +92,17 @@ def fitting_settings(
 
     quick = EncodeSettings(compression_level=1)
     best = psnr(scene)
-    low, high = (math.log2(x) for x in COARSENESS)
+    # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 1.
+    fitting, tried = COARSENESS[0], math.sqrt(allowed / 0.1)
     for _ in range(ROUNDS):
-        middle = (low + high) / 2
-        if best - psnr(encoded(dataclasses.replace(quick, coarseness=2**middle))) <= allowed:
-            low = middle
-        else:
-            high = middle
-    return EncodeSettings(coarseness=2**low)
+        loss = best - psnr(encoded(dataclasses.replace(quick, coarseness=tried)))
+        if loss <= allowed:
+            fitting = max(fitting, tried)
+            if loss >= NEAR_ENOUGH * allowed or tried == COARSENESS[1]:
+                break
+        step = math.sqrt(0.93 * allowed / max(loss, 1e-9))
+        tried = min(max(tried * min(max(step, 1 / FARTHEST), FARTHEST), COARSENESS[0]), COARSENESS[1])
+    return EncodeSettings(coarseness=fitting)
 
 
 def _pictures(
