@@ -105,7 +105,7 @@ def check_dynamics(before: DynamicSplats, folder: Path, segment: int, until: flo
     alive = np.flatnonzero((start <= until) & (end >= 0))
     briefest = math.log(math.log(255)) - 2 * math.log(SETTINGS.shortest_life * frame)
     slower = dataclasses.replace(before, time_log_precisions=np.minimum(before.time_log_precisions, briefest))
-    start, end = np.clip(start, 0, until), np.clip(end, 0, until)
+    start, end = (np.clip(side, 0, until) for side in lifetime(slower))
     found = 0
     for piece in manifest.slices:
         for entry in piece.chunks if piece.segment == segment else ():
