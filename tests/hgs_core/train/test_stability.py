@@ -189,7 +189,7 @@ def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions
     start = scene(random, kinds, motions)
     config = TrainConfig(
         cycles=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random,
-        adaptive_labels=False,
+        adaptive_labels=False, prune_contribution=0.0,
     )  # fmt: skip
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     training = Trainer(capture, capture.cameras, config, segment, start, folder / "checkpoint.pt")
@@ -198,7 +198,8 @@ def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions
     (folder / "checkpoint.pt").unlink()
     furthest = STEPS * (1 - BETA1) / math.sqrt(1 - BETA2)  # in step sizes
     after = training.state.static, training.state.dynamic
-    rates = training.schedule.static_rates(0), training.schedule.dynamic_rates(0)  # they fall from there
+    # They fall from there; between two frames every life counts as the whole segment, so that motion's stay alike.
+    rates = training.schedule.static_rates(0), training.schedule.dynamic_rates(0, before[1])
     for was, now, rate in zip(before, after, rates, strict=True):
         for (name, old), (_, new) in zip(was.items(), now.items(), strict=True):
             assert torch.isfinite(new).all(), name
