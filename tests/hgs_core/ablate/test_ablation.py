@@ -93,11 +93,15 @@ def test_statics_stored_as_dynamics_look_the_same(everything: tuple[Ablation, An
         next(row["mean"] for row in result["rows"] if row["name"] == name) for name in ("full", "no-parameter-sharing")
     )
     assert (derived["splats_static"], derived["bytes_static"]) == (0, 0)
-    assert derived["splats_dynamic"] == full["splats_static"] + full["splats_dynamic"]
     assert derived["bytes_dynamic"] > full["bytes_dynamic"]
     assert derived["psnr"] == pytest.approx(full["psnr"], abs=0.2)
     assert derived["train_seconds"] == full["train_seconds"]
-    assert len(load_scene(ablation.run(ROWS["no-parameter-sharing"], 0).folder.trained).static) == 0
+    # Before encoding, which drops what shows too little at the coarseness that the budget allows each of them.
+    before, after = (
+        load_scene(ablation.run(ROWS[name], 0).folder.trained) for name in ("full", "no-parameter-sharing")
+    )
+    assert len(after.static) == 0
+    assert len(after.segments[0].dynamic) == len(before.static) + len(before.segments[0].dynamic)
 
 
 def test_an_interrupted_ablation_goes_on_where_it_stopped(make_ablation: MakeAblation, tmp_path: Path) -> None:
