@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.ablate.components import component_labels
+from hgs_core.decompose.components import component_labels
 from hgs_core.decompose.morphology import dilate
 
 __all__ = ["Mask", "MaskChange", "blobs_added", "components_dropped", "eroded", "grown_to_share"]

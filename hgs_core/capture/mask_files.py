@@ -6,7 +6,6 @@ values or palette entries (docs/captures.md).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,12 +14,10 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.camera import Camera
-from hgs_core.capture.picture import check_size, list_folder, read_mask
+from hgs_core.capture.picture import check_size, numbered_pictures, read_mask
 from hgs_core.errors import InputError
 
 __all__ = ["MaskFiles", "find_masks"]
-
-_NAME = re.compile(r"\d+\.png")
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ def find_masks(folder: Path, cameras: Sequence[Camera], frames: int, *, required
 
 
 def _files(folder: Path, camera: Camera, frames: int) -> list[Path]:
-    numbers = {int(Path(name).stem): folder / name for name in list_folder(folder) if _NAME.fullmatch(name)}
+    numbers = numbered_pictures(folder)
     for frame in range(frames):
         if frame not in numbers:
             cure = "number the masks from 0, one for each frame, or remove the folder to have them computed"

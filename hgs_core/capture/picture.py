@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,18 @@ from PIL import Image, UnidentifiedImageError
 from hgs_core.camera import Camera
 from hgs_core.errors import InputError
 
-__all__ = ["check_size", "list_folder", "picture_size", "read_mask", "read_picture", "reduced_mask", "reduced_picture"]
+__all__ = [
+    "check_size",
+    "list_folder",
+    "numbered_pictures",
+    "picture_size",
+    "read_mask",
+    "read_picture",
+    "reduced_mask",
+    "reduced_picture",
+]
+
+_NUMBERED = re.compile(r"\d+\.png")
 
 
 def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
@@ -79,6 +91,11 @@ def list_folder(folder: Path) -> dict[str, int]:
         return {}
     with os.scandir(folder) as entries:
         return {entry.name: entry.stat().st_size for entry in entries if entry.is_file()}
+
+
+def numbered_pictures(folder: Path) -> dict[int, Path]:
+    """Return the files `<number>.png` of a folder by their numbers, which may have leading zeros."""
+    return {int(Path(name).stem): folder / name for name in list_folder(folder) if _NUMBERED.fullmatch(name)}
 
 
 def _pixels(path: Path, camera: Camera, mode: str | None) -> npt.NDArray[np.uint8]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,11 +75,16 @@ def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, setting
 
 def _by_last(members: Index, last: NDArray[np.intp]) -> list[Index]:
     """Group splats by the last slice they live in; groups smaller than `LONG_LIVED` are joined with the next."""
+    return _without_small([members[last[members] == final] for final in np.unique(last[members])], LONG_LIVED)
+
+
+def _without_small(parts: Iterable[Index], least: int) -> list[Index]:
+    """Join parts with the next ones until they have `least` splats, a small rest with the last group."""
     groups: list[Index] = []
     waiting = np.zeros(0, np.intp)
-    for final in np.unique(last[members]):
-        waiting = np.concatenate([waiting, members[last[members] == final]])
-        if len(waiting) >= LONG_LIVED:
+    for part in parts:
+        waiting = np.concatenate([waiting, part])
+        if len(waiting) >= least:
             groups.append(waiting)
             waiting = waiting[:0]
     if len(waiting) and groups:
@@ -94,17 +100,7 @@ def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: i
     Grades of fewer than `small_chunk_splats` are joined with the next lower one: the finest of a chunk counts.
     """
     grade = grades(splats.values["utility"][members, 0])
-    groups: list[Index] = []
-    waiting = np.zeros(0, np.intp)
-    for value in np.unique(grade)[::-1]:
-        waiting = np.concatenate([waiting, members[grade == value]])
-        if len(waiting) >= settings.small_chunk_splats:
-            groups.append(waiting)
-            waiting = waiting[:0]
-    if len(waiting) and groups:
-        groups[-1] = np.concatenate([groups[-1], waiting])
-    elif len(waiting):
-        groups.append(waiting)
+    groups = _without_small((members[grade == value] for value in np.unique(grade)[::-1]), settings.small_chunk_splats)
     parts: list[Index] = []
     for group in groups:
         step = ideal_position_steps(splats.take(group), settings)

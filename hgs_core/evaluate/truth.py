@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import (
     check_size,
-    list_folder,
+    numbered_pictures,
     picture_size,
     read_mask,
     read_picture,
@@ -99,7 +98,7 @@ def _files(
         if not folder.is_dir():
             cure = "add it, or name the cameras to score with --cameras"
             raise InputError(folder, f"there are no {kind}s of camera {size.name}", cure)
-        names = {int(Path(name).stem): folder / name for name in list_folder(folder) if re.fullmatch(r"\d+\.png", name)}
+        names = numbered_pictures(folder)
         for frame in range(len(capture.times)):
             if frame not in names:
                 problem = f"the {kind} of frame {frame} is missing"

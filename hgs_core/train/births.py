@@ -16,9 +16,8 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.points import PointCloud
-from hgs_core.capture.sweep import depth_ranges, sweep
-from hgs_core.capture.visibility import pixels_inside
-from hgs_core.decompose.labels import label_points
+from hgs_core.capture.sweep import sweep
+from hgs_core.decompose.labels import label_points, mean_over_views
 from hgs_core.decompose.morphology import box_sum
 
 __all__ = ["find_births", "picture_error"]
@@ -47,7 +46,7 @@ def find_births(
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] of one moment
     moving: Sequence[npt.NDArray[np.bool_]],  # [H, W] what moves in them
     errors: Sequence[npt.NDArray[np.float32]],  # [H, W] how wrong the scene is there, levels of 255
-    known: npt.NDArray[np.floating[Any]],  # [K, 3] points of the scene, for the range of depths
+    ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
     time: float,  # seconds
     most: int,
     generator: np.random.Generator,
@@ -66,12 +65,11 @@ def find_births(
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
         return label_points(cameras, moving, xyz) >= _HULL
 
-    ranges = depth_ranges(cameras, known)
     swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull)
     chosen = np.flatnonzero((swept.agreeing >= _CONFIRMED) & (swept.opposed <= swept.agreeing))
     chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
     if len(chosen) > most:
-        urgency = _mean_error(cameras, errors, swept.xyz[chosen]) ** 2
+        urgency = mean_over_views(cameras, errors, swept.xyz[chosen]).astype(np.float64) ** 2
         chosen = np.sort(generator.choice(chosen, most, replace=False, p=urgency / urgency.sum()))
     xyz = swept.xyz[chosen]
     return PointCloud(
@@ -86,18 +84,6 @@ def _worst(error: npt.NDArray[np.float32], pixels: npt.NDArray[np.bool_]) -> npt
         return pixels
     border = np.partition(error[pixels], -_MOST_PIXELS)[-_MOST_PIXELS]
     return np.asarray(pixels & (error >= border))
-
-
-def _mean_error(
-    cameras: Sequence[Camera], errors: Sequence[npt.NDArray[np.float32]], xyz: npt.NDArray[np.float32]
-) -> npt.NDArray[np.float64]:
-    """Return [P] the mean error of the pixels that show each point."""
-    total, views = np.zeros(len(xyz)), np.zeros(len(xyz))
-    for camera, error in zip(cameras, errors, strict=True):
-        rows, pixels = pixels_inside(camera, xyz)
-        total[rows] += error[pixels[:, 1], pixels[:, 0]]
-        views[rows] += 1
-    return total / np.maximum(views, 1)
 
 
 def _sizes(cameras: Sequence[Camera], xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.points import PointCloud
+from hgs_core.capture.sweep import depth_ranges
 from hgs_core.render.contribution import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.adam import Adam
 from hgs_core.train.births import find_births, picture_error
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
@@ -25,6 +30,9 @@ from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.training_views import TrainingView, TrainingViews
 
 __all__ = ["control_births", "control_contributions", "control_density", "control_labels"]
+
+S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
+Mask = npt.NDArray[np.bool_]
 
 _CONTRIBUTION_MOMENTS = 60  # of the segment at which contributions are weighed
 _BIRTH_INSTANTS = 30  # of the segment that a round of births looks at
@@ -72,12 +80,8 @@ def control_contributions(state: TrainState, config: TrainConfig, views: Trainin
         np.maximum(peak, found.peak, out=peak)
     needed = peak >= config.prune_contribution
     if statics_learn:
-        kept = _rows(needed[:statics])
-        state.static = state.static.take(kept)
-        state.static_adam.select(kept, 0)
-    kept = _rows(needed[statics:])
-    state.dynamic = state.dynamic.take(kept)
-    state.dynamic_adam.select(kept, 0)
+        state.static = _kept(state.static, state.static_adam, needed[:statics])
+    state.dynamic = _kept(state.dynamic, state.dynamic_adam, needed[statics:])
     state.history.pruned += len(peak) - len(state.static) - len(state.dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
@@ -89,6 +93,8 @@ def control_births(
     generator = np.random.default_rng((config.seed, 5, cycle))
     instants = min(_BIRTH_INSTANTS, segment.frames)
     most = max(0, config.max_dynamic - len(state.dynamic)) // (2 * instants)
+    known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
+    ranges = depth_ranges(views.cameras, known)
     born = []
     for instant in views.instants(instants, generator):
         errors = [
@@ -101,16 +107,14 @@ def control_births(
             )
             for camera, truth in zip(views.cameras, instant.pictures, strict=True)
         ]  # fmt: skip
-        known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         born.append(
             find_births(
-                views.cameras, instant.pictures, instant.moving, errors, known, instant.seconds, most, generator
+                views.cameras, instant.pictures, instant.moving, errors, ranges, instant.seconds, most, generator
             )
         )
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
     _, dynamic = initial_splats(PointCloud.concatenate(born), segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
-    state.dynamic_adam.select(torch.arange(len(state.dynamic)), len(dynamic))
-    state.dynamic = joined(state.dynamic, dynamic)
+    state.dynamic = _kept(state.dynamic, state.dynamic_adam, np.ones(len(state.dynamic), np.bool_), dynamic)
     state.history.births += len(dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
@@ -136,13 +140,19 @@ def control_labels(
     still = standing_still(state.dynamic, cameras, config.still_pixels)
     to_static = as_statics(state.dynamic.take(_rows(still)))
     to_dynamic = as_dynamics(state.static.take(_rows(restless)))
-    state.static_adam.select(_rows(~restless), len(to_static))
-    state.static = joined(state.static.take(_rows(~restless)), to_static)
-    state.dynamic_adam.select(_rows(~still), len(to_dynamic))
-    state.dynamic = joined(state.dynamic.take(_rows(~still)), to_dynamic)
+    state.static = _kept(state.static, state.static_adam, ~restless, to_static)
+    state.dynamic = _kept(state.dynamic, state.dynamic_adam, ~still, to_dynamic)
     state.history.relabelled(len(to_static), int(restless.sum()))
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 
-def _rows(mask: np.ndarray[tuple[int], np.dtype[np.bool_]]) -> Tensor:
+def _kept(splats: S, adam: Adam[S], kept: Mask, added: S | None = None) -> S:
+    """Return the splats that are kept and those added; the optimiser follows, without moments of the new ones."""
+    rows = _rows(kept)
+    adam.select(rows, 0 if added is None else len(added))
+    left = splats.take(rows)
+    return left if added is None else joined(left, added)
+
+
+def _rows(mask: Mask) -> Tensor:
     return torch.from_numpy(np.flatnonzero(mask))

@@ -18,10 +18,14 @@ from hgs_core.camera import Camera
 from hgs_core.render.projection import rotation_matrices
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import evaluate
+from hgs_core.train.density import joined
 
 __all__ = ["as_dynamics", "as_statics", "standing_still"]
 
-_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at
+Floats = npt.NDArray[np.float32]
+Doubles = npt.NDArray[np.float64]
+
+_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at; odd: one is the middle
 _STEADY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
 _CENTERS = (0.25, 0.75)  # lives that a splat which will not stand still is divided into
 _HALF_LIFE = 0.3  # normalised time after which these have faded to half: they overlap
@@ -34,7 +38,7 @@ def standing_still(dynamic: DynamicSplats[Tensor], cameras: Sequence[Camera], pi
     any of the cameras' pictures during it.
     """
     arrays = dynamic.map(lambda array: array.detach().numpy())
-    moments = [evaluate(arrays, float(t)) for t in np.linspace(0, 1, _MOMENTS)]
+    moments = _over_the_segment(arrays)
     opacities = np.stack([opacity for _, _, opacity in moments])
     steady = opacities.min(0) >= _STEADY * opacities.max(0)
     candidates = np.flatnonzero(steady & (opacities.max(0) > 0))
@@ -57,9 +61,9 @@ def standing_still(dynamic: DynamicSplats[Tensor], cameras: Sequence[Camera], pi
 def as_statics(dynamic: DynamicSplats[Tensor]) -> StaticSplats[Tensor]:
     """Fold the motion in: static splats as the given dynamic ones are in the middle of the segment."""
     arrays = dynamic.map(lambda array: array.detach().numpy())
-    means, quats, _ = evaluate(arrays, 0.5)
-    opacity = np.mean([evaluate(arrays, float(t))[2] for t in np.linspace(0, 1, _MOMENTS)], axis=0)
-    opacity = np.clip(opacity, 1e-6, 1 - 1e-6)
+    moments = _over_the_segment(arrays)
+    means, quats, _ = moments[_MOMENTS // 2]
+    opacity = np.clip(np.mean([opacity for _, _, opacity in moments], axis=0), 1e-6, 1 - 1e-6)
     return StaticSplats(
         _tensor(means), dynamic.log_scales.detach().clone(), _tensor(quats),
         _tensor(np.log(opacity / (1 - opacity))), dynamic.rgb.detach().clone(),
@@ -80,8 +84,12 @@ def as_dynamics(static: StaticSplats[Tensor]) -> DynamicSplats[Tensor]:
         )
         for center in _CENTERS
     ]  # fmt: skip
-    joined = zip(*((array for _, array in life.items()) for life in lives), strict=True)
-    return DynamicSplats(*(torch.cat(arrays).detach().clone() for arrays in joined))
+    return joined(*lives).map(Tensor.detach)
+
+
+def _over_the_segment(dynamic: DynamicSplats[Floats]) -> list[tuple[Doubles, Doubles, Doubles]]:
+    """Return positions, quaternions and opacities at moments from the segment's start to its end."""
+    return [evaluate(dynamic, float(t)) for t in np.linspace(0, 1, _MOMENTS)]
 
 
 def _axis_ends(

@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from torch import Tensor
-from torch.nn.functional import interpolate
 
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.picture import reduced_mask
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import sample_frames
 from hgs_core.train.config import TrainConfig
@@ -106,11 +106,5 @@ class TrainingViews:
         moving = None
         if masked:
             assert self._masks is not None, "separate stages need masks"
-            moving = _resized(self._masks.mask(index, frame), camera)
+            moving = torch.from_numpy(np.array(reduced_mask(self._masks.mask(index, frame), camera)))
         return TrainingView(self._places[index], camera, moment, target, moving)
-
-
-def _resized(mask: npt.NDArray[np.bool_], camera: Camera) -> Tensor:
-    """Return a mask at a camera's size, [H, W]: what a moving pixel falls into moves."""
-    wide = torch.from_numpy(mask)[None, None].float()
-    return interpolate(wide, (camera.height, camera.width), mode="area")[0, 0] > 0

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
 
-from hgs_core.atomic import write_bytes
 from hgs_core.errors import InputError
 from hgs_core.progress import StageStopped
+from server.commands.json_output import JsonOutput
 from server.commands.training_options import add_training_options, training_config
 from server.interrupts import Interrupts
 from server.progress_bars import ProgressBars
@@ -59,9 +58,7 @@ def _run(options: argparse.Namespace) -> int:
         (config.seed,) if options.seeds is None else [_seed(text) for text in _list("--seeds", options.seeds)],
         masks=options.masks, truth=options.truth, score_masks=options.score_masks,
     )  # fmt: skip
-    file = None if options.json in (None, "-") else Path(options.json)
-    if file is not None and (file.is_dir() or not file.parent.is_dir()):
-        raise InputError("--json", f"{file} is not a file in a folder that exists")
+    output = JsonOutput(options.json)
     from hgs_core.ablate.ablation import ablate
     from hgs_core.ablate.table import table_text
 
@@ -72,13 +69,7 @@ def _run(options: argparse.Namespace) -> int:
             bars.close()
             print("stopped; run the same command again to resume", file=sys.stderr)
             return 130
-    text = json.dumps(result, indent=1, allow_nan=False)
-    if options.json == "-":
-        print(text)
-        return 0
-    if file is not None:
-        write_bytes(file, text.encode() + b"\n")
-    print(table_text(result))
+    output.show(result, table_text(result))
     return 0
 
 

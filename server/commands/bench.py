@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
-from pathlib import Path
 from typing import Any
 
-from hgs_core.atomic import write_bytes
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
 from hgs_core.errors import InputError
+from server.commands.json_output import JsonOutput
 from server.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -58,21 +56,13 @@ def _run(options: argparse.Namespace) -> int:
         dynamic_share=_number("--dynamic", options.dynamic),
         seed=_whole("--seed", options.seed),
     )
-    file = None if options.json in (None, "-") else Path(options.json)
-    if file is not None and (file.is_dir() or not file.parent.is_dir()):
-        raise InputError("--json", f"{file} is not a file in a folder that exists")
+    output = JsonOutput(options.json)
     from hgs_core.bench.raster import bench_raster
     from hgs_core.bench.table import report_text
 
     with ProgressBars() as bars:
         report = bench_raster(settings, bars)
-    text = json.dumps(report.to_json(), indent=1, allow_nan=False)
-    if options.json == "-":
-        print(text)
-        return 0
-    if file is not None:
-        write_bytes(file, text.encode() + b"\n")
-    print(report_text(report))
+    output.show(report.to_json(), report_text(report))
     return 0
 
 

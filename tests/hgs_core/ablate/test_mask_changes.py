@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from hgs_core.ablate.components import component_labels
 from hgs_core.ablate.mask_changes import blobs_added, components_dropped, eroded, grown_to_share
+from hgs_core.decompose.components import component_labels
 from hgs_core.decompose.morphology import dilate
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))

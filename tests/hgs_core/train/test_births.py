@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from hgs_core.capture.sweep import depth_ranges
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import StaticSplats
 from hgs_core.train.births import find_births, picture_error
@@ -44,7 +45,9 @@ def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndar
     moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in seen]
     errors = [picture_error(p, truth) for p, truth in zip(pictures(shown), seen, strict=True)]
     known = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    cloud = find_births(CAMERAS, seen, moving, errors, known, 0.5, most, np.random.default_rng(2))
+    cloud = find_births(
+        CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known), 0.5, most, np.random.default_rng(2)
+    )
     assert (cloud.times == 0.5).all()
     assert (cloud.dynamic == 1).all()
     assert (cloud.spacing > 0).all()

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from hgs_core.ablate.components import component_labels
+from hgs_core.decompose.components import component_labels
 
 
 def flood_fill(mask: np.ndarray) -> np.ndarray:
