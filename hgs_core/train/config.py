@@ -20,6 +20,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "stages": ("interleaved", "together", "separate"),
     "motion_order": (1, 2, 3),
     "birth_rounds": (0, 1, 2),
+    "density": ("gradient", "relocation"),
     "budget": tuple(BUDGETS),
 }
 
@@ -58,6 +59,7 @@ class TrainConfig:
     init_frames: int = 30  # frames that initialisation samples (interleaved-frame initialisation)
     max_static: int = 80_000  # splat budgets
     max_dynamic: int = 20_000
+    density: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
     densify_every: int = 50  # cycles

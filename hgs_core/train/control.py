@@ -24,12 +24,20 @@ from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, joined, refine
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
+from hgs_core.train.relocation import disturb, relocate
 from hgs_core.train.residuals import temporal_residuals
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.training_views import TrainingView, TrainingViews
 
-__all__ = ["control_births", "control_contributions", "control_density", "control_labels"]
+__all__ = [
+    "control_births",
+    "control_contributions",
+    "control_density",
+    "control_labels",
+    "control_relocation",
+    "disturb_positions",
+]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 Mask = npt.NDArray[np.bool_]
@@ -37,6 +45,7 @@ Mask = npt.NDArray[np.bool_]
 _CONTRIBUTION_MOMENTS = 60  # of the segment at which contributions are weighed
 _BIRTH_INSTANTS = 30  # of the segment that a round of births looks at
 _BIRTH_OPACITY = 0.6
+_GROWTH = 0.05  # of the splats that a round of relocation may add (Kheradmand et al.), or what a linear budget allows
 _MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
 
 
@@ -67,6 +76,33 @@ def control_density(
             state.dynamic, state.dynamic_adam, dynamic_seen, plan(first_counts[1], config.max_dynamic)
         )
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def control_relocation(
+    state: TrainState, schedule: Schedule, cycle: int, first_counts: tuple[int, int], statics_learn: bool
+) -> None:
+    """Move the dead of both sets onto the living and grow each within its own budget; copies inherit all but size."""
+    config = schedule.config
+    generator = np.random.default_rng((config.seed, 3, cycle))
+
+    def budget(now: int, first: int, most: int) -> int:
+        return min(max(first, most), max(round((1 + _GROWTH) * now), schedule.budget(cycle, first, most)))
+
+    if statics_learn and len(state.static):
+        wanted = budget(len(state.static), first_counts[0], config.max_static)
+        state.static = relocate(state.static, state.static_adam, wanted, config.prune_opacity, generator)
+    if len(state.dynamic):
+        wanted = budget(len(state.dynamic), first_counts[1], config.max_dynamic)
+        state.dynamic = relocate(state.dynamic, state.dynamic_adam, wanted, config.prune_opacity, generator)
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def disturb_positions(state: TrainState, schedule: Schedule, cycle: int, statics_learn: bool) -> None:
+    """Add the noise that goes with relocation to the positions of both sets."""
+    generator = np.random.default_rng((schedule.config.seed, 6, cycle))
+    if statics_learn:
+        disturb(state.static, schedule.position_rate(cycle), schedule.extent, generator)
+    disturb(state.dynamic, schedule.position_rate(cycle), schedule.extent, generator)
 
 
 def control_contributions(state: TrainState, config: TrainConfig, views: TrainingViews, statics_learn: bool) -> None:

@@ -62,7 +62,7 @@ class Schedule:
         """Return the step size of every field of the static set."""
         rates = self.config.learning_rates
         return {
-            "means": self._position_rate(cycle),
+            "means": self.position_rate(cycle),
             "log_scales": rates.log_scale,
             "quats": rates.rotation,
             "opacity_logits": rates.opacity,
@@ -77,7 +77,7 @@ class Schedule:
         lives shortly could never learn to move fast.
         """
         rates = self.config.learning_rates
-        position = self._position_rate(cycle)
+        position = self.position_rate(cycle)
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
         inverse = (1 / life)[:, None]
         powers = torch.tensor([0.0, 1.0, 2.0, 3.0])
@@ -94,7 +94,8 @@ class Schedule:
             "rgb": rates.rgb,
         }
 
-    def _position_rate(self, cycle: int) -> float:
+    def position_rate(self, cycle: int) -> float:
+        """Return the step size of positions, world units."""
         rates, progress = self.config.learning_rates, cycle / self.config.cycles
         if rates.position <= 0:
             return 0.0

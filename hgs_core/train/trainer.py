@@ -21,7 +21,14 @@ from hgs_core.render.types import Gradients
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control import control_births, control_contributions, control_density, control_labels
+from hgs_core.train.control import (
+    control_births,
+    control_contributions,
+    control_density,
+    control_labels,
+    control_relocation,
+    disturb_positions,
+)
 from hgs_core.train.initialise import scene_extent
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
@@ -124,6 +131,9 @@ class Trainer:
                 tiles = tiles_of_dynamic(state.dynamic, view.camera, view.moment)
             if tiles.any():
                 self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
+        if config.density == "relocation":
+            with timed("noise"):
+                disturb_positions(state, self.schedule, cycle, self.statics_learn)
         self._constrain()
         if self.schedule.prunes_after(cycle):
             with timed("pruning"):
@@ -133,7 +143,10 @@ class Trainer:
                 control_births(state, config, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
             with timed("density"):
-                control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
+                if config.density == "relocation":
+                    control_relocation(state, self.schedule, cycle, self.first_counts, self.statics_learn)
+                else:
+                    control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
         if self.statics_learn and self.schedule.relabels_after(cycle):
             with timed("labels"):
                 control_labels(state, config, self.views.cameras, self.views.samples(cycle))
