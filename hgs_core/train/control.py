@@ -11,14 +11,13 @@ import torch
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.capture.points import PointCloud
 from hgs_core.capture.sweep import depth_ranges
 from hgs_core.render.contribution import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
-from hgs_core.train.births import find_births, picture_error
+from hgs_core.train.births import chosen_births, find_births, picture_error
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, joined, refine
@@ -128,7 +127,9 @@ def control_births(
     """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left."""
     generator = np.random.default_rng((config.seed, 5, cycle))
     instants = min(_BIRTH_INSTANTS, segment.frames)
-    most = max(0, config.max_dynamic - len(state.dynamic)) // (2 * instants)
+    most = max(0, config.max_dynamic - len(state.dynamic)) // 2
+    if most == 0:
+        return
     known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
     ranges = depth_ranges(views.cameras, known)
     born = []
@@ -143,13 +144,10 @@ def control_births(
             )
             for camera, truth in zip(views.cameras, instant.pictures, strict=True)
         ]  # fmt: skip
-        born.append(
-            find_births(
-                views.cameras, instant.pictures, instant.moving, errors, ranges, instant.seconds, most, generator
-            )
-        )
+        born.append(find_births(views.cameras, instant.pictures, instant.moving, errors, ranges, instant.seconds))
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
-    _, dynamic = initial_splats(PointCloud.concatenate(born), segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
+    points = chosen_births(born, most, generator)
+    _, dynamic = initial_splats(points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, np.ones(len(state.dynamic), np.bool_), dynamic)
     state.history.births += len(dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from hgs_core.capture.points import PointCloud
 from hgs_core.capture.sweep import depth_ranges
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import StaticSplats
-from hgs_core.train.births import find_births, picture_error
+from hgs_core.train.births import Births, chosen_births, find_births, picture_error
 from tests.synthetic import ring_of_cameras
 
 CAMERAS = ring_of_cameras(6, 128, 96)
@@ -45,9 +46,8 @@ def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndar
     moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in seen]
     errors = [picture_error(p, truth) for p, truth in zip(pictures(shown), seen, strict=True)]
     known = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    cloud = find_births(
-        CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known), 0.5, most, np.random.default_rng(2)
-    )
+    found = find_births(CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known), 0.5)
+    cloud = chosen_births([found], most, np.random.default_rng(2))
     assert (cloud.times == 0.5).all()
     assert (cloud.dynamic == 1).all()
     assert (cloud.spacing > 0).all()
@@ -75,3 +75,14 @@ def test_the_error_of_a_picture_is_in_levels() -> None:
     truth = np.full((6, 6, 3), 100, np.uint8)
     error = picture_error(torch.full((3, 6, 6), 120 / 255), truth)
     assert error[2:-2, 2:-2].tolist() == [[20.0, 20.0]] * 2
+
+
+def test_the_moment_that_lacks_most_gets_most() -> None:
+    def lacking(time: float, urgency: float) -> Births:
+        places = np.zeros((100, 3), np.float32)
+        cloud = PointCloud(places, places, np.full(100, time, np.float32), places[:, 0], places[:, 0])
+        return Births(cloud, np.full(100, urgency))
+
+    chosen = chosen_births([lacking(0.0, 100.0), lacking(1.0, 900.0)], 60, np.random.default_rng(0))
+    assert len(chosen) == 60
+    assert 45 < int((chosen.times == 1.0).sum()) < 60  # 54 expected, with replacement
