@@ -73,6 +73,7 @@ class TrainConfig:
     still_pixels: float = 0.25  # a dynamic splat of constant opacity that moves less becomes static
     restless_error: float = 0.05  # a static splat whose mean colour error varies more becomes dynamic; 0: none
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
+    infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
     stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
     motion_order: int = 3  # degree of the position polynomial: 1, 2 or 3
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
@@ -97,7 +98,15 @@ class TrainConfig:
             value = getattr(self, name)
             if value < low:
                 raise InputError(f"config.{name}", f"{value} is too small", f"give {low} or more")
-        for name in ("densify_from", "densify_until", "prune_opacity", "prune_contribution", "dssim", "coarse_until"):
+        for name in (
+            "densify_from",
+            "densify_until",
+            "prune_opacity",
+            "prune_contribution",
+            "dssim",
+            "coarse_until",
+            "infill",
+        ):
             value = getattr(self, name)
             if not 0 <= value <= 1:
                 raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")

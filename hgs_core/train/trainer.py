@@ -21,7 +21,13 @@ from hgs_core.render.types import Gradients
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control import control_births, control_contributions, control_density, control_labels
+from hgs_core.train.control import (
+    control_births,
+    control_contributions,
+    control_density,
+    control_infill,
+    control_labels,
+)
 from hgs_core.train.initialise import scene_extent
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
@@ -127,10 +133,13 @@ class Trainer:
         self._constrain()
         if self.schedule.prunes_after(cycle):
             with timed("pruning"):
-                control_contributions(state, config, self.views, self.statics_learn)
+                control_contributions(state, config, self.views, self.segment, self.statics_learn)
         if self.masked and self.schedule.births_after(cycle):
             with timed("births"):
                 control_births(state, config, self.views, self.segment, cycle)
+        if self.statics_learn and self.schedule.infills_after(cycle):
+            with timed("infill"):
+                control_infill(state, config, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
             with timed("density"):
                 control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)

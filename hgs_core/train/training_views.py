@@ -44,6 +44,8 @@ class Instant:
     moment: float  # normalised time
     pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
     moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
+    beside: list[npt.NDArray[np.uint8]]  # the pictures of the next frame, or of the one before
+    gap: float  # seconds from this one to that
 
 
 class TrainingViews:
@@ -77,25 +79,33 @@ class TrainingViews:
         for index, frames in self.order.samples(cycle):
             yield (self._view(index, frame, _SAMPLE_SIZE) for frame in frames)
 
-    def poses(self, moments: int) -> Iterator[tuple[Camera, float]]:
-        """Yield every training camera, at half size, with every one of at most `moments` normalised times."""
+    def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
+        """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
+        for index, frames in self.order.everywhere(cycle):
+            yield [self._view(index, frame, 1.0, masked=self._masks is not None) for frame in frames]
+
+    def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
+        """Yield every training camera, at half size, with the same at most `moments` normalised times."""
         frames = sample_frames(self._segment.frames, moments)
         times = self._capture.times[[self._segment.first + frame for frame in frames]]
+        normalised = [self._segment.clock.normalised(float(seconds)) for seconds in times]
         for camera in self.cameras:
-            for seconds in times:
-                yield camera.scaled(_SAMPLE_SIZE), self._segment.clock.normalised(float(seconds))
+            yield camera.scaled(_SAMPLE_SIZE), normalised
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""
         assert self._masks is not None
         every = -(-self._segment.frames // count)
         for frame in range(int(generator.integers(every)), self._segment.frames, every):
-            frame += self._segment.first
+            beside = frame + 1 if frame + 1 < self._segment.frames else frame - 1
+            frame, beside = frame + self._segment.first, max(beside, 0) + self._segment.first
             seconds = float(self._capture.times[frame])
             yield Instant(
                 seconds, self._segment.clock.normalised(seconds),
                 [self._capture.frame(index, frame) for index in self._training],
                 [self._masks.mask(index, frame) for index in self._training],
+                [self._capture.frame(index, beside) for index in self._training],
+                float(self._capture.times[beside]) - seconds,
             )  # fmt: skip
 
     def _view(self, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
