@@ -13,7 +13,6 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.points import PointCloud
-from hgs_core.capture.scene_flow import scene_flow
 from hgs_core.capture.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
@@ -112,12 +111,8 @@ def control_births(
             for view, truth in zip(fixed, instant.pictures, strict=True)
         ]
         found = find_births(views.cameras, instant.pictures, instant.moving, errors, ranges, most, generator)
-        velocity = np.zeros_like(found.xyz)
-        if instant.gap != 0:
-            steps = scene_flow(views.cameras, instant.pictures, instant.beside, instant.moving, found.xyz)
-            velocity = steps / np.float32(instant.gap)
         alive, moving = np.full(len(found), instant.seconds, np.float32), np.ones(len(found), np.float32)
-        born.append(dataclasses.replace(found, times=alive, dynamic=moving, velocity=velocity))
+        born.append(dataclasses.replace(found, times=alive, dynamic=moving))
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
     _, dynamic = initial_splats(PointCloud.concatenate(born), segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, np.ones(len(state.dynamic), np.bool_), dynamic)

@@ -127,7 +127,9 @@ class Trainer:
             if len(state.static) and self.statics_learn:
                 self._learn("static", cycle, view, ignored=view.moving)
             with timed("tiles"):
-                tiles = tiles_of_dynamic(state.dynamic, view.camera, view.moment)
+                tiles = tiles_of_dynamic(
+                    state.dynamic, view.camera, view.moment, backend=config.backend, antialiased=config.antialiased
+                )
             if tiles.any():
                 self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
         self._constrain()

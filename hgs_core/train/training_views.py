@@ -44,8 +44,6 @@ class Instant:
     moment: float  # normalised time
     pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
     moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
-    beside: list[npt.NDArray[np.uint8]]  # the pictures of the next frame, or of the one before
-    gap: float  # seconds from this one to that
 
 
 class TrainingViews:
@@ -97,15 +95,12 @@ class TrainingViews:
         assert self._masks is not None
         every = -(-self._segment.frames // count)
         for frame in range(int(generator.integers(every)), self._segment.frames, every):
-            beside = frame + 1 if frame + 1 < self._segment.frames else frame - 1
-            frame, beside = frame + self._segment.first, max(beside, 0) + self._segment.first
+            frame += self._segment.first
             seconds = float(self._capture.times[frame])
             yield Instant(
                 seconds, self._segment.clock.normalised(seconds),
                 [self._capture.frame(index, frame) for index in self._training],
                 [self._masks.mask(index, frame) for index in self._training],
-                [self._capture.frame(index, beside) for index in self._training],
-                float(self._capture.times[beside]) - seconds,
             )  # fmt: skip
 
     def _view(self, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
