@@ -161,4 +161,9 @@ def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
 
 
 def _init_step(capture: Capture, config: TrainConfig) -> int:
-    return max(1, len(capture.times) // config.init_frames)
+    """Return the frames between the moments that dynamic points are taken from."""
+    times = capture.times
+    if len(times) < 2:
+        return 1
+    frame = float(times[-1] - times[0]) / (len(times) - 1)
+    return int(np.clip(round(config.init_interval / frame), 1, len(times)))
