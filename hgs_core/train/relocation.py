@@ -18,11 +18,14 @@ import torch
 from torch import Tensor
 
 from hgs_core.render.projection import rotation_matrices
+from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.density import joined, peak_opacity
+from hgs_core.train.schedule import Schedule
 
-__all__ = ["disturb", "relocate", "shared_among"]
+__all__ = ["control_relocation", "disturb", "disturb_positions", "relocate", "shared_among"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -31,6 +34,33 @@ _STEEPNESS = 100.0  # of the sigmoid of 1 - opacity by which noise fades
 _TRANSPARENT = 0.995  # where that is a half: opacity 0.005
 _STILL = 0.1  # opacity above which noise is less than a ten-thousandth and left out
 _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
+
+
+def control_relocation(
+    state: TrainState, schedule: Schedule, cycle: int, first_counts: tuple[int, int], statics_learn: bool
+) -> None:
+    """Move the dead of both sets onto the living and fill each one's budget; copies inherit all but opacity and size.
+
+    The budget is that of the round, as for cloning and splitting. The paper's 5 % a round would leave the statics of a
+    short schedule far below theirs, and fill that of the dynamics before births can use it.
+    """
+    config = schedule.config
+    generator = np.random.default_rng((config.seed, 3, cycle))
+    if statics_learn and len(state.static):
+        budget = schedule.budget(cycle, first_counts[0], config.max_static)
+        state.static = relocate(state.static, state.static_adam, budget, config.prune_opacity, generator)
+    if len(state.dynamic):
+        budget = schedule.budget(cycle, first_counts[1], config.max_dynamic)
+        state.dynamic = relocate(state.dynamic, state.dynamic_adam, budget, config.prune_opacity, generator)
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def disturb_positions(state: TrainState, schedule: Schedule, cycle: int, statics_learn: bool) -> None:
+    """Add the noise that goes with relocation to the positions of both sets."""
+    generator = np.random.default_rng((schedule.config.seed, 6, cycle))
+    if statics_learn:
+        disturb(state.static, schedule.position_rate(cycle), schedule.extent, generator)
+    disturb(state.dynamic, schedule.position_rate(cycle), schedule.extent, generator)
 
 
 def relocate(splats: S, adam: Adam[S], budget: int, dead: float, generator: np.random.Generator) -> S:

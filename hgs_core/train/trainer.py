@@ -25,11 +25,11 @@ from hgs_core.train.control import (
     control_births,
     control_contributions,
     control_density,
+    control_infill,
     control_labels,
-    control_relocation,
-    disturb_positions,
 )
 from hgs_core.train.initialise import scene_extent
+from hgs_core.train.relocation import control_relocation, disturb_positions
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.step import take_step
@@ -128,7 +128,9 @@ class Trainer:
             if len(state.static) and self.statics_learn:
                 self._learn("static", cycle, view, ignored=view.moving)
             with timed("tiles"):
-                tiles = tiles_of_dynamic(state.dynamic, view.camera, view.moment)
+                tiles = tiles_of_dynamic(
+                    state.dynamic, view.camera, view.moment, backend=config.backend, antialiased=config.antialiased
+                )
             if tiles.any():
                 self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
         if config.density == "relocation":
@@ -137,10 +139,13 @@ class Trainer:
         self._constrain()
         if self.schedule.prunes_after(cycle):
             with timed("pruning"):
-                control_contributions(state, config, self.views, self.statics_learn)
+                control_contributions(state, config, self.views, self.segment, self.statics_learn)
         if self.masked and self.schedule.births_after(cycle):
             with timed("births"):
                 control_births(state, config, self.views, self.segment, cycle)
+        if self.statics_learn and self.schedule.infills_after(cycle):
+            with timed("infill"):
+                control_infill(state, config, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
             with timed("density"):
                 if config.density == "relocation":

@@ -30,7 +30,9 @@ def still_points() -> PointCloud:
     static, _ = synthetic_scene()
     count = len(static)
     nothing = np.zeros(count, np.float32)
-    return PointCloud(static.means.numpy(), static.rgb.numpy(), nothing, nothing, np.full(count, 0.12, np.float32))
+    return PointCloud.at_rest(
+        static.means.numpy(), static.rgb.numpy(), nothing, nothing, np.full(count, 0.12, np.float32)
+    )
 
 
 @pytest.fixture(scope="module")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ def points(seed: int = 0) -> PointCloud:
     r = np.random.default_rng(seed)
     count = 300
     moving = (np.arange(count) % 5 == 0).astype(np.float32)
-    return PointCloud(
+    return PointCloud.at_rest(
         xyz=r.uniform(-1, 1, (count, 3)).astype(np.float32),
         rgb=r.uniform(0, 1, (count, 3)).astype(np.float32),
         times=r.choice([0.0, 0.1], count).astype(np.float32),
@@ -192,7 +193,7 @@ def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -
 def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_path: Path) -> None:
     capture = open_capture(capture_folder)
     cloud = points()
-    still = PointCloud(cloud.xyz, cloud.rgb, cloud.times, np.zeros_like(cloud.dynamic), cloud.spacing)
+    still = dataclasses.replace(cloud, dynamic=np.zeros_like(cloud.dynamic))
     settings = config(cycles=20, adaptive_labels=False)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     start = initial_splats(still, segment.clock, 2)
