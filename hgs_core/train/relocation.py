@@ -33,6 +33,7 @@ _NOISE = 5e5  # of equation 8, in the authors' code, times the step size of posi
 _STEEPNESS = 100.0  # of the sigmoid of 1 - opacity by which noise fades
 _TRANSPARENT = 0.995  # where that is a half: opacity 0.005
 _STILL = 0.1  # opacity above which noise is less than a ten-thousandth and left out
+_TERMS = 150  # of equation 9: later ones are less than 14^j / j!, for any number of copies
 _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
 
 
@@ -57,7 +58,7 @@ def control_relocation(
 
 def disturb_positions(state: TrainState, schedule: Schedule, cycle: int, statics_learn: bool) -> None:
     """Add the noise that goes with relocation to the positions of both sets."""
-    generator = np.random.default_rng((schedule.config.seed, 6, cycle))
+    generator = np.random.default_rng((schedule.config.seed, 8, cycle))
     if statics_learn:
         disturb(state.static, schedule.position_rate(cycle), schedule.extent, generator)
     disturb(state.dynamic, schedule.position_rate(cycle), schedule.extent, generator)
@@ -105,8 +106,11 @@ def shared_among(
     size = np.ones_like(opacity)
     for n in np.unique(copies):
         rows = copies == n
-        terms = [math.comb(n, j) * (-1.0) ** (j + 1) / math.sqrt(j) * shared[rows] ** j for j in range(1, int(n) + 1)]
-        size[rows] = opacity[rows] / np.sum(terms, axis=0)
+        term, total = -np.ones(int(rows.sum())), np.zeros(int(rows.sum()))
+        for j in range(1, min(int(n), _TERMS) + 1):
+            term = -term * shared[rows] * (n - j + 1) / j  # binom(n, j) (-1)^(j+1) o'^j
+            total += term / math.sqrt(j)
+        size[rows] = opacity[rows] / total
     return shared, size
 
 

@@ -48,10 +48,10 @@ def test_shares_follow_equation_9(opacity: float, copies: int) -> None:
 
 def test_a_line_through_the_copies_keeps_its_integral() -> None:
     """Reference: the composite of the copies' Gaussian profiles, added up numerically."""
-    opacity, copies = np.array([0.9, 0.3]), np.array([4, 7])
+    opacity, copies = np.array([0.9, 0.3, 0.999]), np.array([4, 7, 50_000])
     shared, size = shared_among(opacity, copies)
     x = np.linspace(-12, 12, 20001)
-    for row in range(2):
+    for row in range(3):
         profile = 1 - (1 - shared[row] * np.exp(-((x / size[row]) ** 2) / 2)) ** copies[row]
         assert_close(profile.sum(), (opacity[row] * np.exp(-(x**2) / 2)).sum())
 
