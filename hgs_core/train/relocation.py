@@ -57,7 +57,7 @@ def control_relocation(
 
 def disturb_positions(state: TrainState, schedule: Schedule, cycle: int, statics_learn: bool) -> None:
     """Add the noise that goes with relocation to the positions of both sets."""
-    generator = np.random.default_rng((schedule.config.seed, 6, cycle))
+    generator = np.random.default_rng((schedule.config.seed, 8, cycle))
     if statics_learn:
         disturb(state.static, schedule.position_rate(cycle), schedule.extent, generator)
     disturb(state.dynamic, schedule.position_rate(cycle), schedule.extent, generator)
