@@ -129,6 +129,8 @@ def control_infill(
     """Add static splats where still pixels are wrong, at most the share `infill` of the budget."""
     generator = np.random.default_rng((config.seed, 6, cycle))
     most = min(round(config.infill * config.max_static), config.max_static - len(state.static))
+    if most <= 0:
+        return
     ranges = depth_ranges(views.cameras, state.static.means.numpy())
     points = find_infill(
         state.static, state.dynamic, views.everywhere(cycle), config, state.shown, ranges, most, generator
