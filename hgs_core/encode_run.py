@@ -24,8 +24,8 @@ from hgs_core.train.config import BUDGETS
 
 __all__ = ["Loss", "fitting_settings", "measure_utility"]
 
-CAMERAS_PER_FRAME = 4  # that every frame's dynamic splats are weighed in; the next frame takes the next cameras
-STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames
+CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
+STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 VIEWS = 12  # in which the loss is measured
 ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
 NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
@@ -50,7 +50,7 @@ def measure_utility(
     tensors = scene.map(torch.from_numpy)
     static = np.zeros(len(scene.static))
     dynamic = [np.zeros(len(segment.dynamic)) for segment in scene.segments]
-    count = min(CAMERAS_PER_FRAME, len(cameras))
+    count = min(max(CAMERAS_PER_FRAME, -(-STATIC_VIEWS // len(times))), len(cameras))
     step = max(1, len(cameras) // count)
     every = max(1, count * len(times) // STATIC_VIEWS)
     whole = 0

@@ -81,7 +81,11 @@ def decode_chunk(data: bytes) -> DecodedChunk:
     Raises:
         ChunkError: the bytes are not a valid chunk.
     """
-    container = unpack(data)
+    with np.errstate(over="ignore"):  # once for all: what overflows is refused by name in the end
+        return _decoded(unpack(data))
+
+
+def _decoded(container: Container) -> DecodedChunk:
     streams: dict[str, Stream] = {}
     for stream in container.streams:
         attribute = BY_ID.get(stream.attribute)
@@ -186,8 +190,7 @@ def _dynamic_arrays(values: Mapping[str, Floats], rows: Rows, count: int) -> dic
         for order, name in enumerate(names, start=1):
             if name in values:
                 members = rows[name]
-                with np.errstate(over="ignore"):
-                    array[members, order] = np.ldexp(values[name], order * exponents[members, None])
+                array[members, order] = np.ldexp(values[name], order * exponents[members, None])
     return {
         "motion": motion,
         "rotation": rotation,
@@ -212,7 +215,7 @@ def _check_entry(stream: Stream, attribute: Attribute) -> None:
         raise ChunkError(stream.at + 5, f"{record} step", stream.grid.step, "above 0 and finite")
 
 
-def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.uint32]]:
+def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.unsignedinteger[Any]]]:
     """Return the codes of each component, [rows] each."""
     bits = stream.grid.bits
     record = f"attribute {attribute.id} ({attribute.name})"
@@ -230,8 +233,8 @@ def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.u
     codes = from_planes(planes, bits)
     if bits % 8:
         for c, component in enumerate(codes):
-            splat = int(component.argmax())
-            if component[splat] >> np.uint32(bits):
+            if component.max() >> bits:
+                splat = int(component.argmax())
                 at = stream.data_at[c * ((bits + 7) // 8)]
                 raise ChunkError(at, f"{record} code of row {splat}", component[splat], f"below 2^{bits}")
     return undo_transform(codes, bits, Transform(stream.transform))

@@ -20,7 +20,7 @@ from hgs_core.codec.steps import Steps
 from hgs_core.codec.weights import Utility
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
-__all__ = ["quantised_scene"]
+__all__ = ["decoded_arrays", "quantised_scene"]
 
 Floats = NDArray[np.float32]
 
@@ -42,7 +42,7 @@ def quantised_scene(
     splats = prepare_static(scene.static, cameras, utility.static, settings, antialiased=antialiased)
     parts = [splats.take(layer.index) for layer in static_layers(splats, settings)]
     static = [
-        static_splats(_arrays(Kind.STATIC, static_numbers(part, Steps.of(part, settings)), len(part))) for part in parts
+        static_splats(decoded_arrays(Kind.STATIC, static_numbers(part, Steps.of(part, settings)))) for part in parts
     ]
     segments = []
     for shown in shown_segments(scene, frame_interval(times)):
@@ -54,15 +54,16 @@ def quantised_scene(
         limits = slice_limits(time, shown.until, settings)[1]
         parts = [moving.take(layer.index) for layer in dynamic_layers(moving, time, limits, settings)]
         sets = [
-            dynamic_splats(_arrays(Kind.DYNAMIC, dynamic_numbers(part, time, Steps.of(part, settings))[0], len(part)))
+            dynamic_splats(decoded_arrays(Kind.DYNAMIC, dynamic_numbers(part, time, Steps.of(part, settings))[0]))
             for part in parts
         ]
         segments.append(Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets])))
     return HybridScene(joined([StaticSplats.empty(), *static]), tuple(segments))
 
 
-def _arrays(kind: Kind, numbers: Numbers, count: int) -> dict[str, Floats]:
-    """Dequantise as a decoder does: a number is (code - zero), and the product with the step is rounded once."""
+def decoded_arrays(kind: Kind, numbers: Numbers) -> dict[str, Floats]:
+    """Return what a decoder gives for these numbers, each (code - zero): the product with the step is rounded once."""
+    count = len(numbers["position"][0])
     values = {name: (number * step).astype(np.float32) for name, (number, step) in numbers.items()}
     form = numbers["form"][0][:, 0].astype(np.uint32) if "form" in numbers else None
     return arrays_of(kind, values, rows_of(kind, count, form), count)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +29,11 @@ IMPORTED = (".ply", ".splat", ".spz")
 EXPORTED = (".ply", ".splat", ".splatv", ".spz")
 _NOT_STORED = "the scene was trained antialiased, which this format cannot say: without it thin splats show too strong"
 
+LARGEST_LOGIT = 13.8  # an opacity of 1 - 1e-6
+LEAST_LOG_SCALE = -30.0
+
 Floats = NDArray[np.float32]
+S = TypeVar("S", StaticSplats[NDArray[np.float32]], DynamicSplats[NDArray[np.float32]])
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ def import_scene(path: Path, duration: float) -> Imported:
         else:
             static, notes = gaussian_splats(path, table)
     counts = len(static) + len(dynamic)
-    static, dynamic = static.take(_numbers(static)), dynamic.take(_numbers(dynamic))
+    static, dynamic = _drawable(static.take(_numbers(static))), _drawable(dynamic.take(_numbers(dynamic)))
     lost = counts - len(static) - len(dynamic)
     if lost:
         notes = [*notes, f"{lost} of {counts} splats left out: they have numbers that are not finite"]
@@ -119,6 +125,15 @@ def _segment(scene: HybridScene[Floats], number: int | None) -> Segment[Floats]:
     if not 0 <= (number or 0) < count:
         raise InputError("--segment", f"{number} is not one of the scene's", f"give one of 0 to {count - 1}")
     return scene.segments[number or 0]
+
+
+def _drawable(splats: S) -> S:
+    """Give opacities of 0 and 1 a logit, and flat axes a logarithm: renderers take finite numbers alone."""
+    return dataclasses.replace(
+        splats,
+        opacity_logits=np.clip(splats.opacity_logits, -LARGEST_LOGIT, LARGEST_LOGIT),
+        log_scales=np.maximum(splats.log_scales, LEAST_LOG_SCALE),
+    )
 
 
 def _numbers(splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> NDArray[np.bool_]:
