@@ -1,8 +1,9 @@
-"""`hgs bench raster`: speed and error of the rasterizers on this machine."""
+"""`hgs bench raster` and `hgs bench codec`: speed and error of rasterizers and codec on this machine."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
@@ -44,6 +45,18 @@ def add_parser(commands: Any) -> None:
     raster.add_argument("--dynamic", metavar="SHARE", default="0", help="share of splats that move (default: 0)")
     raster.add_argument("--seed", metavar="N", default="0", help="of the scenes (default: 0)")
     raster.set_defaults(run=_run)
+    codec: argparse.ArgumentParser = parts.add_parser(
+        "codec",
+        help="the scene format",
+        description="Encode a run or a file of splats by budgets and coarsenesses: bytes, loss, rates, other formats.",
+    )
+    codec.add_argument("source", metavar="RUN|FILE", type=Path, help="a finished run, or a .ply, .splat or .spz file")
+    codec.add_argument(
+        "--json", metavar="FILE", nargs="?", const="-",
+        help="write JSON to FILE, or to standard output in place of text; in RUN/codec.json hgs report shows it",
+    )  # fmt: skip
+    codec.add_argument("--sweep", metavar="LIST", help="coarsenesses to encode with, like 0.5,1,2, or none")
+    codec.set_defaults(run=_run_codec)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -63,6 +76,20 @@ def _run(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_raster(settings, bars)
     output.show(report.to_json(), report_text(report))
+    return 0
+
+
+def _run_codec(options: argparse.Namespace) -> int:
+    output = JsonOutput(options.json)
+    from hgs_core.bench.codec import SWEEP, bench_codec
+    from hgs_core.bench.codec_table import codec_text
+
+    sweep: tuple[float, ...] = SWEEP
+    if options.sweep is not None:
+        sweep = () if options.sweep == "none" else tuple(_number("--sweep", part) for part in options.sweep.split(","))
+    with ProgressBars() as bars:
+        report = bench_codec(options.source, bars, budgets=("default", "low"), sweep=sweep)
+    output.show(report.to_json(), codec_text(report))
     return 0
 
 
