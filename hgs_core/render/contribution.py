@@ -32,9 +32,14 @@ def contributions(
         Sum and maximum, over the pixels of the tiles that are drawn, of every splat's weight T alpha.
 
     Raises:
-        InputError: an unknown backend, or a parameter that is not finite.
+        InputError: an unknown backend or one that cannot run here, or a parameter that is not finite.
         RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
     """
     view = View(camera, time, tile_mask=tile_mask, antialiased=antialiased, gradients="none")
-    weigh = contributions_cpu if choose_backend(backend, static, dynamic) == "cpu" else contributions_reference
+    chosen = choose_backend(backend, static, dynamic)
+    if chosen == "triton":
+        from hgs_core.render.triton.contribution import contributions_triton
+
+        return contributions_triton(static, dynamic, view)
+    weigh = contributions_cpu if chosen == "cpu" else contributions_reference
     return weigh(static, dynamic, view)

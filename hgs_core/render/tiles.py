@@ -26,8 +26,8 @@ def tiles_of_dynamic(dynamic: DynamicSplats[Tensor], camera: Camera, time: float
     with torch.no_grad():
         living = dynamic.take(torch.nonzero(alive(dynamic, time))[:, 0])
         ellipses = project(moment_of_dynamic(living, time), camera)
-        low = ((ellipses.means - ellipses.half_sizes) / TILE).floor().clamp_min(0).long().numpy()
-        high = ((ellipses.means + ellipses.half_sizes) / TILE).floor().long().numpy()
+        low = ((ellipses.means - ellipses.half_sizes) / TILE).floor().clamp_min(0).long().cpu().numpy()
+        high = ((ellipses.means + ellipses.half_sizes) / TILE).floor().long().cpu().numpy()
     high = np.minimum(high, (across - 1, down - 1)) + 1
     # A box is the sum over both axes of steps up at its start and down behind its end.
     for x, y, sign in ((low, low, 1), (high, high, 1), (low, high, -1), (high, low, -1)):

@@ -34,7 +34,10 @@ def add_parser(commands: Any) -> None:
     )
     raster.add_argument("--sizes", metavar="LIST", help="splats and pixels, like 20k@676x507,100k@1352x1014")
     raster.add_argument("--threads", metavar="LIST", help="numbers of threads; default: 1 and all")
-    raster.add_argument("--backends", metavar="LIST", help="cpu, reference; default: those that are installed")
+    raster.add_argument(
+        "--backends", metavar="LIST", help="cpu, reference, or triton alone; default: cpu and reference"
+    )
+    raster.add_argument("--against", metavar="NAME", help="with --backends triton: gsplat, if it is installed")
     raster.add_argument(
         "--truth", metavar="LIST",
         help="sizes at which the torch path and float64 run too, or none; they take seconds and gigabytes; "
@@ -47,6 +50,10 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.backends == "triton":
+        return _run_on_device(options)
+    if options.against is not None:
+        raise InputError("--against", "compares with the triton backend alone", "add --backends triton")
     settings = BenchSettings.of(
         sizes=DEFAULT_SIZES if options.sizes is None else parse_sizes("--sizes", options.sizes),
         threads=() if options.threads is None else parse_threads("--threads", options.threads),
@@ -63,6 +70,21 @@ def _run(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_raster(settings, bars)
     output.show(report.to_json(), report_text(report))
+    return 0
+
+
+def _run_on_device(options: argparse.Namespace) -> int:
+    for name in ("threads", "truth"):
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name}", "means nothing to --backends triton", "leave it out")
+    sizes = None if options.sizes is None else parse_sizes("--sizes", options.sizes)
+    seconds, seed = _number("--seconds", options.seconds), _whole("--seed", options.seed)
+    output = JsonOutput(options.json)
+    from hgs_core.bench.device_raster import DEVICE_SIZES, bench_device_raster, device_report_text
+
+    with ProgressBars() as bars:
+        report = bench_device_raster(sizes or DEVICE_SIZES, seconds, seed, options.against, bars)
+    output.show(report.to_json(), device_report_text(report))
     return 0
 
 

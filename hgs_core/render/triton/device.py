@@ -16,8 +16,8 @@ __all__ = ["available", "launching_on", "require_device"]
 
 def available(like: Tensor) -> bool:
     """Return whether the kernels run where this tensor lies, in its type."""
-    installed = importlib.util.find_spec("triton") is not None
-    return like.device.type == "cuda" and like.dtype == torch.float32 and installed
+    fits = like.device.type == "cuda" and like.dtype == torch.float32
+    return fits and importlib.util.find_spec("triton") is not None
 
 
 def require_device(like: Tensor | None = None) -> torch.device:

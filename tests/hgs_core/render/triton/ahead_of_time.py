@@ -20,7 +20,11 @@ from triton.compiler import ASTSource
 from triton.runtime.jit import JITFunction, mangle_type
 
 from hgs_core.camera import Camera
+from hgs_core.render.triton.contribution import contributions_triton
+from hgs_core.render.triton.rasterize import rasterize_triton
 from hgs_core.render.types import Gradients, ScreenStatistics, View
+from hgs_core.train.triton.adam import adam_step
+from hgs_core.train.triton.loss import l1_dssim
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 OPTIONS = ("num_warps", "num_stages", "enable_fp_fusion")
@@ -61,14 +65,11 @@ def compile_launches(capabilities: list[int]) -> None:
             named["tally"][1:] = torch.tensor([named["statics"], named["count"] - named["statics"]])
 
     JITFunction.run = launch
-    os.environ["TRITON_INTERPRET"] = "1"  # so that CPU tensors are taken; Triton itself has looked before
+    os.environ["TRITON_INTERPRET"] = "1"  # CPU tensors are taken then; the kernels are there already
 
 
 def render(over: Camera, **options: Any) -> None:
     """Go through all of rendering and its derivative, both sets, and contributions."""
-    from hgs_core.render.triton.contribution import contributions_triton
-    from hgs_core.render.triton.rasterize import rasterize_triton
-
     sets: tuple[Gradients, ...] = ("all", "static", "dynamic", "none")
     for gradients in sets:
         static = static_splats(8, dtype=torch.float32).map(torch.Tensor.requires_grad_)
@@ -80,9 +81,17 @@ def render(over: Camera, **options: Any) -> None:
     contributions_triton(static, dynamic, dataclasses.replace(view, statistics=None))
 
 
+def learn() -> None:
+    """Loss and optimiser."""
+    l1_dssim(torch.zeros(3, 20, 24), torch.zeros(3, 20, 24), 0.2)
+    arrays = [torch.zeros(9, 3) for _ in range(4)]
+    adam_step(*arrays, 0.01, 1, beta1=0.9, beta2=0.999, epsilon=1e-15)
+
+
 if __name__ == "__main__":
     compile_launches([int(text) for text in sys.argv[1].split(",")])
     torch.set_num_threads(1)
+    learn()
     tiles = (2, 3)
     render(camera(40, 24))
     render(camera(40, 24), depth=True, antialiased=True, tile_mask=torch.ones(tiles, dtype=torch.bool).numpy())
