@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.render.backends import choose_backend
+from hgs_core.render.backends import Backend, choose_backend
 from hgs_core.render.cpu import contributions_cpu
 from hgs_core.render.reference import contributions_reference
 from hgs_core.render.types import Contributions, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["contributions"]
+__all__ = ["contributions", "weigher"]
 
 
 def contributions(
@@ -36,10 +38,15 @@ def contributions(
         RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
     """
     view = View(camera, time, tile_mask=tile_mask, antialiased=antialiased, gradients="none")
-    chosen = choose_backend(backend, static, dynamic)
-    if chosen == "triton":
+    return weigher(choose_backend(backend, static, dynamic))(static, dynamic, view)
+
+
+def weigher(
+    backend: Backend,
+) -> Callable[[StaticSplats[Tensor] | None, DynamicSplats[Tensor] | None, View], Contributions]:
+    """Return the function by which a backend weighs."""
+    if backend == "triton":
         from hgs_core.render.triton.contribution import contributions_triton
 
-        return contributions_triton(static, dynamic, view)
-    weigh = contributions_cpu if chosen == "cpu" else contributions_reference
-    return weigh(static, dynamic, view)
+        return contributions_triton
+    return contributions_cpu if backend == "cpu" else contributions_reference

@@ -9,9 +9,10 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.render.backends import Backend, choose_backend
+from hgs_core.render.contribution import weigher
 from hgs_core.render.cpu import FixedViewCpu
 from hgs_core.render.rasterize import rasterizer
-from hgs_core.render.types import Render, View
+from hgs_core.render.types import Contributions, Render, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["FixedView"]
@@ -51,6 +52,10 @@ class FixedView:
         """
         return self._frames.frame(dynamic, time, depth)
 
+    def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float = 0.0) -> Contributions:
+        """Weigh the splats at normalised `time`, as the function `contributions` would; raises what `frame` raises."""
+        return self._frames.contributions(dynamic, time)
+
 
 @dataclasses.dataclass(frozen=True)
 class _DrawnAnew:
@@ -63,3 +68,6 @@ class _DrawnAnew:
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
         view = dataclasses.replace(self.view, time=time, depth=depth)
         return rasterizer(self.backend)(self.static, dynamic, view)
+
+    def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
+        return weigher(self.backend)(self.static, dynamic, dataclasses.replace(self.view, time=time))

@@ -81,13 +81,19 @@ class TrainingViews:
         for index, frames in self.order.samples(cycle):
             yield (self._view(self._on_host, index, frame, _SAMPLE_SIZE) for frame in frames)
 
-    def poses(self, moments: int) -> Iterator[tuple[Camera, float]]:
-        """Yield every training camera, at half size, with every one of at most `moments` normalised times."""
+    def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
+        """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
+        for index, frames in self.order.everywhere(cycle):
+            masked = self._masks is not None
+            yield [self._view(self._on_host, index, frame, 1.0, masked) for frame in frames]
+
+    def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
+        """Yield every training camera, at half size, with the same at most `moments` normalised times."""
         frames = sample_frames(self._segment.frames, moments)
         times = self._capture.times[[self._segment.first + frame for frame in frames]]
+        normalised = [self._segment.clock.normalised(float(seconds)) for seconds in times]
         for camera in self.cameras:
-            for seconds in times:
-                yield camera.scaled(_SAMPLE_SIZE), self._segment.clock.normalised(float(seconds))
+            yield camera.scaled(_SAMPLE_SIZE), normalised
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""

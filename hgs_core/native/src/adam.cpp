@@ -18,8 +18,9 @@ extern "C" int32_t hgs_adam(int64_t n, float *parameters, const float *gradients
 
   // Blocks are the same for any number of threads: where a loop's vector part ends can change the last bit.
   constexpr int64_t kBlock = 4096;
+  constexpr int64_t kWorthAThread = 32;  // blocks: fewer take less time than to wake a thread for them
   return hgs::guarded([&] {
-    hgs::parallel_for(threads, (n + kBlock - 1) / kBlock, 4, [=](int64_t block) {
+    hgs::parallel_for(threads, (n + kBlock - 1) / kBlock, kWorthAThread, [=](int64_t block) {
       const int64_t begin = block * kBlock, end = std::min(n, begin + kBlock);
       float *__restrict p = parameters, *__restrict m = first_moments, *__restrict v = second_moments;
       const float *__restrict g = gradients;

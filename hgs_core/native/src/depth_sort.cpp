@@ -11,7 +11,7 @@ namespace hgs {
 namespace {
 
 constexpr int kDigitBits = 11, kDigits = 1 << kDigitBits, kPasses = 3;
-constexpr int64_t kWorthAThread = 8192;  // splats
+constexpr int64_t kWorthAThread = 65536;  // splats: a pass over fewer takes less time than to wake a thread for it
 
 uint32_t digit(uint64_t key, int pass) { return key >> (32 + pass * kDigitBits) & (kDigits - 1); }
 

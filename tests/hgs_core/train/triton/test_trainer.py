@@ -29,6 +29,7 @@ def trained(folder: Path, backend: str) -> HybridScene[np.ndarray]:
         times=r.choice([0.0, 0.1], 25).astype(np.float32),
         dynamic=(np.arange(25) % 5 == 0).astype(np.float32),
         spacing=np.full(25, 0.1, np.float32),
+        velocity=np.zeros((25, 3), np.float32),
     )
     capture = open_capture(folder)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
