@@ -1,14 +1,16 @@
-"""`hgs bench raster`: speed and error of the rasterizers on this machine."""
+"""`hgs bench raster` and `hgs bench train`: speed and error of the rasterizers and of trainings on this machine."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
 from hgs_core.errors import InputError
 from server.commands.json_output import JsonOutput
+from server.commands.training_options import add_training_options, training_config
 from server.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -47,6 +49,14 @@ def add_parser(commands: Any) -> None:
     raster.add_argument("--dynamic", metavar="SHARE", default="0", help="share of splats that move (default: 0)")
     raster.add_argument("--seed", metavar="N", default="0", help="of the scenes (default: 0)")
     raster.set_defaults(run=_run)
+    train: argparse.ArgumentParser = parts.add_parser(
+        "train", help="a whole training", description="Train a capture in a temporary folder: minutes and PSNR."
+    )
+    train.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
+    train.add_argument("--device", choices=("cpu", "cuda"), default="cpu", help="what trains (default: cpu)")
+    train.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
+    add_training_options(train)
+    train.set_defaults(run=_run_training)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -85,6 +95,16 @@ def _run_on_device(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_device_raster(sizes or DEVICE_SIZES, seconds, seed, options.against, bars)
     output.show(report.to_json(), device_report_text(report))
+    return 0
+
+
+def _run_training(options: argparse.Namespace) -> int:
+    config, output = training_config(options), JsonOutput(options.json)
+    from hgs_core.bench.training import bench_training, training_report_text
+
+    with ProgressBars() as bars:
+        report = bench_training(options.capture, config, options.device, bars)
+    output.show(report.to_json(), training_report_text(report))
     return 0
 
 
