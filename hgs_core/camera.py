@@ -83,6 +83,11 @@ class Camera:
             pixels = local[:, :2] / depth[:, None] * (self.fx, self.fy) + (self.cx, self.cy)
         return pixels, depth
 
+    def rays(self, pixels: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float64]:
+        """Return [N, 3], in the world, what leads from the camera centre to unit depth behind pixels [N, 2]."""
+        local = (np.asarray(pixels, np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
+        return np.concatenate([local, np.ones((len(local), 1))], 1) @ self.world_to_camera[:3, :3]
+
     def to_json(self) -> dict[str, Any]:
         """Return the plain form that manifests and checkpoints store."""
         return {

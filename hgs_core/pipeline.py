@@ -70,7 +70,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
         masks = motion_masks(capture, cameras, progress=progress)
         masks.save(folder.masks)
     points = initial_points(
-        capture, cameras, masks, every=_init_step(capture, config), static_target=config.static_points,
+        capture, cameras, masks, every=capture.frames_in(config.init_interval), static_target=config.static_points,
         dynamic_target=config.dynamic_points, seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
@@ -90,9 +90,8 @@ def train(run: Path, progress: ProgressCallback) -> None:
     capture, config = _open(folder)
     points = PointCloud.load(folder.points)
     cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
-    scene, summary = train_capture(
-        capture, cameras, config, points, _init_step(capture, config), folder.checkpoint, progress, masks
-    )
+    every = capture.frames_in(config.init_interval)
+    scene, summary = train_capture(capture, cameras, config, points, every, folder.checkpoint, progress, masks)
     save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
@@ -158,7 +157,3 @@ STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
 def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
     spec = folder.read_spec()
     return spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20), spec.config
-
-
-def _init_step(capture: Capture, config: TrainConfig) -> int:
-    return max(1, len(capture.times) // config.init_frames)

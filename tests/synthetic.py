@@ -14,8 +14,12 @@ from hgs_core.camera import Camera
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.train.density import joined
 
-__all__ = ["ring_of_cameras", "synthetic_scene", "write_capture"]
+__all__ = ["EVENT_PLACE", "event_splats", "ring_of_cameras", "synthetic_scene", "write_capture"]
+
+EVENT_PLACE = np.array([0.0, 0.1, -1.2])
+"""Centre of the ball of `event_splats`."""
 
 
 def ring_of_cameras(count: int, width: int, height: int) -> list[Camera]:
@@ -63,16 +67,44 @@ def synthetic_scene(seed: int = 0) -> tuple[StaticSplats[Tensor], DynamicSplats[
     return static.map(to_torch), dynamic.map(to_torch)
 
 
-def write_capture(path: Path, cameras: int = 5, frames: int = 6, width: int = 64, height: int = 48) -> list[Camera]:
-    """Render the synthetic scene to `path`: ims/<camera>/<frame>.jpg and train_meta.json."""
+def event_splats() -> StaticSplats[Tensor]:
+    """A ball in front of the cloud, of 60 splats in bright colours: something that can appear and vanish."""
+    r = np.random.default_rng(1)
+    count = 60
+    shell = r.normal(size=(count, 3))
+    shell *= 0.25 / np.linalg.norm(shell, axis=1, keepdims=True)
+    ball = StaticSplats(
+        EVENT_PLACE + shell,
+        np.full((count, 3), np.log(0.06)),
+        np.tile([1.0, 0, 0, 0], (count, 1)),
+        np.full(count, 4.0),
+        np.eye(3)[r.integers(0, 3, count)],
+    )
+    return ball.map(lambda array: torch.tensor(array, dtype=torch.float32))
+
+
+def write_capture(
+    path: Path,
+    cameras: int = 5,
+    frames: int = 6,
+    width: int = 64,
+    height: int = 48,
+    event: range = range(0),
+) -> list[Camera]:
+    """Render the synthetic scene to `path`: ims/<camera>/<frame>.jpg and train_meta.json.
+
+    In the frames of `event` the ball of `event_splats` is there too.
+    """
     views = ring_of_cameras(cameras, width, height)
     static, dynamic = synthetic_scene()
+    with_ball = joined(static, event_splats())
     meta: dict[str, object] = {"w": width, "h": height, "fn": [], "k": [], "w2c": [], "cam_id": []}
     rows: dict[str, list[object]] = {"fn": [], "k": [], "w2c": [], "cam_id": []}
     for frame in range(frames):
         time = frame / max(1, frames - 1)
         for view in views:
-            picture = rasterize_reference(static, dynamic, View(view, time, gradients="none")).rgb.clamp(0, 1)
+            shown = with_ball if frame in event else static
+            picture = rasterize_reference(shown, dynamic, View(view, time, gradients="none")).rgb.clamp(0, 1)
             pixels = (picture.permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)
             file = path / "ims" / view.name / f"{frame:06d}.jpg"
             file.parent.mkdir(parents=True, exist_ok=True)

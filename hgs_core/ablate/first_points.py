@@ -17,7 +17,7 @@ from hgs_core.progress import Progress, ProgressCallback
 
 __all__ = ["initialise_run", "moving_share"]
 
-_DECIDES = ("hold_out", "downscale", "seed", "static_points", "dynamic_points", "init_frames")  # first points
+_DECIDES = ("hold_out", "downscale", "seed", "static_points", "dynamic_points", "init_interval")  # first points
 _REPORT_EVERY = 20  # pictures
 
 

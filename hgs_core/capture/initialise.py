@@ -7,6 +7,7 @@ rest of the pictures theirs, so that the targets are met wherever the pictures a
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +19,7 @@ import numpy.typing as npt
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.neighbours import mean_neighbour_distance, thin
 from hgs_core.capture.points import PointCloud
+from hgs_core.capture.scene_flow import point_velocities
 from hgs_core.capture.sfm import triangulate
 from hgs_core.capture.sweep import SweptPoints, depth_ranges, sweep
 from hgs_core.decompose.labels import label_points
@@ -82,7 +84,9 @@ def initial_points(
         moving = sparse.take(sparse.dynamic >= _MOVES)
         seeds = _dynamic_seeds(capture, cameras, masks, frame, ranges, max(0, quota - len(moving)), generator)
         moving = PointCloud.concatenate([moving, seeds])
-        parts.append(_spaced(_reduced(moving, quota, generator)))
+        moving = _spaced(_reduced(moving, quota, generator))
+        velocity = point_velocities(capture, cameras, masks, frame, moving.xyz)
+        parts.append(dataclasses.replace(moving, velocity=velocity))
         progress(Progress(_STAGE, number + 3, steps, {"points": float(sum(len(part) for part in parts))}))
     return PointCloud.concatenate(parts)
 
@@ -164,8 +168,8 @@ def _choose(swept: SweptPoints, count: int, generator: np.random.Generator) -> n
 def _cloud(
     xyz: npt.NDArray[np.float32], rgb: npt.NDArray[np.float32], time: float, dynamic: npt.NDArray[np.float32]
 ) -> PointCloud:
-    times = np.full(len(xyz), time, np.float32)
-    return PointCloud(xyz, rgb, times, dynamic, np.zeros(len(xyz), np.float32))
+    times, none = np.full(len(xyz), time, np.float32), np.zeros(len(xyz), np.float32)
+    return PointCloud.at_rest(xyz, rgb, times, dynamic, none)
 
 
 def _reduced(cloud: PointCloud, count: int, generator: np.random.Generator) -> PointCloud:
@@ -183,4 +187,4 @@ def _spaced(cloud: PointCloud) -> PointCloud:
     positive = spacing[spacing > 0]
     typical = np.median(positive) if len(positive) else np.float32(1e-2)
     spacing = np.where(spacing > 0, np.minimum(spacing, _MAX_SPACING * typical), typical)
-    return PointCloud(cloud.xyz, cloud.rgb, cloud.times, cloud.dynamic, spacing.astype(np.float32))
+    return dataclasses.replace(cloud, spacing=spacing.astype(np.float32))

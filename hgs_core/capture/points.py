@@ -17,7 +17,7 @@ from hgs_core.errors import InputError
 
 __all__ = ["PointCloud"]
 
-_ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": ()}
+_ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": (), "velocity": (3,)}
 
 
 @dataclass(frozen=True)
@@ -29,6 +29,18 @@ class PointCloud:
     times: npt.NDArray[np.float32]  # [P] seconds; the frame a point was seen in
     dynamic: npt.NDArray[np.float32]  # [P] share of the views that see it whose mask says it moves, 0..1
     spacing: npt.NDArray[np.float32]  # [P] typical distance to the neighbours, world units, positive
+    velocity: npt.NDArray[np.float32]  # [P, 3] world units per second; zero where it is not known
+
+    @staticmethod
+    def at_rest(
+        xyz: npt.NDArray[np.float32],
+        rgb: npt.NDArray[np.float32],
+        times: npt.NDArray[np.float32],
+        dynamic: npt.NDArray[np.float32],
+        spacing: npt.NDArray[np.float32],
+    ) -> PointCloud:
+        """Return points of whose motion nothing is known."""
+        return PointCloud(xyz, rgb, times, dynamic, spacing, np.zeros_like(xyz))
 
     def __len__(self) -> int:
         """Return the number of points."""

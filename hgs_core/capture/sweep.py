@@ -118,7 +118,7 @@ def _depth_map(
         return found
     near, far = depth_range
     depths = 1.0 / np.linspace(1.0 / near, 1.0 / far, _DEPTHS)  # evenly in the pixels that a step moves
-    rays = _world_rays(camera, rows[i], columns[j])
+    rays = camera.rays(np.stack([columns[j] + 0.5, rows[i] + 0.5], 1))
     own = descriptors[view][rows[i] * camera.width + columns[j]]  # [R, 6]
     costs = np.full((len(neighbours), len(i), _DEPTHS), _BLIND, np.float32)
     for slot, other in enumerate(neighbours):
@@ -133,15 +133,6 @@ def _depth_map(
     seen = cost[np.arange(len(best)), best] < _BLIND
     found.depths[i[seen], j[seen]] = _refine(cost, best, near, far)[seen]
     return found
-
-
-def _world_rays(
-    camera: Camera, rows: npt.NDArray[np.int64], columns: npt.NDArray[np.int64]
-) -> npt.NDArray[np.float64]:  # [R, 3]
-    """Return the rays through pixel centres, of length 1 along the view axis: depth times ray is a point."""
-    x = (columns + 0.5 - camera.cx) / camera.fx
-    y = (rows + 0.5 - camera.cy) / camera.fy
-    return np.asarray(np.stack((x, y, np.ones(len(x))), axis=1) @ camera.world_to_camera[:3, :3])
 
 
 def _compare(
@@ -206,7 +197,7 @@ def _points(
     camera, found = cameras[view], maps[view]
     i, j = np.nonzero(found.depths)
     row, column = i * found.step + found.step // 2, j * found.step + found.step // 2
-    xyz = camera.position + _world_rays(camera, row, column) * found.depths[i, j, None]
+    xyz = camera.position + camera.rays(np.stack([column + 0.5, row + 0.5], 1)) * found.depths[i, j, None]
     agreeing, opposed = np.zeros((2, len(xyz)), np.int64)
     for other in range(len(cameras)):
         if other == view:

@@ -61,6 +61,13 @@ class FixedViewCpu:
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
         """Draw one moment; raises what `rasterize_cpu` raises."""
+        return Render(*_pictures(self._drawn(dynamic, time, depth)))
+
+    def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
+        """Weigh the splats at one moment; raises what `rasterize_cpu` raises."""
+        return Contributions(*self._drawn(dynamic, time, False).contributions())
+
+    def _drawn(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Raster:
         dynamic = _prepared(dynamic, False)
         with _non_finite_named(self._static, dynamic, time):
             if self._raster is None:
@@ -68,7 +75,7 @@ class FixedViewCpu:
                 self._raster = _raster(_arrays(self._static), _arrays(dynamic), view)
             else:
                 self._raster.again(_arrays(dynamic), time, depth)
-        return Render(*_pictures(self._raster))
+        return self._raster
 
 
 def _prepared(splats: S | None, wanted: bool) -> S | None:

@@ -10,8 +10,8 @@ from torch import Tensor
 from hgs_core.camera import Camera
 from hgs_core.render.backends import choose_backend
 from hgs_core.render.cpu import FixedViewCpu
-from hgs_core.render.reference import rasterize_reference
-from hgs_core.render.types import Render, View
+from hgs_core.render.reference import contributions_reference, rasterize_reference
+from hgs_core.render.types import Contributions, Render, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["FixedView"]
@@ -51,6 +51,10 @@ class FixedView:
         """
         return self._frames.frame(dynamic, time, depth)
 
+    def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float = 0.0) -> Contributions:
+        """Weigh the splats at normalised `time`, as the function `contributions` would; raises what `frame` raises."""
+        return self._frames.contributions(dynamic, time)
+
 
 @dataclasses.dataclass(frozen=True)
 class _FixedViewReference:
@@ -61,3 +65,6 @@ class _FixedViewReference:
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
         return rasterize_reference(self.static, dynamic, dataclasses.replace(self.view, time=time, depth=depth))
+
+    def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
+        return contributions_reference(self.static, dynamic, dataclasses.replace(self.view, time=time))

@@ -116,7 +116,7 @@ def _collect(statistics: ScreenStatistics, ellipses: Ellipses, rows: Tensor, gra
     def add(gradient: Tensor) -> None:
         kept, norms = rows[wanted].numpy(), gradient.detach().cpu().norm(dim=1)[wanted].numpy()
         statistics.grad_norm_sum[kept] += norms
-        statistics.count[kept] += 1
+        statistics.count[kept] += norms > 0
 
     if gradients != "none" and ellipses.means.requires_grad:
         ellipses.means.register_hook(add)  # type: ignore[no-untyped-call]

@@ -42,11 +42,12 @@ class ScreenStatistics:
     """What density control needs to know about every splat, accumulated in place over backward passes.
 
     One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and its
-    visible extent overlaps the picture.
+    gradient is not zero: in the pictures where it is hidden nothing pulls at it, and a mean over those too would hide
+    how wrong it is where it can be seen.
     """
 
     grad_norm_sum: npt.NDArray[np.float32]  # [N] sum over passes of |dL / d mean2d|, the mean in pixels
-    count: npt.NDArray[np.int32]  # [N] passes that saw the splat
+    count: npt.NDArray[np.int32]  # [N] passes in which anything pulled at the splat
 
     @staticmethod
     def zeros(n: int) -> ScreenStatistics:

@@ -8,6 +8,7 @@ sweeps them for points in space, as initialisation does for whole moments.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,15 +21,22 @@ from hgs_core.capture.sweep import sweep
 from hgs_core.decompose.labels import label_points, mean_over_views
 from hgs_core.decompose.morphology import box_sum
 
-__all__ = ["find_births", "picture_error"]
+__all__ = ["Births", "chosen_births", "find_births", "picture_error"]
 
 _WRONG = 20  # levels of 255 that count as wrong
-_MOST_PIXELS = 600  # of one picture that are swept
 _HULL = 0.75  # share of the views that must see a new point move, as in initialisation
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
 _SIZE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
-_CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
 _VOTES = 0.5  # share of the views whose pixel there must be wrong
+_CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
+
+
+@dataclass(frozen=True)
+class Births:
+    """Points that could be born at one moment."""
+
+    points: PointCloud
+    urgency: npt.NDArray[np.float64]  # [P] the square of how wrong the pictures are there, levels of 255
 
 
 def picture_error(picture: Tensor, truth: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:
@@ -44,45 +52,55 @@ def picture_error(picture: Tensor, truth: npt.NDArray[np.uint8]) -> npt.NDArray[
 def find_births(
     cameras: Sequence[Camera],
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] of one moment
-    moving: Sequence[npt.NDArray[np.bool_]],  # [H, W] what moves in them
+    asked: Sequence[npt.NDArray[np.bool_]],  # [H, W] what moves in them, or what stands still
     errors: Sequence[npt.NDArray[np.float32]],  # [H, W] how wrong the scene is there, levels of 255
     ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
-    time: float,  # seconds
-    most: int,
-    generator: np.random.Generator,
-) -> PointCloud:
-    """Return at most `most` points that explain wrong moving pixels of one moment.
+    *,
+    hull: bool = True,
+    pixels: int = 600,
+) -> Births:
+    """Return points that explain wrong pixels among those that are asked for, at time 0.
 
-    A point must lie in the hull of what moves, be confirmed by two other views' depths, and be wrong in half of the
-    views that see it: what is right in most views is there already.
+    A point must be confirmed by two other views' depths and be wrong in half of the views it falls in: what is right in
+    most views is there already. With `hull` it must also lie in the hull of the pixels that are asked for. Of every
+    picture at most `pixels` are swept.
     """
     wrong = [error > _WRONG for error in errors]
-    wanted = [_worst(error, m & w) for error, m, w in zip(errors, moving, wrong, strict=True)]
+    wanted = [_worst(error, m & w, pixels) for error, m, w in zip(errors, asked, wrong, strict=True)]
     area = sum(int(mask.sum()) for mask in wanted)
-    if area == 0 or most == 0:
-        return PointCloud.concatenate([])
+    if area == 0:
+        return Births(PointCloud.concatenate([]), np.zeros(0))
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return label_points(cameras, moving, xyz) >= _HULL
+        return label_points(cameras, asked, xyz) >= _HULL
 
-    swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull)
+    swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull if hull else None)
     chosen = np.flatnonzero((swept.agreeing >= _CONFIRMED) & (swept.opposed <= swept.agreeing))
     chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
-    if len(chosen) > most:
-        urgency = mean_over_views(cameras, errors, swept.xyz[chosen]).astype(np.float64) ** 2
-        chosen = np.sort(generator.choice(chosen, most, replace=False, p=urgency / urgency.sum()))
     xyz = swept.xyz[chosen]
-    return PointCloud(
-        xyz, swept.rgb[chosen], np.full(len(xyz), time, np.float32), np.ones(len(xyz), np.float32),
-        _sizes(cameras, xyz),
-    )  # fmt: skip
+    none = np.zeros(len(xyz), np.float32)
+    points = PointCloud.at_rest(xyz, swept.rgb[chosen], none, none, _sizes(cameras, xyz))
+    return Births(points, mean_over_views(cameras, errors, xyz).astype(np.float64) ** 2)
 
 
-def _worst(error: npt.NDArray[np.float32], pixels: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+def chosen_births(births: Sequence[Births], most: int, generator: np.random.Generator) -> PointCloud:
+    """Return at most `most` points of all moments, drawn in proportion to their urgency.
+
+    Not so many of each moment: where something appears or vanishes at once, the splats of one side alone have to show
+    it, and much more is missing than between moments that resemble each other.
+    """
+    points = PointCloud.concatenate([found.points for found in births])
+    if len(points) <= most:
+        return points
+    urgency = np.concatenate([found.urgency for found in births])
+    return points.take(np.sort(generator.choice(len(points), max(0, most), replace=False, p=urgency / urgency.sum())))
+
+
+def _worst(error: npt.NDArray[np.float32], pixels: npt.NDArray[np.bool_], most: int) -> npt.NDArray[np.bool_]:
     """Return the worst of the given pixels [H, W]: sweeping is slow, and the rest can be reached from there."""
-    if int(pixels.sum()) <= _MOST_PIXELS:
+    if int(pixels.sum()) <= most:
         return pixels
-    border = np.partition(error[pixels], -_MOST_PIXELS)[-_MOST_PIXELS]
+    border = np.partition(error[pixels], -most)[-most]
     return np.asarray(pixels & (error >= border))
 
 

@@ -82,6 +82,7 @@ def train_capture(
         "profile": _summed([state.history.profile for state in states]),
         "pruned": sum(state.history.pruned for state in states),
         "births": sum(state.history.births for state in states),
+        "infilled": key.state.history.infilled,
         "labels_changed": _summed([state.history.labels_changed for state in states]),
     }
     return scene, summary

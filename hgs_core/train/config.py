@@ -20,6 +20,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "stages": ("interleaved", "together", "separate"),
     "motion_order": (1, 2, 3),
     "birth_rounds": (0, 1, 2),
+    "density": ("gradient", "relocation"),
     "budget": tuple(BUDGETS),
 }
 
@@ -55,9 +56,10 @@ class TrainConfig:
     cycles: int = 12_000
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
     dynamic_points: int = 10_000
-    init_frames: int = 30  # frames that initialisation samples (interleaved-frame initialisation)
+    init_interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     max_static: int = 80_000  # splat budgets
     max_dynamic: int = 20_000
+    density: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
     densify_every: int = 50  # cycles
@@ -73,6 +75,7 @@ class TrainConfig:
     still_pixels: float = 0.25  # a dynamic splat of constant opacity that moves less becomes static
     restless_error: float = 0.05  # a static splat whose mean colour error varies more becomes dynamic; 0: none
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
+    infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
     stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
     motion_order: int = 3  # degree of the position polynomial: 1, 2 or 3
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
@@ -91,13 +94,21 @@ class TrainConfig:
         """
         for name, low in (
             ("downscale", 1), ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0),
-            ("init_frames", 1), ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
+            ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
             ("frame_memory_mib", 1), ("segment_frames", 2),
         ):  # fmt: skip
             value = getattr(self, name)
             if value < low:
                 raise InputError(f"config.{name}", f"{value} is too small", f"give {low} or more")
-        for name in ("densify_from", "densify_until", "prune_opacity", "prune_contribution", "dssim", "coarse_until"):
+        for name in (
+            "densify_from",
+            "densify_until",
+            "prune_opacity",
+            "prune_contribution",
+            "dssim",
+            "coarse_until",
+            "infill",
+        ):
             value = getattr(self, name)
             if not 0 <= value <= 1:
                 raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")
@@ -105,6 +116,8 @@ class TrainConfig:
             value = getattr(self, name)
             if value not in known:
                 raise InputError(f"config.{name}", f"unknown choice {value!r}", f"use {_any_of(known)}")
+        if not self.init_interval > 0:
+            raise InputError("config.init_interval", f"{self.init_interval} s is not positive", "give seconds above 0")
         if self.still_pixels < 0 or self.restless_error < 0:
             raise InputError("config.still_pixels, config.restless_error", "a threshold is negative", "give 0 or more")
         if len(set(self.hold_out)) != len(self.hold_out):
@@ -180,12 +193,12 @@ def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "cycles": 2_500, "dynamic_points": 6_000, "init_frames": 12,
+        "cycles": 2_500, "dynamic_points": 6_000,
         "max_static": 35_000, "max_dynamic": 10_000, "coarse_until": 0.4,
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 15_000, "init_frames": 50,
+        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 15_000,
         "max_static": 120_000, "max_dynamic": 40_000, "coarse_until": 0.15,
     },
 }  # fmt: skip

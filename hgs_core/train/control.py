@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
@@ -11,17 +12,17 @@ import torch
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.capture.points import PointCloud
 from hgs_core.capture.sweep import depth_ranges
-from hgs_core.render.contribution import contributions
-from hgs_core.render.rasterize import rasterize
+from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
-from hgs_core.train.births import find_births, picture_error
+from hgs_core.train.births import Births, chosen_births, find_births, picture_error
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, joined, refine
+from hgs_core.train.hull import strayed
+from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
 from hgs_core.train.residuals import temporal_residuals
@@ -29,14 +30,16 @@ from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.training_views import TrainingView, TrainingViews
 
-__all__ = ["control_births", "control_contributions", "control_density", "control_labels"]
+__all__ = ["control_births", "control_contributions", "control_density", "control_infill", "control_labels"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 Mask = npt.NDArray[np.bool_]
 
-_CONTRIBUTION_MOMENTS = 60  # of the segment at which contributions are weighed
+_CONTRIBUTION_MOMENTS = 60  # of the segment at which contributions are weighed, at most
+_CONTRIBUTION_FRAMES = 2  # apart: the briefest splat, gone by half in half a frame, still has a sixteenth a frame on
 _BIRTH_INSTANTS = 30  # of the segment that a round of births looks at
 _BIRTH_OPACITY = 0.6
+_INFILL_OPACITY = 0.5
 _MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
 
 
@@ -69,16 +72,23 @@ def control_density(
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 
-def control_contributions(state: TrainState, config: TrainConfig, views: TrainingViews, statics_learn: bool) -> None:
-    """Remove the splats that no training view needs: whose largest weight T alpha in any pixel is too small."""
+def control_contributions(
+    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, statics_learn: bool
+) -> None:
+    """Remove the splats that no training view needs, and dynamic ones that have left the hull of what moves.
+
+    No view needs those whose largest weight T alpha in any pixel is too small.
+    """
     statics = len(state.static)
     peak = np.zeros(statics + len(state.dynamic), np.float32)
-    for camera, moment in views.poses(_CONTRIBUTION_MOMENTS):
-        found = contributions(
-            state.static, state.dynamic, camera, moment, backend=config.backend, antialiased=config.antialiased
-        )
-        np.maximum(peak, found.peak, out=peak)
+    moments_asked = min(_CONTRIBUTION_MOMENTS, -(-segment.frames // _CONTRIBUTION_FRAMES))
+    for camera, moments in views.poses(moments_asked):
+        fixed = FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
+        for moment in moments:
+            np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
     needed = peak >= config.prune_contribution
+    if views.masked:
+        needed[statics:] &= ~strayed(state.dynamic, views.cameras, segment.frames, views.moving)
     if statics_learn:
         state.static = _kept(state.static, state.static_adam, needed[:statics])
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, needed[statics:])
@@ -92,30 +102,48 @@ def control_births(
     """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left."""
     generator = np.random.default_rng((config.seed, 5, cycle))
     instants = min(_BIRTH_INSTANTS, segment.frames)
-    most = max(0, config.max_dynamic - len(state.dynamic)) // (2 * instants)
+    most = max(0, config.max_dynamic - len(state.dynamic)) // 2
+    if most == 0:
+        return
     known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
     ranges = depth_ranges(views.cameras, known)
+    fixed = [
+        FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
+        for camera in views.cameras
+    ]
     born = []
     for instant in views.instants(instants, generator):
         errors = [
-            picture_error(
-                rasterize(
-                    state.static, state.dynamic, camera, instant.moment,
-                    backend=config.backend, gradients="none", antialiased=config.antialiased,
-                ).rgb,
-                truth,
-            )
-            for camera, truth in zip(views.cameras, instant.pictures, strict=True)
-        ]  # fmt: skip
-        born.append(
-            find_births(
-                views.cameras, instant.pictures, instant.moving, errors, ranges, instant.seconds, most, generator
-            )
-        )
+            picture_error(view.frame(state.dynamic, instant.moment).rgb, truth)
+            for view, truth in zip(fixed, instant.pictures, strict=True)
+        ]
+        found = find_births(views.cameras, instant.pictures, instant.moving, errors, ranges)
+        count = len(found.points)
+        alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
+        born.append(Births(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
-    _, dynamic = initial_splats(PointCloud.concatenate(born), segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
+    points = chosen_births(born, most, generator)
+    _, dynamic = initial_splats(points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, np.ones(len(state.dynamic), np.bool_), dynamic)
     state.history.births += len(dynamic)
+    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+
+def control_infill(
+    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, cycle: int
+) -> None:
+    """Add static splats where still pixels are wrong, at most the share `infill` of the budget."""
+    generator = np.random.default_rng((config.seed, 6, cycle))
+    most = min(round(config.infill * config.max_static), config.max_static - len(state.static))
+    if most <= 0:
+        return
+    ranges = depth_ranges(views.cameras, state.static.means.numpy())
+    points = find_infill(
+        state.static, state.dynamic, views.everywhere(cycle), config, state.shown, ranges, most, generator
+    )
+    static, _ = initial_splats(points, segment.clock, segment.frames, opacity=_INFILL_OPACITY)
+    state.static = _kept(state.static, state.static_adam, np.ones(len(state.static), np.bool_), static)
+    state.history.infilled += len(static)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 

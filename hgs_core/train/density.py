@@ -20,7 +20,7 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["DensityRound", "joined", "refine"]
+__all__ = ["DensityRound", "joined", "peak_opacity", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -51,7 +51,7 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
         The new set: survivors that were not split, in order, then clones, then the halves of split splats.
     """
     with torch.no_grad():
-        keep = _worth_keeping(splats, plan.config.prune_opacity)
+        keep = peak_opacity(splats) >= plan.config.prune_opacity
         pull = torch.from_numpy(statistics.grad_norm_sum / statistics.count.clip(1)) * plan.half_width
         pull = torch.where(keep, pull, torch.zeros_like(pull))
         room = max(0, plan.budget - int(keep.sum()))
@@ -73,8 +73,8 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
         return result
 
 
-def _worth_keeping(splats: S, opacity: float) -> Tensor:
-    """Opaque enough at some moment of the segment, and finite."""
+def peak_opacity(splats: StaticSplats[Tensor] | DynamicSplats[Tensor]) -> Tensor:
+    """Return the greatest opacity [N] that splats have at a moment of the segment; -1 for those that are not finite."""
     peak = torch.sigmoid(splats.opacity_logits)
     if isinstance(splats, DynamicSplats):
         away = (splats.time_centers - splats.time_centers.clamp(0, 1)).square()
@@ -82,7 +82,7 @@ def _worth_keeping(splats: S, opacity: float) -> Tensor:
     finite = torch.ones_like(peak, dtype=torch.bool)
     for _, array in splats.items():
         finite &= torch.isfinite(array).flatten(1).all(1) if array.dim() > 1 else torch.isfinite(array)
-    return finite & (peak >= opacity)
+    return torch.where(finite, peak, -torch.ones_like(peak))
 
 
 def _halved(logits: Tensor) -> Tensor:

@@ -24,6 +24,7 @@ class TrainingHistory:
     profile: dict[str, float] = field(default_factory=dict)  # seconds by activity
     labels_changed: dict[str, int] = field(default_factory=lambda: {"to_static": 0, "to_dynamic": 0})  # splats
     births: int = 0  # splats
+    infilled: int = 0  # splats put on still pixels that were wrong
     pruned: int = 0  # splats that no view needed
     stride: int = 1  # reports per point of the curves
     loss: float = math.nan  # smoothed, of the training views
@@ -65,7 +66,7 @@ class TrainingHistory:
         return {
             "curves": self.curves, "profile": self.profile,
             "labels_changed": self.labels_changed, "births": self.births,
-            "pruned": self.pruned, "stride": self.stride,
+            "infilled": self.infilled, "pruned": self.pruned, "stride": self.stride,
             "loss": self.loss, "psnr": self.psnr, "reports": self._reports,
         }  # fmt: skip
 

@@ -57,6 +57,7 @@ def initial_splats(
     )
     motion = np.zeros((moved, 4, 3), np.float32)
     motion[:, 0] = points.xyz[moving]
+    motion[:, 1] = points.velocity[moving] * np.float32(clock.end - clock.start)
     half_life = np.where(still_points[moving], 1.0, _HALF_LIFE / max(1, sampled_frames - 1))
     centers = np.array([clock.normalised(float(t)) for t in points.times[moving]], np.float32)
     dynamic = DynamicSplats(

@@ -12,8 +12,8 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["Schedule"]
 
-_RELABEL_FROM = 0.1  # share of the cycles before the first round of labelling
-_RELABEL_ROUNDS = 10
+_ROUNDS_FROM = 0.1  # share of the cycles before the first round of labelling and infill
+_ROUNDS = 10
 _BIRTHS = (0.3, 0.45)  # shares of the cycles after which splats are born
 _PRUNES = (*_BIRTHS, 0.65, 0.85)  # after which those that no view needs are removed: first to make room
 
@@ -38,10 +38,11 @@ class Schedule:
 
     def relabels_after(self, cycle: int) -> bool:
         """Return whether a round of labelling follows this cycle: ten of them while splats are still added."""
-        first, last = (share * self.config.cycles for share in (_RELABEL_FROM, self.config.densify_until))
-        every = max(1, round((last - first) / _RELABEL_ROUNDS))
-        done = cycle + 1
-        return self.config.adaptive_labels and first < done <= last and (done - round(first)) % every == 0
+        return self.config.adaptive_labels and self._one_of_ten(cycle)
+
+    def infills_after(self, cycle: int) -> bool:
+        """Return whether statics are added where still pixels are wrong after this cycle: in the same ten rounds."""
+        return self.config.infill > 0 and self.config.labels != "dynamic" and self._one_of_ten(cycle)
 
     def prunes_after(self, cycle: int) -> bool:
         """Return whether splats that no view needs are removed after this cycle."""
@@ -62,7 +63,7 @@ class Schedule:
         """Return the step size of every field of the static set."""
         rates = self.config.learning_rates
         return {
-            "means": self._position_rate(cycle),
+            "means": self.position_rate(cycle),
             "log_scales": rates.log_scale,
             "quats": rates.rotation,
             "opacity_logits": rates.opacity,
@@ -77,7 +78,7 @@ class Schedule:
         lives shortly could never learn to move fast.
         """
         rates = self.config.learning_rates
-        position = self._position_rate(cycle)
+        position = self.position_rate(cycle)
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
         inverse = (1 / life)[:, None]
         powers = torch.tensor([0.0, 1.0, 2.0, 3.0])
@@ -94,7 +95,14 @@ class Schedule:
             "rgb": rates.rgb,
         }
 
-    def _position_rate(self, cycle: int) -> float:
+    def _one_of_ten(self, cycle: int) -> bool:
+        first, last = (share * self.config.cycles for share in (_ROUNDS_FROM, self.config.densify_until))
+        every = max(1, round((last - first) / _ROUNDS))
+        done = cycle + 1
+        return first < done <= last and (done - round(first)) % every == 0
+
+    def position_rate(self, cycle: int) -> float:
+        """Return the step size of positions, world units."""
         rates, progress = self.config.learning_rates, cycle / self.config.cycles
         if rates.position <= 0:
             return 0.0

@@ -21,8 +21,15 @@ from hgs_core.render.types import Gradients
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control import control_births, control_contributions, control_density, control_labels
+from hgs_core.train.control import (
+    control_births,
+    control_contributions,
+    control_density,
+    control_infill,
+    control_labels,
+)
 from hgs_core.train.initialise import scene_extent
+from hgs_core.train.relocation import control_relocation, disturb_positions
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.step import take_step
@@ -121,19 +128,30 @@ class Trainer:
             if len(state.static) and self.statics_learn:
                 self._learn("static", cycle, view, ignored=view.moving)
             with timed("tiles"):
-                tiles = tiles_of_dynamic(state.dynamic, view.camera, view.moment)
+                tiles = tiles_of_dynamic(
+                    state.dynamic, view.camera, view.moment, backend=config.backend, antialiased=config.antialiased
+                )
             if tiles.any():
                 self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
+        if config.density == "relocation":
+            with timed("noise"):
+                disturb_positions(state, self.schedule, cycle, self.statics_learn)
         self._constrain()
         if self.schedule.prunes_after(cycle):
             with timed("pruning"):
-                control_contributions(state, config, self.views, self.statics_learn)
+                control_contributions(state, config, self.views, self.segment, self.statics_learn)
         if self.masked and self.schedule.births_after(cycle):
             with timed("births"):
                 control_births(state, config, self.views, self.segment, cycle)
+        if self.statics_learn and self.schedule.infills_after(cycle):
+            with timed("infill"):
+                control_infill(state, config, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
             with timed("density"):
-                control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
+                if config.density == "relocation":
+                    control_relocation(state, self.schedule, cycle, self.first_counts, self.statics_learn)
+                else:
+                    control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
         if self.statics_learn and self.schedule.relabels_after(cycle):
             with timed("labels"):
                 control_labels(state, config, self.views.cameras, self.views.samples(cycle))

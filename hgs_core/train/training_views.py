@@ -67,6 +67,16 @@ class TrainingViews:
         memory = (config.frame_memory_mib << 20) * 4 // 5
         self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.seed)
 
+    @property
+    def masked(self) -> bool:
+        """Whether it is known what moves."""
+        return self._masks is not None
+
+    def moving(self, frame: int) -> list[npt.NDArray[np.bool_]]:
+        """Return what moves [H, W] in all training cameras' pictures of a frame of the segment; there must be masks."""
+        assert self._masks is not None
+        return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
+
     def of_cycle(self, cycle: int, size: float) -> TrainingView:
         """Return the view of a cycle, resized by the factor `size`."""
         index, frame = self.order.view(cycle)
@@ -77,13 +87,18 @@ class TrainingViews:
         for index, frames in self.order.samples(cycle):
             yield (self._view(index, frame, _SAMPLE_SIZE) for frame in frames)
 
-    def poses(self, moments: int) -> Iterator[tuple[Camera, float]]:
-        """Yield every training camera, at half size, with every one of at most `moments` normalised times."""
+    def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
+        """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
+        for index, frames in self.order.everywhere(cycle):
+            yield [self._view(index, frame, 1.0, masked=self._masks is not None) for frame in frames]
+
+    def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
+        """Yield every training camera, at half size, with the same at most `moments` normalised times."""
         frames = sample_frames(self._segment.frames, moments)
         times = self._capture.times[[self._segment.first + frame for frame in frames]]
+        normalised = [self._segment.clock.normalised(float(seconds)) for seconds in times]
         for camera in self.cameras:
-            for seconds in times:
-                yield camera.scaled(_SAMPLE_SIZE), self._segment.clock.normalised(float(seconds))
+            yield camera.scaled(_SAMPLE_SIZE), normalised
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""

@@ -15,6 +15,7 @@ __all__ = ["ViewSchedule", "training_cameras"]
 
 _SAMPLE_CAMERAS = 5
 _SAMPLE_FRAMES = 8
+_INFILL_FRAMES = 3
 _VISITS = 2  # passes over the frames of a block before the next block is loaded
 
 
@@ -62,6 +63,13 @@ class ViewSchedule:
         borders = np.linspace(first, last, min(_SAMPLE_FRAMES, last - first) + 1)
         for camera in random.permutation(self.cameras)[:_SAMPLE_CAMERAS]:
             yield int(camera), [int(random.uniform(a, b)) for a, b in pairwise(borders)]
+
+    def everywhere(self, cycle: int) -> Iterator[tuple[int, list[int]]]:
+        """Yield all cameras, each with a few frames of the cycle's block."""
+        random = np.random.default_rng((self.seed, 7, cycle))
+        first, last = self._block(cycle)
+        for camera in self.cameras:
+            yield camera, [int(frame) for frame in random.integers(first, last, _INFILL_FRAMES)]
 
     def _block(self, cycle: int) -> tuple[int, int]:
         if self.block >= self.frames:

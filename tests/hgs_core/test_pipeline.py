@@ -21,7 +21,7 @@ from hgs_core.train.config import TrainConfig
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig.from_json({
-    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_frames": 2,
+    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
     "max_static": 400, "max_dynamic": 100, "checkpoint_every": 20, "hold_out": ["2"],
 })  # fmt: skip
 

@@ -133,7 +133,7 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
         checkpoint_every=20,
         static_points=1000,
         dynamic_points=300,
-        init_frames=1,
+        init_interval=2.0,
         hold_out=tuple(f"cam{i:02}" for i in range(4, 16)),  # four cameras are enough here, and faster
     )
     job_id = client.submit(JobRequest(SAMPLE, config))

@@ -57,7 +57,7 @@ void add_statistics(const Rows &rows, int64_t first_row, const ScreenGradient &g
   for (int k = 0; k < rows.count; ++k) {
     const int64_t i = first_row + rows.row[k];
     statistics.grad_norm_sum[i] += norms[k];
-    statistics.count[i] += 1;
+    statistics.count[i] += norms[k] > 0.0F;
   }
 }
 

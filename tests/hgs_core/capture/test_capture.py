@@ -42,6 +42,13 @@ def test_missing_folder_and_file(tmp_path: Path) -> None:
         open_capture(tmp_path / "file")
 
 
+def test_frames_in_a_time_are_at_least_one_and_at_most_all(panoptic: Path) -> None:
+    capture = open_capture(panoptic)
+    frame = float(capture.times[1] - capture.times[0])
+    found = [capture.frames_in(seconds) for seconds in (0.01 * frame, 2.4 * frame, 1000 * frame)]
+    assert found == [1, 2, len(capture.times)]
+
+
 def test_unknown_camera_lists_those_there_are(panoptic: Path) -> None:
     capture = open_capture(panoptic)
     assert capture.camera_index("17") == 1

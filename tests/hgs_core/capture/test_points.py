@@ -11,7 +11,7 @@ from hgs_core.errors import InputError
 
 def cloud(count: int) -> PointCloud:
     numbers = np.random.default_rng(count)
-    shapes = [(count, 3), (count, 3), (count,), (count,), (count,)]
+    shapes = [(count, 3), (count, 3), (count,), (count,), (count,), (count, 3)]
     return PointCloud(*(numbers.random(shape, np.float32) for shape in shapes))
 
 
@@ -19,7 +19,7 @@ def test_saved_points_come_back(tmp_path: Path) -> None:
     points = cloud(7)
     points.save(tmp_path / "points.npz")
     loaded = PointCloud.load(tmp_path / "points.npz")
-    for name in ("xyz", "rgb", "times", "dynamic", "spacing"):
+    for name in ("xyz", "rgb", "times", "dynamic", "spacing", "velocity"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(points, name))
     assert [path.name for path in tmp_path.iterdir()] == ["points.npz"]
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 import torch
 
 from hgs_core.errors import InputError
-from hgs_core.render import FixedView, rasterize
+from hgs_core.render import FixedView, contributions, rasterize
 from tests.hgs_core.render.comparison import every_backend
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
@@ -34,6 +35,18 @@ def test_frames_are_the_pictures_of_their_times(backend: str, antialiased: bool)
             assert torch.equal(frame.depth, expected.depth)
         else:
             assert frame.depth is None
+
+
+@every_backend
+def test_contributions_are_those_of_single_pictures(backend: str) -> None:
+    static, moving = static_splats(150, dtype=torch.float32), dynamic_splats(120, dtype=torch.float32)
+    fixed = FixedView(static, camera(75, 41), antialiased=True, backend=backend)
+    fixed.frame(moving, 0.9)
+    for time in (0.0, 0.3):
+        expected = contributions(static, moving, camera(75, 41), time, backend=backend, antialiased=True)
+        found = fixed.contributions(moving, time)
+        assert np.array_equal(found.total, expected.total)
+        assert np.array_equal(found.peak, expected.peak)
 
 
 @every_backend

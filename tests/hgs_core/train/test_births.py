@@ -5,38 +5,11 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from hgs_core.capture.points import PointCloud
 from hgs_core.capture.sweep import depth_ranges
-from hgs_core.render import rasterize
 from hgs_core.scene.splats import StaticSplats
-from hgs_core.train.births import find_births, picture_error
-from tests.synthetic import ring_of_cameras
-
-CAMERAS = ring_of_cameras(6, 128, 96)
-BALL = np.array([0.2, 0.1, -0.1])
-
-
-def balls(*places: np.ndarray) -> StaticSplats[torch.Tensor]:
-    """Textured balls of radius 0.25: red, green and blue splats on a sphere."""
-    count = 200
-    i = np.arange(count)
-    polar, around = np.arccos(1 - 2 * (i + 0.5) / count), np.pi * (1 + 5**0.5) * i
-    shell = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], 1) * 0.25
-    means = np.concatenate([place + shell for place in places])
-    colours = np.eye(3)[np.random.default_rng(0).integers(0, 3, count)]
-    total = len(means)
-    return StaticSplats(
-        torch.tensor(means, dtype=torch.float32), torch.full((total, 3), float(np.log(0.03))),
-        torch.tensor([[1.0, 0, 0, 0]]).repeat(total, 1), torch.full((total,), 4.0),
-        torch.tensor(np.tile(colours, (len(places), 1)), dtype=torch.float32),
-    )  # fmt: skip
-
-
-def pictures(static: StaticSplats[torch.Tensor] | None) -> list[torch.Tensor]:
-    return [rasterize(static, None, camera, gradients="none", background=(0.2, 0.2, 0.2)).rgb for camera in CAMERAS]
-
-
-def truths(static: StaticSplats[torch.Tensor]) -> list[np.ndarray]:
-    return [(p.clamp(0, 1).permute(1, 2, 0).numpy() * 255).round().astype(np.uint8) for p in pictures(static)]
+from hgs_core.train.births import Births, chosen_births, find_births, picture_error
+from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures, truths
 
 
 def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndarray:
@@ -45,11 +18,8 @@ def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndar
     moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in seen]
     errors = [picture_error(p, truth) for p, truth in zip(pictures(shown), seen, strict=True)]
     known = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    cloud = find_births(
-        CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known), 0.5, most, np.random.default_rng(2)
-    )
-    assert (cloud.times == 0.5).all()
-    assert (cloud.dynamic == 1).all()
+    found = find_births(CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known))
+    cloud = chosen_births([found], most, np.random.default_rng(2))
     assert (cloud.spacing > 0).all()
     return cloud.xyz
 
@@ -58,7 +28,7 @@ def test_a_missing_ball_is_born_where_it_is() -> None:
     xyz = births(None)
     assert len(xyz) > 20
     distance = np.linalg.norm(xyz - BALL, axis=1)
-    assert np.median(np.abs(distance - 0.25)) < 0.08
+    assert np.median(np.abs(distance - RADIUS)) < 0.08
     assert (distance < 0.5).mean() > 0.9
 
 
@@ -75,3 +45,14 @@ def test_the_error_of_a_picture_is_in_levels() -> None:
     truth = np.full((6, 6, 3), 100, np.uint8)
     error = picture_error(torch.full((3, 6, 6), 120 / 255), truth)
     assert error[2:-2, 2:-2].tolist() == [[20.0, 20.0]] * 2
+
+
+def test_the_moment_that_lacks_most_gets_most() -> None:
+    def lacking(time: float, urgency: float) -> Births:
+        places = np.zeros((100, 3), np.float32)
+        cloud = PointCloud.at_rest(places, places, np.full(100, time, np.float32), places[:, 0], places[:, 0])
+        return Births(cloud, np.full(100, urgency))
+
+    chosen = chosen_births([lacking(0.0, 100.0), lacking(1.0, 900.0)], 60, np.random.default_rng(0))
+    assert len(chosen) == 60
+    assert 45 < int((chosen.times == 1.0).sum()) < 60  # 54 expected, with replacement

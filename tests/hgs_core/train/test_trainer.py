@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +40,7 @@ def points(seed: int = 0) -> PointCloud:
     r = np.random.default_rng(seed)
     count = 300
     moving = (np.arange(count) % 5 == 0).astype(np.float32)
-    return PointCloud(
+    return PointCloud.at_rest(
         xyz=r.uniform(-1, 1, (count, 3)).astype(np.float32),
         rgb=r.uniform(0, 1, (count, 3)).astype(np.float32),
         times=r.choice([0.0, 0.1], count).astype(np.float32),
@@ -76,9 +77,14 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
     assert same_bits(one, two)
 
 
-@pytest.mark.parametrize("stop_at", [10, 30, 50])
-def test_a_stopped_training_resumes_to_the_same_bits(capture_folder: Path, tmp_path: Path, stop_at: int) -> None:
-    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
+@pytest.mark.parametrize(
+    ("stop_at", "density"), [(10, "gradient"), (30, "gradient"), (30, "relocation"), (50, "gradient")]
+)
+def test_a_stopped_training_resumes_to_the_same_bits(
+    capture_folder: Path, tmp_path: Path, stop_at: int, density: str
+) -> None:
+    settings = config(density=density)
+    whole = trainer(capture_folder, tmp_path / "whole.pt", settings).run(silent)
 
     def stop(progress: Progress) -> None:
         if progress.done >= stop_at:
@@ -86,8 +92,8 @@ def test_a_stopped_training_resumes_to_the_same_bits(capture_folder: Path, tmp_p
 
     checkpoint = tmp_path / "stopped.pt"
     with pytest.raises(StageStopped):
-        trainer(capture_folder, checkpoint, config()).run(stop)
-    resumed = trainer(capture_folder, checkpoint, config())
+        trainer(capture_folder, checkpoint, settings).run(stop)
+    resumed = trainer(capture_folder, checkpoint, settings)
     assert resumed.state.cycle == stop_at
     assert same_bits(whole, resumed.run(silent))
 
@@ -104,6 +110,15 @@ def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_fold
     resumed = trainer(capture_folder, checkpoint, config())
     assert resumed.state.cycle == 20
     assert same_bits(whole, resumed.run(silent))
+
+
+def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path: Path) -> None:
+    figures: list[float] = []
+    settings = config(coarse_until=0.0, cycles=150, density="relocation", prune_contribution=0.0, adaptive_labels=False)
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
+    training.run(lambda progress: figures.append(progress.figures["psnr"]))
+    assert figures[-1] > figures[0] + 2
+    assert (len(training.state.static), len(training.state.dynamic)) == (400, 100)
 
 
 def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folder: Path, tmp_path: Path) -> None:
@@ -178,7 +193,7 @@ def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -
 def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_path: Path) -> None:
     capture = open_capture(capture_folder)
     cloud = points()
-    still = PointCloud(cloud.xyz, cloud.rgb, cloud.times, np.zeros_like(cloud.dynamic), cloud.spacing)
+    still = dataclasses.replace(cloud, dynamic=np.zeros_like(cloud.dynamic))
     settings = config(cycles=20, adaptive_labels=False)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     start = initial_splats(still, segment.clock, 2)

@@ -1,0 +1,62 @@
+"""New statics where still pixels are wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.capture.sweep import depth_ranges
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.infill import find_infill
+from hgs_core.train.training_views import TrainingView
+from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures
+from tests.hgs_core.render.scenes import dynamic_splats
+
+OTHER = np.array([-0.5, 0.0, 0.2])
+NOTHING: DynamicSplats[Tensor] = dynamic_splats(0, dtype=torch.float32)
+
+
+def infill(shown: StaticSplats[Tensor], most: int = 100, moving: bool = False, gain: float = 1.0) -> np.ndarray:
+    """Points found when there are two balls and `shown` is drawn; cameras see colours times `gain`."""
+    mask = torch.ones(96, 128, dtype=torch.bool) if moving else None
+    views = [
+        [TrainingView(place, camera, time, gain * picture.clamp(0, 1), mask) for time in (0.0, 1.0)]
+        for place, (camera, picture) in enumerate(zip(CAMERAS, pictures(balls(BALL, OTHER), grey=0), strict=True))
+    ]
+    ranges = depth_ranges(CAMERAS, np.random.default_rng(1).uniform(-1, 1, (200, 3)))
+    cloud = find_infill(
+        shown,
+        NOTHING,
+        views,
+        TrainConfig(antialiased=False),
+        lambda picture, _: gain * picture,
+        ranges,
+        most,
+        np.random.default_rng(2),
+    )
+    assert (cloud.dynamic == 0).all()
+    return cloud.xyz
+
+
+def test_what_is_missing_is_filled_in_where_it_is() -> None:
+    xyz = infill(balls(BALL))
+    assert len(xyz) > 20
+    assert np.median(np.abs(np.linalg.norm(xyz - OTHER, axis=1) - RADIUS)) < 0.08
+
+
+def test_nothing_is_added_where_the_picture_is_right() -> None:
+    assert len(infill(balls(BALL, OTHER))) == 0
+
+
+def test_the_colours_of_cameras_are_no_error() -> None:
+    assert len(infill(balls(BALL, OTHER), gain=0.6)) == 0
+
+
+def test_what_moves_is_left_to_the_dynamics() -> None:
+    assert len(infill(balls(BALL), moving=True)) == 0
+
+
+def test_no_more_are_added_than_there_is_room_for() -> None:
+    assert len(infill(balls(BALL), most=7)) == 7
