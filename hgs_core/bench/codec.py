@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.bench.codec_errors import StaticErrors, coded_errors, spz_errors
+from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.bench.machine import machine_facts
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.attributes import Kind
@@ -63,6 +64,8 @@ class CodecReport:
     splats_dynamic: int
     budgets: tuple[CodecPoint, ...]
     sweep: tuple[CodecPoint, ...]
+    prefix_loss: float  # dB, of the first quarter of the bytes of the first encoding
+    prefix_loss_shuffled: float  # dB, of a quarter of its chunks' bytes in random order
     decode_rates: Mapping[str, float]  # splats per second of processor time by kind, chunk by chunk
     bytes_splatv: int
     bytes_spz: Mapping[str, int]  # by version, of a still scene
@@ -96,6 +99,7 @@ def bench_codec(
     points: list[CodecPoint] = []
     chosen = [(name, fitting_settings(scene, views, utility, name, antialiased=antialiased)) for name in budgets]
     rates: dict[str, float] = {}
+    prefix = (0.0, 0.0)
     for name, settings in [*chosen, *(("", EncodeSettings(coarseness=coarseness)) for coarseness in sweep)]:
         with tempfile.TemporaryDirectory() as out:
             began = time.process_time()
@@ -106,7 +110,7 @@ def bench_codec(
             seconds = time.process_time() - began
             decoded = decode_scene(Path(out))
             if not rates:
-                rates = _decode_rates(Path(out))
+                rates, prefix = _decode_rates(Path(out)), prefix_losses(Path(out), seen)
         totals = manifest.totals
         points.append(
             CodecPoint(
@@ -130,7 +134,7 @@ def bench_codec(
     tell()
     return CodecReport(
         machine_facts(), source.name, len(scene.static), sum(map(len, moving)), tuple(points[: len(chosen)]),
-        tuple(points[len(chosen) :]), rates, splatv, spz, errors,
+        tuple(points[len(chosen) :]), *prefix, rates, splatv, spz, errors,
     )  # fmt: skip
 
 

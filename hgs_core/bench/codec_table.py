@@ -36,6 +36,8 @@ def codec_text(report: CodecReport) -> str:
         table = [["root mean square errors", *names]]
         table += [[name, *(f"{getattr(e, n):.3g}" for n in names)] for name, e in report.errors.items()]
         lines += ["", *aligned(table, left=("root mean square errors",))]
+    lines += ["", f"a quarter of the bytes of the first encoding: {report.prefix_loss:.2f} dB lost in order of the "
+              f"manifest, {report.prefix_loss_shuffled:.2f} dB shuffled"]  # fmt: skip
     rates = ", ".join(f"{name} {rate / 1e6:.1f} M splats/s" for name, rate in report.decode_rates.items())
     return "\n".join([*lines, "", f"decoding by one core: {rates}"])
 

@@ -43,6 +43,7 @@ def test_bytes_errors_and_rates_of_a_still_cloud(cloud: Path, capsys: pytest.Cap
     assert report["errors"]["spz 3"]["rotation"] < report["errors"]["spz 2"]["rotation"]
     assert report["errors"]["spz 2"]["position"] == pytest.approx(1 / 4096 / 12**0.5, rel=0.1)
     assert report["decode_rates"]["static"] > 0
+    assert report["prefix_loss"] > 0
     assert "decoding by one core" in capsys.readouterr().out
 
 
