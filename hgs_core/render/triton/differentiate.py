@@ -76,7 +76,7 @@ def differentiate(
         )  # fmt: skip
     if statistics is not None and norms is not None:
         statistics.grad_norm_sum[first:last] += norms.cpu().numpy()
-        statistics.count[first:last] += torch.isfinite(screen.depths[first:last]).cpu().numpy()
+        statistics.count[first:last] += (norms > 0).cpu().numpy()
 
 
 def reduced(slots: Tensor, first_slots: Tensor, counts: Tensor, maxima: int = 0) -> Tensor:
