@@ -21,6 +21,7 @@ from hgs_core.train.births import Births, chosen_births, find_births, picture_er
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, joined, refine
+from hgs_core.train.hull import strayed
 from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
@@ -74,7 +75,10 @@ def control_density(
 def control_contributions(
     state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, statics_learn: bool
 ) -> None:
-    """Remove the splats that no training view needs: whose largest weight T alpha in any pixel is too small."""
+    """Remove the splats that no training view needs, and dynamic ones that have left the hull of what moves.
+
+    No view needs those whose largest weight T alpha in any pixel is too small.
+    """
     statics = len(state.static)
     peak = np.zeros(statics + len(state.dynamic), np.float32)
     moments_asked = min(_CONTRIBUTION_MOMENTS, -(-segment.frames // _CONTRIBUTION_FRAMES))
@@ -83,6 +87,8 @@ def control_contributions(
         for moment in moments:
             np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
     needed = peak >= config.prune_contribution
+    if views.masked:
+        needed[statics:] &= ~strayed(state.dynamic, views.cameras, segment.frames, views.moving)
     if statics_learn:
         state.static = _kept(state.static, state.static_adam, needed[:statics])
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, needed[statics:])
@@ -129,6 +135,8 @@ def control_infill(
     """Add static splats where still pixels are wrong, at most the share `infill` of the budget."""
     generator = np.random.default_rng((config.seed, 6, cycle))
     most = min(round(config.infill * config.max_static), config.max_static - len(state.static))
+    if most <= 0:
+        return
     ranges = depth_ranges(views.cameras, state.static.means.numpy())
     points = find_infill(
         state.static, state.dynamic, views.everywhere(cycle), config, state.shown, ranges, most, generator

@@ -41,8 +41,8 @@ class Schedule:
         return self.config.adaptive_labels and self._one_of_ten(cycle)
 
     def infills_after(self, cycle: int) -> bool:
-        """Return whether splats are added where still pixels are wrong after this cycle: in the same ten rounds."""
-        return self.config.infill > 0 and self._one_of_ten(cycle)
+        """Return whether statics are added where still pixels are wrong after this cycle: in the same ten rounds."""
+        return self.config.infill > 0 and self.config.labels != "dynamic" and self._one_of_ten(cycle)
 
     def prunes_after(self, cycle: int) -> bool:
         """Return whether splats that no view needs are removed after this cycle."""

@@ -71,6 +71,16 @@ class TrainingViews:
         memory = (config.frame_memory_mib << 20) * 4 // 5
         self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.seed)
 
+    @property
+    def masked(self) -> bool:
+        """Whether it is known what moves."""
+        return self._masks is not None
+
+    def moving(self, frame: int) -> list[npt.NDArray[np.bool_]]:
+        """Return what moves [H, W] in all training cameras' pictures of a frame of the segment; there must be masks."""
+        assert self._masks is not None
+        return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
+
     def of_cycle(self, cycle: int, size: float) -> TrainingView:
         """Return the view of a cycle, resized by the factor `size`."""
         index, frame = self.order.view(cycle)

@@ -1,4 +1,4 @@
-"""`hgs bench raster` and `hgs bench train`: speed and error of the rasterizers and of trainings on this machine."""
+"""`hgs bench raster`, `codec` and `train`: speed and error of rasterizers, codec and trainings on this machine."""
 
 from __future__ import annotations
 
@@ -49,6 +49,18 @@ def add_parser(commands: Any) -> None:
     raster.add_argument("--dynamic", metavar="SHARE", default="0", help="share of splats that move (default: 0)")
     raster.add_argument("--seed", metavar="N", default="0", help="of the scenes (default: 0)")
     raster.set_defaults(run=_run)
+    codec: argparse.ArgumentParser = parts.add_parser(
+        "codec",
+        help="the scene format",
+        description="Encode a run or a file of splats by budgets and coarsenesses: bytes, loss, rates, other formats.",
+    )
+    codec.add_argument("source", metavar="RUN|FILE", type=Path, help="a finished run, or a .ply, .splat or .spz file")
+    codec.add_argument(
+        "--json", metavar="FILE", nargs="?", const="-",
+        help="write JSON to FILE, or to standard output in place of text; in RUN/codec.json hgs report shows it",
+    )  # fmt: skip
+    codec.add_argument("--sweep", metavar="LIST", help="coarsenesses to encode with, like 0.5,1,2, or none")
+    codec.set_defaults(run=_run_codec)
     train: argparse.ArgumentParser = parts.add_parser(
         "train", help="a whole training", description="Train a capture in a temporary folder: minutes and PSNR."
     )
@@ -80,6 +92,20 @@ def _run(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_raster(settings, bars)
     output.show(report.to_json(), report_text(report))
+    return 0
+
+
+def _run_codec(options: argparse.Namespace) -> int:
+    output = JsonOutput(options.json)
+    from hgs_core.bench.codec import SWEEP, bench_codec
+    from hgs_core.bench.codec_table import codec_text
+
+    sweep: tuple[float, ...] = SWEEP
+    if options.sweep is not None:
+        sweep = () if options.sweep == "none" else tuple(_number("--sweep", part) for part in options.sweep.split(","))
+    with ProgressBars() as bars:
+        report = bench_codec(options.source, bars, budgets=("default", "low"), sweep=sweep)
+    output.show(report.to_json(), codec_text(report))
     return 0
 
 

@@ -77,6 +77,15 @@ def test_births_and_labels_have_their_rounds_while_splats_are_still_added() -> N
     assert not any(Schedule(alone, 1.0, 50).relabels_after(c) for c in range(1000))
 
 
+def test_infill_goes_with_the_labels_and_only_where_there_may_be_statics() -> None:
+    config = TrainConfig(cycles=1000)
+    schedule = Schedule(config, 1.0, 50)
+    rounds = [c for c in range(1000) if schedule.infills_after(c)]
+    assert rounds == [c for c in range(1000) if schedule.relabels_after(c)]
+    for other in (dataclasses.replace(config, infill=0.0), dataclasses.replace(config, labels="dynamic")):
+        assert not any(Schedule(other, 1.0, 50).infills_after(c) for c in range(1000))
+
+
 def test_pictures_are_coarse_first() -> None:
     schedule = Schedule(CONFIG, 1.0, 50)
     assert [schedule.resolution(c) for c in (0, 249, 250, 999)] == [0.5, 0.5, 1.0, 1.0]
