@@ -75,8 +75,9 @@ def differentiate(
             *(array for _, array in grad_dynamic.items()), ANTIALIASED=antialiased, **options,
         )  # fmt: skip
     if statistics is not None and norms is not None:
-        statistics.grad_norm_sum[first:last] += norms.cpu().numpy()
-        statistics.count[first:last] += (norms > 0).cpu().numpy()
+        pulls = norms.cpu().numpy()
+        statistics.grad_norm_sum[first:last] += pulls
+        statistics.count[first:last] += pulls > 0
 
 
 def reduced(slots: Tensor, first_slots: Tensor, counts: Tensor, maxima: int = 0) -> Tensor:
