@@ -78,7 +78,10 @@ def sweep(
     rays: int,  # about how many pixels to sweep, over all pictures
     admit: Admit | None = None,
 ) -> SweptPoints:
-    """Return the points that the wanted pixels show; the same bits for any number of threads."""
+    """Return the points that the wanted pixels show; the same bits for any number of threads.
+
+    A single picture shows none: there is nothing that it could agree with.
+    """
     area = sum(int(mask.sum()) for mask in wanted)
     step = max(2, int(np.sqrt(area / max(rays, 1))))
     neighbours = nearest_cameras(cameras, _NEIGHBOURS)
@@ -114,7 +117,7 @@ def _depth_map(
     chosen = wanted[np.ix_(rows, columns)]  # [h, w]
     i, j = np.nonzero(chosen)
     found = _DepthMap(step, np.zeros(chosen.shape))
-    if len(i) == 0:
+    if len(i) == 0 or len(neighbours) == 0:
         return found
     near, far = depth_range
     depths = 1.0 / np.linspace(1.0 / near, 1.0 / far, _DEPTHS)  # evenly in the pixels that a step moves

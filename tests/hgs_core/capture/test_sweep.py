@@ -58,6 +58,11 @@ def test_only_wanted_and_admitted_places_get_points() -> None:
     assert CAMERAS[0].project(points.xyz)[0][:, 0].min() > 47
 
 
+def test_a_single_picture_has_no_depths() -> None:
+    everywhere = [np.ones((72, 96), bool)]
+    assert len(sweep(CAMERAS[:1], [photograph(CAMERAS[0])], everywhere, [(1.0, 10.0)], 500).xyz) == 0
+
+
 def test_depth_ranges_hold_the_points() -> None:
     points = np.random.default_rng(0).uniform((-1, -1, 2), (1, 1, 6), (200, 3))
     for near, far in depth_ranges(CAMERAS, points):
