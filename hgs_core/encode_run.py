@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import torch
@@ -13,29 +11,31 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.capture.capture import Capture
+from hgs_core.codec.preview import quantised_scene
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import Utility
+from hgs_core.encode_views import EncodeViews
 from hgs_core.render.contribution import contributions
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
+from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import BUDGETS
-from hgs_core.train.targets import target_picture
 
-__all__ = ["fitting_settings", "measure_utility"]
+__all__ = ["Loss", "fitting_settings", "measure_utility"]
 
-CAMERAS_PER_FRAME = 4  # that every frame's splats are weighed in; the next frame takes the next cameras
+CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
+STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 VIEWS = 12  # in which the loss is measured
-ROUNDS = 4  # of encoding to find the coarseness: most scenes need two
+ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
 NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.25, 8.0)
 FARTHEST = 4.0  # factor between two coarsenesses tried
 GOLDEN = 0.618  # fractional parts of its multiples spread evenly
+IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
 Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
-Views = Sequence[tuple[int, int]]  # camera, frame
 
 
 def measure_utility(
@@ -44,75 +44,124 @@ def measure_utility(
     """Weigh every splat in every frame, from some of `cameras` in turn; `times` [F] are the frames' seconds.
 
     The sum of squares of a splat's weights in a view is taken to be half its total times its peak, as it is for a
-    Gaussian of which everything before it lets through the same share.
+    Gaussian of which everything before it lets through the same share. Whole pictures are drawn for the static splats;
+    for the others the tiles that they touch do.
     """
     tensors = scene.map(torch.from_numpy)
     static = np.zeros(len(scene.static))
     dynamic = [np.zeros(len(segment.dynamic)) for segment in scene.segments]
-    count = min(CAMERAS_PER_FRAME, len(cameras))
+    count = min(max(CAMERAS_PER_FRAME, -(-STATIC_VIEWS // len(times))), len(cameras))
     step = max(1, len(cameras) // count)
+    every = max(1, count * len(times) // STATIC_VIEWS)
+    whole = 0
     with one_torch_thread():
         for frame, seconds in enumerate(times):
             segment = tensors.segment_at(float(seconds))
             number = next(i for i, other in enumerate(tensors.segments) if other is segment)
+            moment = segment.normalised(float(seconds))
             for i in range(count):
                 camera = cameras[(frame + i * step) % len(cameras)]
+                # The view of a frame that is drawn whole changes from frame to frame, and with it the camera.
+                all_tiles = (frame * count + (i + frame // max(1, every // count)) % count) % every == 0
+                tiles = None if all_tiles else tiles_of_dynamic(segment.dynamic, camera, moment)
+                if tiles is not None and not tiles.any():
+                    continue
                 seen = contributions(
-                    tensors.static, segment.dynamic, camera, segment.normalised(float(seconds)), antialiased=antialiased
+                    tensors.static, segment.dynamic, camera, moment, antialiased=antialiased, tile_mask=tiles
                 )
                 squares = seen.total.astype(np.float64) * seen.peak / 2
-                static += squares[: len(static)]
+                if all_tiles:
+                    static += squares[: len(static)]
+                    whole += 1
                 dynamic[number] += squares[len(static) :]
     views = count * len(times)
-    return Utility(static / views, tuple(squares / views for squares in dynamic))
+    return Utility(static / max(1, whole), tuple(squares / views for squares in dynamic))
+
+
+class Loss:
+    """What quantisation costs some views: the mean loss of PSNR, dB.
+
+    Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
+    add.
+    """
+
+    def __init__(
+        self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera], *, antialiased: bool
+    ) -> None:
+        """Draw `scene` in views spread over `cameras` (by index) and all time; what it loses is measured against that.
+
+        Raises:
+            InputError: a frame cannot be read.
+        """
+        self._cameras, self._times, self._antialiased = cameras, views.times, antialiased
+        indices = sorted(cameras)
+        self._views = [
+            (indices[i * len(indices) // VIEWS], int(i * GOLDEN % 1 * len(views.times))) for i in range(VIEWS)
+        ]
+        own = self._pictures(scene)
+        self._reference = own if views.truth is None else [views.truth(*view) for view in self._views]
+        self._least = IMPORTED_ERROR if views.truth is None else 1e-12
+        self.psnr = self._decibels(own)
+
+    def of(self, scene: HybridScene[Floats]) -> float:
+        """Return by how much `scene` is worse than the one given first."""
+        return self.psnr - self._decibels(self._pictures(scene))
+
+    def _decibels(self, pictures: Sequence[Tensor]) -> float:
+        pairs = zip(pictures, self._reference, strict=True)
+        errors = [float(((picture - true) ** 2).mean()) for picture, true in pairs]
+        return float(np.mean([-10 * math.log10(error + self._least) for error in errors]))
+
+    def _pictures(self, scene: HybridScene[Floats]) -> list[Tensor]:
+        tensors = scene.map(torch.from_numpy)
+        pictures = []
+        with one_torch_thread():
+            for index, frame in self._views:
+                seconds = float(self._times[frame])
+                segment = tensors.segment_at(seconds)
+                view = FixedView(tensors.static, self._cameras[index], antialiased=self._antialiased)
+                pictures.append(view.frame(segment.dynamic, segment.normalised(seconds)).rgb.clamp(0, 1))
+        return pictures
 
 
 def fitting_settings(
-    scene: HybridScene[Floats],
-    encoded: Callable[[EncodeSettings], HybridScene[Floats]],
-    capture: Capture,
-    cameras: Mapping[int, Camera],
-    budget: str,
-    *,
-    antialiased: bool,
+    scene: HybridScene[Floats], views: EncodeViews, utility: Utility, budget: str, *, antialiased: bool
 ) -> EncodeSettings:
     """Return the coarsest settings with which the training views lose no more than the budget.
 
-    `encoded` encodes the scene and decodes it again; `cameras` are those trained on, by their index in the capture.
+    Raises:
+        InputError: a frame cannot be read, or a splat cannot be encoded.
     """
     allowed = BUDGETS[budget]
-    indices = sorted(cameras)
-    views = [(indices[i * len(indices) // VIEWS], int(i * GOLDEN % 1 * len(capture.times))) for i in range(VIEWS)]
-    truth = {view: target_picture(capture, view[0], view[1], cameras[view[0]]) for view in views}
+    loss = Loss(scene, views, views.trained, antialiased=antialiased)
 
-    def psnr(of: HybridScene[Floats]) -> float:
-        pictures = _pictures(of.map(torch.from_numpy), cameras, capture.times, views, antialiased)
-        errors = [float(((picture - truth[view]) ** 2).mean()) for view, picture in pictures.items()]
-        return float(np.mean([-10 * math.log10(max(error, 1e-12)) for error in errors]))
+    def lost(coarseness: float) -> float:
+        settings = EncodeSettings(coarseness=coarseness)
+        return loss.of(quantised_scene(scene, views.cameras, views.times, utility, settings, antialiased=antialiased))
 
-    quick = EncodeSettings(compression_level=1)
-    best = psnr(scene)
+    return EncodeSettings(coarseness=_coarsest(lost, allowed))
+
+
+def _coarsest(lost: Callable[[float], float], allowed: float) -> float:
+    """Return about the largest coarseness that loses no more than `allowed` dB; the finest if none does."""
     # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 1.
-    fitting, tried = COARSENESS[0], math.sqrt(allowed / 0.1)
+    tried: list[tuple[float, float]] = []  # ln of coarseness and of loss, the latest first
+    fitting, coarseness = COARSENESS[0], math.sqrt(allowed / 0.1)
     for _ in range(ROUNDS):
-        loss = best - psnr(encoded(dataclasses.replace(quick, coarseness=tried)))
-        if loss <= allowed:
-            fitting = max(fitting, tried)
-            if loss >= NEAR_ENOUGH * allowed or tried == COARSENESS[1]:
+        decibels = lost(coarseness)
+        tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-9))))
+        if decibels <= allowed:
+            fitting = max(fitting, coarseness)
+            if decibels >= NEAR_ENOUGH * allowed or coarseness == COARSENESS[1]:
                 break
-        step = math.sqrt(0.93 * allowed / max(loss, 1e-9))
-        tried = min(max(tried * min(max(step, 1 / FARTHEST), FARTHEST), COARSENESS[0]), COARSENESS[1])
-    return EncodeSettings(coarseness=fitting)
-
-
-def _pictures(
-    scene: HybridScene[Tensor], cameras: Mapping[int, Camera], times: Doubles, views: Views, antialiased: bool
-) -> dict[tuple[int, int], Tensor]:
-    pictures: dict[tuple[int, int], Any] = {}
-    with one_torch_thread():
-        for index, frame in views:
-            seconds = float(times[frame])
-            segment = scene.segment_at(seconds)
-            view = FixedView(scene.static, cameras[index], antialiased=antialiased)
-            pictures[index, frame] = view.frame(segment.dynamic, segment.normalised(seconds)).rgb.clamp(0, 1)
-    return pictures
+        elif coarseness == COARSENESS[0]:
+            break
+        goal = math.log(0.93 * allowed)
+        nearest = sorted(tried, key=lambda point: abs(point[1] - goal))
+        (x, y), slope = nearest[0], 2.0
+        if len(nearest) > 1:
+            x2, y2 = nearest[1]
+            slope = min(max((y2 - y) / (x2 - x), 0.5), 6.0)
+        step = min(max((goal - y) / slope, -math.log(FARTHEST)), math.log(FARTHEST))
+        coarseness = min(max(math.exp(x + step), COARSENESS[0]), COARSENESS[1])
+    return fitting

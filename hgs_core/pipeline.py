@@ -9,11 +9,9 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from hgs_core.atomic import write_bytes
 from hgs_core.capture.capture import Capture
@@ -21,11 +19,13 @@ from hgs_core.capture.open import open_capture
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder, RunSpec
-from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.views import training_cameras
 
-__all__ = ["STAGES", "create_run", "encode", "encode_again", "initialise", "train"]
+if TYPE_CHECKING:
+    from hgs_core.codec.manifest import Manifest
+
+__all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train"]
 
 _MIN_CAMERAS = 2
 
@@ -96,6 +96,16 @@ def train(run: Path, progress: ProgressCallback) -> None:
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
 
+@dataclass(frozen=True)
+class Encoded:
+    """What encoding made of a scene."""
+
+    manifest: Manifest
+    coarseness: float
+    static: int  # splats before; those that show next to nothing are dropped
+    dynamic: int
+
+
 def encode(run: Path, progress: ProgressCallback) -> None:
     """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
     folder = RunFolder(run)
@@ -103,47 +113,37 @@ def encode(run: Path, progress: ProgressCallback) -> None:
         encode_again(run, None, progress)
 
 
-def encode_again(run: Path, budget: str | None, progress: ProgressCallback) -> None:
+def encode_again(run: Path, budget: str | None, progress: ProgressCallback) -> Encoded:
     """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
 
     Raises:
         InputError: the run is not trained yet, or its capture is gone or has changed.
     """
-    from hgs_core.capture.near_plane import with_near_planes
-    from hgs_core.capture.points import PointCloud
-    from hgs_core.codec import EncodeSettings, decode_scene, encode_scene
+    from hgs_core.codec import encode_scene
     from hgs_core.encode_run import fitting_settings, measure_utility
+    from hgs_core.encode_views import views_of_run
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.scene.files import load_scene
 
     folder = RunFolder(run)
-    capture, config = _open(folder)
+    spec = folder.read_spec()
+    antialiased = spec.config.antialiased
     scene = load_scene(folder.trained)
+    views = views_of_run(folder, spec, scene)
     progress(Progress("encode", 0, 4))
-    cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
-    seen = {i: cameras[i] for i in training_cameras(capture, config)}
-    utility = measure_utility(scene, list(seen.values()), capture.times, antialiased=config.antialiased)
+    utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
     progress(Progress("encode", 1, 4))
-
-    def write(out: Path, settings: EncodeSettings, picture: bytes | None) -> None:
-        encode_scene(
-            scene, out, cameras=cameras, times=capture.times, title=capture.name, settings=settings, thumbnail=picture,
-            training=json.loads(folder.train_summary.read_text()), antialiased=config.antialiased, utility=utility,
-        )  # fmt: skip
-
-    def encoded(settings: EncodeSettings) -> HybridScene[NDArray[np.float32]]:
-        with TemporaryDirectory() as out:
-            write(Path(out), settings, None)
-            return decode_scene(Path(out))
-
-    chosen = fitting_settings(
-        scene, encoded, capture, seen, budget or config.budget, antialiased=config.antialiased
-    )  # fmt: skip
+    chosen = fitting_settings(scene, views, utility, budget or spec.config.budget, antialiased=antialiased)
     progress(Progress("encode", 2, 4))
-    picture = thumbnail(scene, cameras[0], antialiased=config.antialiased)
+    picture = thumbnail(scene, views.cameras[0], antialiased=antialiased)
     progress(Progress("encode", 3, 4))
-    write(folder.scene, chosen, picture)
+    manifest = encode_scene(
+        scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=chosen,
+        thumbnail=picture, training=json.loads(folder.train_summary.read_text()), antialiased=antialiased,
+        utility=utility,
+    )  # fmt: skip
     progress(Progress("encode", 4, 4))
+    return Encoded(manifest, chosen.coarseness, len(scene.static), sum(len(part.dynamic) for part in scene.segments))
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

@@ -28,13 +28,17 @@ class RunSpec:
     fingerprint: str  # of the capture when the run was created
     config: TrainConfig
     masks: Path | None = None  # a folder of masks that replaces the capture's own
+    without_capture: bool = False  # the scene was imported: `capture` is its file, and there are no pictures
 
     def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution.
 
         Raises:
-            InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with.
+            InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
+                run was imported without a capture.
         """
+        if self.without_capture:
+            raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
         capture = open_capture(self.capture, masks=self.masks, downscale=self.config.downscale, cache_bytes=cache_bytes)
         self.check_unchanged(capture)
         return capture
@@ -73,9 +77,15 @@ class RunFolder:
         Raises:
             InputError: the folder holds another run or other files.
         """
-        value = {"capture": str(spec.capture), "fingerprint": spec.fingerprint, "config": spec.config.to_json()}
+        value: dict[str, Any] = {
+            "capture": str(spec.capture),
+            "fingerprint": spec.fingerprint,
+            "config": spec.config.to_json(),
+        }
         if spec.masks is not None:
             value["masks"] = str(spec.masks)
+        if spec.without_capture:
+            value["without_capture"] = True
         if self.spec.exists():
             if self.read_spec() != spec:
                 raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
@@ -115,7 +125,8 @@ class RunFolder:
             value: dict[str, Any] = json.loads(self.spec.read_text())
             config = TrainConfig.from_json(value["config"])
             masks = Path(value["masks"]) if "masks" in value else None
-            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks)
+            without = bool(value.get("without_capture", False))
+            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:

@@ -11,7 +11,21 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.errors import InputError
-from server.commands import ablate, bench, encode, evaluate, masks, publish, report, serve, submit, train, worker
+from server.commands import (
+    ablate,
+    bench,
+    encode,
+    evaluate,
+    export,
+    import_splats,
+    masks,
+    publish,
+    report,
+    serve,
+    submit,
+    train,
+    worker,
+)
 from server.version import software_version
 
 __all__ = ["main"]
@@ -25,7 +39,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="hgs", description="Dynamic scenes from multi-view video, streamed.")
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
-    for command in (train, masks, encode, evaluate, report, publish, serve, worker, submit, bench, ablate):
+    for command in (
+        train, masks, encode, evaluate, report, publish, import_splats, export, serve, worker, submit, bench, ablate,
+    ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)
     try:

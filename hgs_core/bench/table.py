@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 
 from hgs_core.bench.raster import STAGES, Point, RasterReport
 
-__all__ = ["report_text"]
+__all__ = ["aligned", "report_text"]
 
 
 def report_text(report: RasterReport) -> str:
@@ -27,7 +27,7 @@ def report_text(report: RasterReport) -> str:
     ]
     for title, rows in tables:
         if len(rows) > 1:
-            lines += ["", title, *_columns(rows)]
+            lines += ["", title, *aligned(rows, left=("size", "backend"))]
     return "\n".join(lines)
 
 
@@ -89,14 +89,14 @@ def _figure(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
 
 
-def _columns(rows: Sequence[Sequence[str]]) -> list[str]:
-    """Align names to the left and figures to the right."""
+def aligned(rows: Sequence[Sequence[str]], left: Container[str]) -> list[str]:
+    """Return rows as lines, columns whose titles are in `left` aligned to the left and all others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    left = [title in ("size", "backend") for title in rows[0]]
+    names = [title in left for title in rows[0]]
     return [
         "  ".join(
             cell.ljust(width) if name else cell.rjust(width)
-            for cell, width, name in zip(row, widths, left, strict=True)
+            for cell, width, name in zip(row, widths, names, strict=True)
         )
         for row in rows
     ]

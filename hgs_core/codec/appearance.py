@@ -9,13 +9,12 @@ from hgs_core.codec.choose import choose, neighbours
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.quantise import uneased
 from hgs_core.codec.rotations import product, turn_between, vector_to_quats
-from hgs_core.codec.steps import Steps, screen_deviations
+from hgs_core.codec.steps import TURN_AGAINST_SCALE, Steps, screen_deviations
 
 __all__ = ["appearance_numbers", "rotation_numbers", "turning_cost"]
 
 COARSER = 9  # powers of two by which a rotation's numbers may be rounded more coarsely
-# A turn by t between axes of deviations a and b, (a/b - b/a)^2 t^2 / 4, against a change of one axis by e, 3/4 e^2.
-TURN_AGAINST_SCALE = 1 / 3
+THINNEST = 1e-3  # of the blur: thinner axes are taken to be so thick
 
 Doubles = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -24,7 +23,7 @@ Whole = NDArray[np.int64]
 def appearance_numbers(splats: Prepared, steps: Steps) -> dict[str, Whole]:
     """Return the numbers [N, C] of log_scale, opacity and rgb, in multiples of the chunk's steps."""
     return {
-        "log_scale": _scale_numbers(splats.values["log_scale"], steps),
+        "log_scale": _scale_numbers(splats, steps),
         "opacity": _plain_numbers(uneased(splats.values["opacity"]), steps.opacity, steps.own_opacity, low=1),
         "rgb": _plain_numbers(splats.values["rgb"], steps.rgb, steps.own_rgb, chain=True),
     }
@@ -39,27 +38,44 @@ def _plain_numbers(values: Doubles, step: float, own: Doubles, *, low: int | Non
     return choose(candidates, cost, chain=chain)
 
 
-def _scale_numbers(log_scales: Doubles, steps: Steps) -> Whole:
+def _scale_numbers(splats: Prepared, steps: Steps) -> Whole:
     """Return multiples of the shape step, chosen among those that differ by about a step once they are blurred.
 
-    An axis much thinner than the blur has few numbers to choose from; a long one has all.
+    An axis much thinner than the blur has few numbers to choose from; a long one has all. Where thin axes decide how
+    strong a splat is (antialiasing), numbers beside the plain ones, finely and coarsely, are candidates too.
     """
+    log_scales, strength = splats.values["log_scale"], splats.values["strength_by_scale"]
     floor = np.log(steps.blur)
     exact = (np.logaddexp(2 * log_scales, 2 * floor) / 2 - floor) / steps.shape  # in steps, above the blur alone
     candidates = np.maximum(neighbours(exact), 0)
-    cost = (((candidates - exact[:, None]) * (steps.shape / steps.own_shape)[:, None, None]) ** 2).sum(axis=2)
     levels = np.arange(int(candidates.max()) + 1, dtype=np.float64)
     levels[0] = 0.5  # no thickness at all has no logarithm
     blurred = 2 * levels * steps.shape
     numbers = np.rint((floor + (blurred + np.log(-np.expm1(-blurred))) / 2) / steps.shape).astype(np.int64)
-    return choose(numbers[candidates], cost, chain=True)
+    weight = (steps.shape / steps.own_shape)[:, None, None]
+    if not strength.any():
+        cost = (((candidates - exact[:, None]) * weight) ** 2).sum(axis=2)
+        return choose(numbers[candidates], cost, chain=True)
+    plain = np.maximum(log_scales, floor + np.log(THINNEST)) / steps.shape
+    found = neighbours(plain)
+    rounded = np.rint(plain).astype(np.int64)
+    coarse = []
+    for first in (1, 2):  # the axes that are told coarsely: the thinnest, or the two thinner ones
+        for k in (2, 4, 8, 16):
+            one = rounded.copy()
+            one[:, first:] = np.rint(plain[:, first:] / k).astype(np.int64) * k
+            coarse.append(one)
+    found = np.concatenate([found, np.stack(coarse, axis=1)], axis=1)
+    thick = (np.logaddexp(2 * found * steps.shape, 2 * floor) / 2 - floor) / steps.shape
+    off = (thick - exact[:, None]) ** 2 + strength[:, None] * (found - plain[:, None]) ** 2
+    return choose(found, (off * weight**2).sum(axis=2), chain=True)
 
 
 def turning_cost(splats: Prepared, turns: Doubles, own_shape: Doubles) -> Doubles:
     """Return the squared errors [N, ...] in squared steps of turning splats about their axes by `turns` [N, ..., 3]."""
     a, b, c = screen_deviations(splats).T
     uneven = np.stack([b / c - c / b, a / c - c / a, a / b - b / a], axis=1) / own_shape[:, None]
-    weight = TURN_AGAINST_SCALE * uneven**2
+    weight = TURN_AGAINST_SCALE * uneven**2 + splats.values["strength_by_turn"] / own_shape[:, None] ** 2
     return np.asarray((turns**2 * weight.reshape(len(weight), *(1,) * (turns.ndim - 2), 3)).sum(axis=-1))
 
 

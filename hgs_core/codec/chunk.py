@@ -125,56 +125,64 @@ def varint(number: int) -> bytes:
 def _table(data: bytes, attributes: int) -> tuple[Stream, ...]:
     limit = len(data) - CHECKSUM.size
     at = HEADER.size
-    entries: list[tuple[int, list[int], Stream]] = []
+    entries: list[tuple[Stream, list[int]]] = []
+    seen: set[int] = set()
+    # Many chunks are small: no word of an error is put together before there is one.
     for i in range(attributes):
         begin = at
-        _expect(at + ENTRY.size <= limit, at, f"entry {i}", "cut off", f"{ENTRY.size} bytes before byte {limit}")
+        if at + ENTRY.size > limit:
+            raise ChunkError(at, f"entry {i}", "cut off", f"{ENTRY.size} bytes before byte {limit}")
         identity, components, bits, kind, planes, step = ENTRY.unpack_from(data, at)
-        record = f"attribute {identity}"
-        _expect(all(s.attribute != identity for _, _, s in entries), at, record, "a repetition", "each attribute once")
+        if identity in seen:
+            raise ChunkError(at, f"attribute {identity}", "a repetition", "each attribute once")
+        seen.add(identity)
         at += ENTRY.size
         zeros: list[int] = []
         for _ in range(components):
             where = at
-            coded, at = _read_varint(data, at, limit, f"{record} zero")
-            zeros.append(coded // 2 if coded % 2 == 0 else -(coded + 1) // 2)
-            _expect(abs(zeros[-1]) <= MAX_ZERO, where, f"{record} zero", zeros[-1], f"at most {MAX_ZERO} from 0")
+            coded, at = _read_varint(data, at, limit, identity, "zero")
+            zero = coded >> 1 if coded & 1 == 0 else -(coded + 1 >> 1)
+            if abs(zero) > MAX_ZERO:
+                raise ChunkError(where, f"attribute {identity} zero", zero, f"at most {MAX_ZERO} from 0")
+            zeros.append(zero)
         lengths: list[int] = []
         for _ in range(planes):
-            length, at = _read_varint(data, at, limit, f"{record} length")
+            length, at = _read_varint(data, at, limit, identity, "length")
             lengths.append(length)
-        stream = Stream(identity, components, kind, Grid(step, tuple(zeros), bits), (), begin)
-        entries.append((begin, lengths, stream))
+        entries.append((Stream(identity, components, kind, Grid(step, tuple(zeros), bits), (), begin), lengths))
     view = memoryview(data)
     streams: list[Stream] = []
-    for begin, lengths, stream in entries:
+    for stream, lengths in entries:
         frames: list[memoryview] = []
         places: list[int] = []
         for length in lengths:
-            record = f"attribute {stream.attribute} length"
-            _expect(length <= limit - at, begin, record, length, f"at most {limit - at}, what is left")
+            if length > limit - at:
+                record = f"attribute {stream.attribute} length"
+                raise ChunkError(stream.at, record, length, f"at most {limit - at}, what is left")
             frames.append(view[at : at + length])
             places.append(at)
             at += length
         streams.append(
-            Stream(stream.attribute, stream.components, stream.transform, stream.grid, tuple(frames), begin,
+            Stream(stream.attribute, stream.components, stream.transform, stream.grid, tuple(frames), stream.at,
                    tuple(places))
         )  # fmt: skip
     _expect(at == limit, at, "end of the last stream", at, f"{limit}, where the checksum begins")
     return tuple(streams)
 
 
-def _read_varint(data: bytes, at: int, limit: int, record: str) -> tuple[int, int]:
+def _read_varint(data: bytes, at: int, limit: int, identity: int, field: str) -> tuple[int, int]:
     """Return a whole number below 2^32 and the byte after it."""
     number = 0
     for i in range(VARINT_BYTES):
-        _expect(at + i < limit, at, record, "cut off", f"a whole number before byte {limit}")
+        if at + i >= limit:
+            raise ChunkError(at, f"attribute {identity} {field}", "cut off", f"a whole number before byte {limit}")
         byte = data[at + i]
         number |= (byte & 127) << (7 * i)
         if byte < 128:
-            _expect(number < 1 << 32, at, record, number, "below 2^32")
+            if number >= 1 << 32:
+                raise ChunkError(at, f"attribute {identity} {field}", number, "below 2^32")
             return number, at + i + 1
-    raise ChunkError(at, record, f"longer than {VARINT_BYTES} bytes", "below 2^32")
+    raise ChunkError(at, f"attribute {identity} {field}", f"longer than {VARINT_BYTES} bytes", "below 2^32")
 
 
 def _expect(condition: bool, byte: int, record: str, found: Any, expected: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +17,7 @@ from hgs_core.codec.quantise import MAX_BITS, eased, unit_quats
 from hgs_core.codec.streams import Transform, decompress, from_planes, undo_transform
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["DecodedChunk", "decode_chunk", "time_exponents"]
+__all__ = ["DecodedChunk", "arrays_of", "decode_chunk", "dynamic_splats", "rows_of", "static_splats", "time_exponents"]
 
 TABLE = 80  # byte at which the attribute table begins
 LARGEST_FORM = TURNS + 3
@@ -25,6 +26,7 @@ LARGEST_FORM = TURNS + 3
 LARGEST_OPACITY = 1 - 1e-6
 
 Floats = NDArray[np.float32]
+Rows = Mapping[str, NDArray[np.intp] | int]
 
 
 @dataclass(frozen=True)
@@ -43,21 +45,31 @@ class DecodedChunk:
 
     def static(self) -> StaticSplats[Floats]:
         """Return the splats of a static chunk."""
-        a = self.arrays
-        return StaticSplats(a["means"], a["log_scales"], a["quats"], _logits(a["opacities"]), a["rgb"])
+        return static_splats(self.arrays)
 
     def dynamic(self) -> DynamicSplats[Floats]:
         """Return the splats of a dynamic chunk, in the normalised time of `time_range`."""
-        a = self.arrays
-        return DynamicSplats(
-            a["motion"],
-            a["rotation"],
-            a["log_scales"],
-            _logits(a["opacities"]),
-            a["time_centers"],
-            a["time_log_precisions"],
-            a["rgb"],
-        )
+        return dynamic_splats(self.arrays)
+
+
+def static_splats(arrays: Mapping[str, Floats]) -> StaticSplats[Floats]:
+    """Return static splats of arrays named as in `DecodedChunk`."""
+    a = arrays
+    return StaticSplats(a["means"], a["log_scales"], a["quats"], _logits(a["opacities"]), a["rgb"])
+
+
+def dynamic_splats(arrays: Mapping[str, Floats]) -> DynamicSplats[Floats]:
+    """Return dynamic splats of arrays named as in `DecodedChunk`."""
+    a = arrays
+    return DynamicSplats(
+        a["motion"],
+        a["rotation"],
+        a["log_scales"],
+        _logits(a["opacities"]),
+        a["time_centers"],
+        a["time_log_precisions"],
+        a["rgb"],
+    )
 
 
 def decode_chunk(data: bytes) -> DecodedChunk:
@@ -69,7 +81,11 @@ def decode_chunk(data: bytes) -> DecodedChunk:
     Raises:
         ChunkError: the bytes are not a valid chunk.
     """
-    container = unpack(data)
+    with np.errstate(over="ignore"):  # once for all: what overflows is refused by name in the end
+        return _decoded(unpack(data))
+
+
+def _decoded(container: Container) -> DecodedChunk:
     streams: dict[str, Stream] = {}
     for stream in container.streams:
         attribute = BY_ID.get(stream.attribute)
@@ -86,21 +102,29 @@ def decode_chunk(data: bytes) -> DecodedChunk:
                 streams[name].at, f"attribute {attribute.id} ({name})", "there", "no row of it by the form"
             )
     values = {name: _decode_stream(streams[name], ATTRIBUTES[name], _length(rows[name])) for name in rows}
-    arrays = {
-        "log_scales": values["log_scale"],
-        "opacities": eased(values["opacity"][:, 0]).astype(np.float32),
-        "rgb": values["rgb"],
-    }
-    if container.kind == Kind.STATIC:
-        arrays |= {"means": values["position"], "quats": unit_quats(values["rotation"])}
-    else:
-        arrays |= _dynamic_arrays(values, rows, container.count)
+    arrays = arrays_of(container.kind, values, rows, container.count)
     for name, array in arrays.items():
         if not np.isfinite(array).all():
             raise ChunkError(TABLE, f"{name} of splat {_first_bad(array)}", "not finite", "a finite number")
     return DecodedChunk(
         container.kind, container.count, container.index, container.time_range, container.box, container.bounds, arrays
     )
+
+
+def arrays_of(kind: Kind, values: Mapping[str, Floats], rows: Rows, count: int) -> dict[str, Floats]:
+    """Return the arrays of `DecodedChunk` for the values [rows, C] of all attributes.
+
+    Raises:
+        ChunkError: a time_log_precision is not finite.
+    """
+    arrays = {
+        "log_scales": values["log_scale"],
+        "opacities": eased(values["opacity"][:, 0]).astype(np.float32),
+        "rgb": values["rgb"],
+    }
+    if kind == Kind.STATIC:
+        return arrays | {"means": values["position"], "quats": unit_quats(values["rotation"])}
+    return arrays | _dynamic_arrays(values, rows, count)
 
 
 def time_exponents(log_precisions: Floats) -> NDArray[np.int32]:
@@ -113,25 +137,35 @@ def time_exponents(log_precisions: Floats) -> NDArray[np.int32]:
 
 
 def _rows(container: Container, streams: Mapping[str, Stream]) -> dict[str, NDArray[np.intp] | int]:
-    """Return which attributes have rows: those of all splats as the number N, sparse ones as indices of splats."""
-    dynamic = container.kind == Kind.DYNAMIC
-    rows: dict[str, NDArray[np.intp] | int] = {
-        name: container.count
-        for name, a in ATTRIBUTES.items()
-        if not a.rows_of and (dynamic or not a.dynamic_only) and name != "form"
-    }
-    if not dynamic or "form" not in streams:
-        return rows
+    if container.kind == Kind.STATIC or "form" not in streams:
+        return rows_of(container.kind, container.count, None)
     stream = streams["form"]
     codes = _codes(stream, ATTRIBUTES["form"], container.count)[0]
     if codes.max() > LARGEST_FORM:
         splat = int(codes.argmax())
         raise ChunkError(stream.data_at[0], f"form of splat {splat}", codes[splat], f"at most {LARGEST_FORM}")
+    return rows_of(container.kind, container.count, codes)
+
+
+def rows_of(
+    kind: Kind, count: int, codes: NDArray[np.unsignedinteger[Any]] | None
+) -> dict[str, NDArray[np.intp] | int]:
+    """Return which attributes have rows: those of all splats as their number, sparse ones as indices of splats.
+
+    `codes` [N] are the splats' forms, if they have some.
+    """
+    rows: dict[str, NDArray[np.intp] | int] = {
+        name: count
+        for name, a in ATTRIBUTES.items()
+        if not a.rows_of and (kind == Kind.DYNAMIC or not a.dynamic_only) and name != "form"
+    }
+    if codes is None:
+        return rows
     for name, attribute in ATTRIBUTES.items():
         if attribute.rows_of == TURNS:
-            members = np.flatnonzero(codes & np.uint32(TURNS))
+            members = np.flatnonzero(codes & codes.dtype.type(TURNS))
         elif attribute.rows_of:
-            members = np.flatnonzero((codes & np.uint32(3)) >= attribute.rows_of)
+            members = np.flatnonzero((codes & codes.dtype.type(3)) >= attribute.rows_of)
         else:
             continue
         if len(members):
@@ -143,9 +177,7 @@ def _length(rows: NDArray[np.intp] | int) -> int:
     return rows if isinstance(rows, int) else len(rows)
 
 
-def _dynamic_arrays(
-    values: Mapping[str, Floats], rows: Mapping[str, NDArray[np.intp] | int], count: int
-) -> dict[str, Floats]:
+def _dynamic_arrays(values: Mapping[str, Floats], rows: Rows, count: int) -> dict[str, Floats]:
     precisions = values["time_log_precision"][:, 0]
     if not np.isfinite(precisions).all():
         raise ChunkError(TABLE, f"time_log_precision of splat {_first_bad(precisions)}", "not finite", "finite")
@@ -158,8 +190,7 @@ def _dynamic_arrays(
         for order, name in enumerate(names, start=1):
             if name in values:
                 members = rows[name]
-                with np.errstate(over="ignore"):
-                    array[members, order] = np.ldexp(values[name], order * exponents[members, None])
+                array[members, order] = np.ldexp(values[name], order * exponents[members, None])
     return {
         "motion": motion,
         "rotation": rotation,
@@ -184,7 +215,7 @@ def _check_entry(stream: Stream, attribute: Attribute) -> None:
         raise ChunkError(stream.at + 5, f"{record} step", stream.grid.step, "above 0 and finite")
 
 
-def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.uint32]]:
+def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.unsignedinteger[Any]]]:
     """Return the codes of each component, [rows] each."""
     bits = stream.grid.bits
     record = f"attribute {attribute.id} ({attribute.name})"
@@ -202,8 +233,8 @@ def _codes(stream: Stream, attribute: Attribute, rows: int) -> list[NDArray[np.u
     codes = from_planes(planes, bits)
     if bits % 8:
         for c, component in enumerate(codes):
-            splat = int(component.argmax())
-            if component[splat] >> np.uint32(bits):
+            if component.max() >> bits:
+                splat = int(component.argmax())
                 at = stream.data_at[c * ((bits + 7) // 8)]
                 raise ChunkError(at, f"{record} code of row {splat}", component[splat], f"below 2^{bits}")
     return undo_transform(codes, bits, Transform(stream.transform))

@@ -17,21 +17,19 @@ from hgs_core.camera import Camera
 from hgs_core.codec.chunk import Box
 from hgs_core.codec.decode import DecodedChunk
 from hgs_core.codec.encode_chunk import encode_static_chunk
-from hgs_core.codec.encode_dynamic import SegmentTime, encode_dynamic_chunk
+from hgs_core.codec.encode_dynamic import encode_dynamic_chunk
 from hgs_core.codec.folder import CHUNKS, MANIFEST, THUMBNAIL
-from hgs_core.codec.layers import dynamic_layers, slice_times, static_layers
+from hgs_core.codec.layers import dynamic_layers, slice_limits, static_layers
 from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.codec.prepare import prepare_dynamic, prepare_static
 from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.shown import Shown, frame_interval, shown_segments
 from hgs_core.codec.viewpoint import find_viewpoint
 from hgs_core.codec.weights import Utility
-from hgs_core.errors import InputError
-from hgs_core.scene.splats import HybridScene, Segment
+from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
 __all__ = ["encode_scene"]
-
-STILL_FRAME_RATE = 30.0  # stated for a capture of one frame, which has none
 
 Floats = NDArray[np.float32]
 
@@ -42,16 +40,6 @@ class _Coded:
 
     entry: ChunkEntry
     data: bytes
-
-
-@dataclass(frozen=True)
-class _Shown:
-    """A segment, its number, until when it is shown (seconds), and the seconds between the capture's frames."""
-
-    segment: Segment[Floats]
-    number: int
-    until: float
-    interval: float
 
 
 def encode_scene(
@@ -83,23 +71,17 @@ def encode_scene(
     """
     settings = settings or EncodeSettings()
     times = np.asarray(times, np.float64)
-    if times.ndim != 1 or len(times) == 0 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
-        raise InputError("times", "are not increasing seconds", "give the capture's clock")
-    starts = [segment.start for segment in scene.segments]
-    if not starts or sorted(starts) != starts or any(s.end < s.start for s in scene.segments):
-        raise InputError("scene.segments", "are not in order of time", "train the scene again")
-    interval = float(np.median(np.diff(times))) if len(times) > 1 else 1 / STILL_FRAME_RATE
+    interval = frame_interval(times)
+    segments = shown_segments(scene, interval)
     moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
-    static = _static_chunks(scene, cameras, utility, settings)
+    static = _static_chunks(scene, cameras, utility, settings, antialiased)
     coded = list(static)
     slices: list[SliceEntry] = []
-    for i, segment in enumerate(scene.segments):
-        until = scene.segments[i + 1].start if i + 1 < len(scene.segments) else segment.end
-        shown = _Shown(segment, i, until, interval)
-        known = None if utility is None else utility.dynamic[i]
-        pieces, chunks = _segment_chunks(shown, cameras, known, settings, len(coded))
+    for shown in segments:
+        known = None if utility is None else utility.dynamic[shown.number]
+        pieces, chunks = _segment_chunks(shown, cameras, known, settings, len(coded), antialiased)
         slices += pieces
         coded += chunks
     manifest = Manifest(
@@ -124,9 +106,14 @@ def encode_scene(
 
 
 def _static_chunks(
-    scene: HybridScene[Floats], cameras: Sequence[Camera], utility: Utility | None, settings: EncodeSettings
+    scene: HybridScene[Floats],
+    cameras: Sequence[Camera],
+    utility: Utility | None,
+    settings: EncodeSettings,
+    antialiased: bool,
 ) -> list[_Coded]:
-    splats = prepare_static(scene.static, cameras, None if utility is None else utility.static, settings)
+    known = None if utility is None else utility.static
+    splats = prepare_static(scene.static, cameras, known, settings, antialiased=antialiased)
     return [
         _coded(*encode_static_chunk(splats.take(layer.index), settings, i))
         for i, layer in enumerate(static_layers(splats, settings))
@@ -134,21 +121,19 @@ def _static_chunks(
 
 
 def _segment_chunks(
-    shown: _Shown,
+    shown: Shown,
     cameras: Sequence[Camera],
     utility: NDArray[np.float64] | None,
     settings: EncodeSettings,
     index: int,
+    antialiased: bool,
 ) -> tuple[list[SliceEntry], list[_Coded]]:
     """Encode a segment; `index` numbers its first chunk."""
-    segment = shown.segment
-    length = segment.end - segment.start
-    shown_until = segment.normalised(shown.until)
-    frame = shown.interval / length if length > 0 else 1.0
-    splats = prepare_dynamic(segment.dynamic, shown_until, frame, cameras, utility, settings)
-    time = SegmentTime(segment.start, segment.end, shown_until)
-    seconds = slice_times(segment.start, shown.until, settings.slice_seconds)
-    limits = np.linspace(0.0, shown_until, len(seconds))
+    time = shown.time
+    splats = prepare_dynamic(
+        shown.segment.dynamic, time.shown_until, shown.frame, cameras, utility, settings, antialiased=antialiased
+    )
+    seconds, limits = slice_limits(time, shown.until, settings)
     count = len(limits) - 1
     chunks: list[list[_Coded]] = [[] for _ in range(count)]
     needs: list[list[str]] = [[] for _ in range(count)]

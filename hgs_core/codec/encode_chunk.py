@@ -20,7 +20,7 @@ from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.steps import Steps
 from hgs_core.codec.streams import compress, to_planes, transform
 
-__all__ = ["LIMITS", "Numbers", "declare", "encode_static_chunk", "outward", "write_chunk"]
+__all__ = ["LIMITS", "Numbers", "declare", "encode_static_chunk", "outward", "static_numbers", "write_chunk"]
 
 # How many of a chunk's steps an error may reach; an encoder whose choices go beyond is at fault. Shapes have no such
 # limit: how far a turn by a step goes depends on how long and thin a splat is.
@@ -39,14 +39,7 @@ def encode_static_chunk(splats: Prepared, settings: EncodeSettings, index: int) 
         RuntimeError: a splat does not decode within the limits of the chunk's steps (a fault of this program).
     """
     steps = Steps.of(splats, settings)
-    look = appearance_numbers(splats, steps)
-    numbers: Numbers = {
-        "position": (np.rint(splats.values["position"] / steps.position).astype(np.int64), steps.position),
-        "log_scale": (look["log_scale"], steps.shape),
-        "rotation": (rotation_numbers(splats, splats.values["rotation"], steps), steps.rotation),
-        "opacity": (look["opacity"], steps.opacity),
-        "rgb": (look["rgb"], steps.rgb),
-    }
+    numbers = static_numbers(splats, steps)
     container, order = write_chunk(Kind.STATIC, numbers, (0.0, 0.0), settings, index)
     chunk = decode_chunk(pack(container))
     means = chunk.arrays["means"].astype(np.float64)
@@ -66,6 +59,18 @@ def encode_static_chunk(splats: Prepared, settings: EncodeSettings, index: int) 
     box = outward(means.min(axis=0), means.max(axis=0))
     data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
     return data, decode_chunk(data)
+
+
+def static_numbers(splats: Prepared, steps: Steps) -> Numbers:
+    """Return the numbers of static splats, in the order given."""
+    look = appearance_numbers(splats, steps)
+    return {
+        "position": (np.rint(splats.values["position"] / steps.position).astype(np.int64), steps.position),
+        "log_scale": (look["log_scale"], steps.shape),
+        "rotation": (rotation_numbers(splats, splats.values["rotation"], steps), steps.rotation),
+        "opacity": (look["opacity"], steps.opacity),
+        "rgb": (look["rgb"], steps.rgb),
+    }
 
 
 def declare(measured: Bounds, steps: Steps) -> Bounds:

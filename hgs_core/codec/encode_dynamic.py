@@ -14,7 +14,7 @@ from hgs_core.codec.attributes import TURNS, Kind
 from hgs_core.codec.choose import choose, neighbours
 from hgs_core.codec.chunk import Bounds, pack
 from hgs_core.codec.decode import DecodedChunk, decode_chunk, time_exponents
-from hgs_core.codec.encode_chunk import declare, outward, write_chunk
+from hgs_core.codec.encode_chunk import Numbers, declare, outward, write_chunk
 from hgs_core.codec.motion import Path, motion_numbers, turning_numbers
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.quantise import float32_below
@@ -24,7 +24,7 @@ from hgs_core.codec.steps import Steps
 from hgs_core.codec.weights import grades
 from hgs_core.scene.temporal import evaluate, lifetime
 
-__all__ = ["SegmentTime", "encode_dynamic_chunk"]
+__all__ = ["SegmentTime", "dynamic_numbers", "encode_dynamic_chunk"]
 
 # Of the opacity's step. The opacity sigma exp(-s d^2) changes by at most sigma / e for a unit of ln s, and for a unit
 # of mu 2^e by at most about 2 sigma.
@@ -74,6 +74,22 @@ def encode_dynamic_chunk(
         RuntimeError: a splat does not decode within the limits of the chunk's steps (a fault of this program).
     """
     steps = Steps.of(splats, settings)
+    numbers, path = dynamic_numbers(splats, time, steps)
+    container, order = write_chunk(Kind.DYNAMIC, numbers, (time.start, time.end), settings, index)
+    chunk = decode_chunk(pack(container))
+    splats = splats.take(order)
+    path = Path(*(getattr(path, field.name)[order] for field in dataclasses.fields(path)))
+    bounds = _measured(splats, path, chunk, steps)
+    box = outward(*_reach(chunk, time))
+    data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
+    return data, decode_chunk(data)
+
+
+def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[Numbers, Path]:
+    """Return the numbers of dynamic splats, in the order given, and the paths that they stand for.
+
+    Rows of sparse attributes are those of the splats that have them by "form", which is absent if no splat has any.
+    """
     numbers: dict[str, tuple[NDArray[np.int64], float]] = {}
     centers, precisions = _time_numbers(splats, steps, numbers)
     exponents = time_exponents(precisions.astype(np.float32))
@@ -88,14 +104,7 @@ def encode_dynamic_chunk(
         ("log_scale", steps.shape), ("opacity", steps.opacity), ("rgb", steps.rgb))}  # fmt: skip
     if orders.any() or turns.any():
         numbers["form"] = (orders + TURNS * turns)[:, None], 1.0
-    container, order = write_chunk(Kind.DYNAMIC, numbers, (time.start, time.end), settings, index)
-    chunk = decode_chunk(pack(container))
-    splats = splats.take(order)
-    path = Path(*(getattr(path, field.name)[order] for field in dataclasses.fields(path)))
-    bounds = _measured(splats, path, chunk, steps)
-    box = outward(*_reach(chunk, time))
-    data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
-    return data, decode_chunk(data)
+    return numbers, path
 
 
 def _visible(splats: Prepared, time: SegmentTime) -> tuple[Doubles, Doubles]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from hgs_core.codec.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.manifest import ChunkEntry, Manifest
 from hgs_core.errors import InputError
-from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
 __all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "decode_scene", "load_manifest", "read_chunk"]
 
@@ -95,10 +94,10 @@ def decode_scene(path: Path) -> HybridScene[Floats]:
                 )
             dynamic[piece.segment].append(chunk.dynamic())
     segments = tuple(
-        Segment(segment.start, segment.end, DynamicSplats(*_joined([DynamicSplats.empty(), *sets])))
+        Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets]))
         for segment, sets in zip(manifest.segments, dynamic, strict=True)
     )
-    return HybridScene(StaticSplats(*_joined([StaticSplats.empty(), *static])), segments)
+    return HybridScene(joined([StaticSplats.empty(), *static]), segments)
 
 
 def _of_kind(folder: Path, entry: ChunkEntry, kind: Kind) -> DecodedChunk:
@@ -106,8 +105,3 @@ def _of_kind(folder: Path, entry: ChunkEntry, kind: Kind) -> DecodedChunk:
     if chunk.kind != kind:
         raise InputError(folder / CHUNKS / entry.id, f"is a {chunk.kind.name.lower()} chunk, listed as the other kind")
     return chunk
-
-
-def _joined(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Floats]:
-    """Concatenate sets of one kind field by field."""
-    return [np.concatenate(column) for column in zip(*([a for _, a in splats.items()] for splats in sets), strict=True)]

@@ -14,7 +14,7 @@ from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.steps import FINEST_SHARE, ideal_position_steps
 from hgs_core.codec.weights import grades
 
-__all__ = ["Layer", "dynamic_layers", "slice_times", "static_layers"]
+__all__ = ["Layer", "dynamic_layers", "slice_limits", "static_layers"]
 
 LIKE = 8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
 LONG_LIVED = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
@@ -42,10 +42,10 @@ def static_layers(splats: Prepared, settings: EncodeSettings) -> list[Layer]:
     return sorted(layers, key=lambda layer: -layer.utility)
 
 
-def slice_times(start: float, end: float, slice_seconds: float) -> Doubles:
-    """Return the ascending limits [S + 1] in seconds of the equal slices of [start, end]."""
-    count = max(1, round((end - start) / slice_seconds))
-    return np.linspace(start, end, count + 1)
+def slice_limits(time: SegmentTime, until: float, settings: EncodeSettings) -> tuple[Doubles, Doubles]:
+    """Return the ascending limits [S + 1] of equal slices of a segment, shown until `until`: seconds, normalised."""
+    count = max(1, round((until - time.start) / settings.slice_seconds))
+    return np.linspace(time.start, until, count + 1), np.linspace(0.0, time.shown_until, count + 1)
 
 
 def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, settings: EncodeSettings) -> list[Layer]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.camera import Camera
+from hgs_core.codec.antialiasing import strength_weights
 from hgs_core.codec.attributes import MOTION_ORDERS
 from hgs_core.codec.rotations import canonical, product
 from hgs_core.codec.settings import EncodeSettings
@@ -41,7 +42,8 @@ Doubles = NDArray[np.float64]
 class Prepared:
     """Splats as float64 arrays by attribute name ("position" [N, 3], "opacity" [N, 1], ...), with unit rotations.
 
-    Beside what is stored there are "utility" [N, 1] and "scale" [N, 1], pixels per world unit (`weights.py`). A dynamic
+    Beside what is stored there are "utility" [N, 1] and "scale" [N, 1], pixels per world unit (`weights.py`), and
+    "strength_by_scale" and "strength_by_turn" [N, 3] (`antialiasing.py`), zeros where nothing is antialiased. A dynamic
     set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised
     time.
     """
@@ -62,6 +64,8 @@ def prepare_static(
     cameras: Sequence[Camera],
     utility: Doubles | None,
     settings: EncodeSettings,
+    *,
+    antialiased: bool = False,
 ) -> Prepared:
     """Drop splats that show too little, name the axes canonically, limit scales; guess `utility` [N] if it is None.
 
@@ -76,7 +80,7 @@ def prepare_static(
     turn, values["log_scale"] = canonical(quats, values["log_scale"])
     quats = product(quats, turn)
     values["rotation"] = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
-    return _weighed(values, values["position"], cameras, utility, 1.0, settings)
+    return _weighed(values, values["position"], cameras, utility, 1.0, settings, antialiased)
 
 
 def prepare_dynamic(
@@ -86,6 +90,8 @@ def prepare_dynamic(
     cameras: Sequence[Camera],
     utility: Doubles | None,
     settings: EncodeSettings,
+    *,
+    antialiased: bool = False,
 ) -> Prepared:
     """Do the same for the splats of a segment that is shown for normalised times [0, `shown_until`].
 
@@ -127,7 +133,7 @@ def prepare_dynamic(
     halfway = m0 + midway * (m1 + midway * (m2 + midway * m3))
     share = (end - start) / max(shown_until, 1e-9) / 3  # it is brightest for about a third of its life
     known = None if utility is None else utility[alive]
-    return _weighed(values, halfway, cameras, known, share, settings)
+    return _weighed(values, halfway, cameras, known, share, settings, antialiased)
 
 
 def _weighed(
@@ -137,8 +143,9 @@ def _weighed(
     utility: Doubles | None,
     shown: Doubles | float,
     settings: EncodeSettings,
+    antialiased: bool,
 ) -> Prepared:
-    """Add utility and scale, and drop what shows too little."""
+    """Add utility, scale and what antialiasing makes of shapes, and drop what shows too little."""
     opacity = values["opacity"][:, 0]
     scale = pixels_per_unit(points, cameras) if len(points) else np.zeros(0)
     if utility is None:
@@ -148,7 +155,12 @@ def _weighed(
         kept = (opacity >= NEGLIGIBLE_OPACITY) & (utility >= settings.prune * settings.coarseness**2)
     values["utility"] = np.maximum(utility, LEAST_UTILITY)[:, None]
     values["scale"] = scale[:, None]
-    return Prepared(values).take(kept)
+    values = {name: array[kept] for name, array in values.items()}
+    none = np.zeros_like(values["log_scale"])
+    values["strength_by_scale"], values["strength_by_turn"] = (
+        strength_weights(np.exp(values["log_scale"]) * values["scale"]) if antialiased else (none, none)
+    )
+    return Prepared(values)
 
 
 def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -> dict[str, Doubles]:

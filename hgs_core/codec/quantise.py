@@ -23,6 +23,8 @@ __all__ = [
 MAX_BITS = 24
 MAX_ZERO = 1 << 28  # with it (code - zero) * step is exact in binary64, so that it is rounded once
 
+_BYTES = np.arange(256, dtype=np.float64)
+
 Doubles = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Codes = NDArray[np.uint32]
@@ -36,17 +38,15 @@ class Grid:
     zeros: tuple[int, ...]
     bits: int
 
-    def decode(self, codes: NDArray[np.uint32], component: int) -> Floats:
-        """Return the values [N] of one component's codes; infinite where a damaged grid overflows."""
-        with np.errstate(over="ignore"):
-            if self.bits <= 8 and len(codes) > 256:
-                return self.table(component)[codes]
-            return ((codes.astype(np.float64) - self.zeros[component]) * self.step).astype(np.float32)
+    def decode(self, codes: NDArray[np.unsignedinteger[Any]], component: int) -> Floats:
+        """Return the values [N] of one component's codes; infinite, with a warning, where a damaged grid overflows."""
+        if self.bits <= 8 and len(codes) > 256:
+            return self.table(component).take(codes)
+        return ((codes - float(self.zeros[component])) * self.step).astype(np.float32)
 
     def table(self, component: int) -> Floats:
         """Return the values of all codes below 2^bits."""
-        with np.errstate(over="ignore"):
-            return ((np.arange(1 << self.bits) - float(self.zeros[component])) * self.step).astype(np.float32)
+        return ((_BYTES[: 1 << self.bits] - self.zeros[component]) * self.step).astype(np.float32)
 
 
 def fitting_grid(numbers: NDArray[np.int64], step: float, *, common: bool = False) -> tuple[Grid, Codes]:
@@ -71,8 +71,7 @@ def unit_quats(vector: Floats) -> Floats:
     """Return quaternions [N, 4] of vector parts x, y, z [N, 3]: w = sqrt(max(0, 1 - (x x + y y + z z)))."""
     x, y, z = vector.astype(np.float64).T
     quats = np.empty((len(vector), 4), np.float32)
-    with np.errstate(over="ignore"):
-        quats[:, 0] = np.sqrt(np.maximum(0.0, 1.0 - (x * x + y * y + z * z)))
+    quats[:, 0] = np.sqrt(np.maximum(0.0, 1.0 - (x * x + y * y + z * z)))
     quats[:, 1:] = vector
     return quats
 

@@ -12,9 +12,11 @@ from hgs_core.codec.quantise import float32_below, uneased
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import LOW_PASS, grades
 
-__all__ = ["BLUR", "FINEST_SHARE", "Steps", "ideal_position_steps", "screen_deviations"]
+__all__ = ["BLUR", "FINEST_SHARE", "TURN_AGAINST_SCALE", "Steps", "ideal_position_steps", "screen_deviations"]
 
 BLUR = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
+# A turn by t between axes of deviations a and b, (a/b - b/a)^2 t^2 / 4, against a change of one axis by e, 3/4 e^2.
+TURN_AGAINST_SCALE = 1 / 3
 UNEVEN = 98.0  # per cent of splats that are no longer and thinner than what the rotation's step is made for
 FINEST_OPACITY = 2.0**-9
 FINEST_ROTATION = 2.0**-13
@@ -73,6 +75,8 @@ class Steps:
         own_opacity = np.minimum(s.opacity_step * own_width * (opacity + 1e-3) / slope, s.largest_opacity_step)
         deviations = np.sort(screen_deviations(splats), axis=1)
         uneven = deviations[:, 2] / deviations[:, 0] - deviations[:, 0] / deviations[:, 2]
+        strength = splats.values["strength_by_turn"].max(axis=1) / TURN_AGAINST_SCALE
+        uneven = np.sqrt(uneven**2 + strength)
         rotation = s.rotation_step / max(float(np.percentile(uneven / own_shape, UNEVEN)), 1e-9)
         rotation = min(max(rotation, FINEST_ROTATION), s.largest_rotation_step)
         return Steps(

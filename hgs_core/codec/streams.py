@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from enum import IntEnum
 from threading import local
+from typing import Any
 
 import numpy as np
 import zstandard
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 __all__ = ["Transform", "compress", "decompress", "from_planes", "to_planes", "transform", "undo_transform"]
 
 Codes = NDArray[np.uint32]  # [N, C]
+AnyCodes = NDArray[Any]  # [N] uint8 or uint32
 
 _threads = local()
 
@@ -37,17 +39,18 @@ def transform(codes: Codes, bits: int, kind: Transform) -> Codes:
     return codes
 
 
-def undo_transform(codes: list[NDArray[np.uint32]], bits: int, kind: Transform) -> list[NDArray[np.uint32]]:
-    """Undo `transform` on one array [N] per component."""
-    mask = np.uint32((1 << bits) - 1)
+def undo_transform(codes: list[AnyCodes], bits: int, kind: Transform) -> list[AnyCodes]:
+    """Undo `transform` on one array [N] per component, in its own type: sums wrap at 2^8 or 2^32, then at 2^bits."""
+    if kind == Transform.NONE:
+        return codes
+    number = codes[0].dtype.type
+    mask = number((1 << bits) - 1)
     if kind == Transform.DELTA:
-        return [np.cumsum(_unzigzag(c), dtype=np.uint32) & mask for c in codes]
-    if kind == Transform.CHAIN:
-        done = codes[:1]
-        for c in codes[1:]:
-            done.append((done[-1] + _unzigzag(c)) & mask)
-        return done
-    return codes
+        return [np.cumsum(_unzigzag(c), dtype=number) & mask for c in codes]
+    done = codes[:1]
+    for c in codes[1:]:
+        done.append((done[-1] + _unzigzag(c)) & mask)
+    return done
 
 
 def to_planes(codes: Codes, bits: int) -> list[bytes]:
@@ -56,9 +59,11 @@ def to_planes(codes: Codes, bits: int) -> list[bytes]:
     return [(codes[:, c] >> s).astype(np.uint8).tobytes() for c in range(codes.shape[1]) for s in shifts]
 
 
-def from_planes(planes: list[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
-    """Join byte planes into codes, one array [N] per component."""
+def from_planes(planes: list[NDArray[np.uint8]], bits: int) -> list[AnyCodes]:
+    """Join byte planes into codes, one array [N] per component; codes of a byte stay the bytes they are."""
     each = (bits + 7) // 8
+    if each == 1:
+        return list(planes)
     codes = []
     for c in range(0, len(planes), each):
         joined = planes[c].astype(np.uint32)
@@ -104,6 +109,7 @@ def _zigzag(codes: Codes, bits: int) -> Codes:
     )
 
 
-def _unzigzag(codes: NDArray[np.uint32]) -> NDArray[np.uint32]:
-    """Undo `_zigzag`, modulo 2^32."""
-    return codes >> np.uint32(1) ^ (np.uint32(0) - (codes & np.uint32(1)))
+def _unzigzag(codes: AnyCodes) -> AnyCodes:
+    """Undo `_zigzag`, modulo 2^8 or 2^32."""
+    one = codes.dtype.type(1)
+    return np.asarray(codes >> one ^ -(codes & one))

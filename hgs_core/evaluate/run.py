@@ -36,6 +36,7 @@ def evaluate_run(
     masks: Path | None = None,
     lpips: Path | None = None,
     flip: bool = False,
+    backend: str = "auto",
 ) -> dict[str, Any]:
     """Render the decoded scene at every frame of some cameras and compare; writes eval.json.
 
@@ -48,13 +49,14 @@ def evaluate_run(
         masks: folder of masks of what moves; without it the capture's own are used, if it has some.
         lpips: file of the weights (`Lpips`); without it there is no LPIPS.
         flip: whether to compute FLIP.
+        backend: that draws (`hgs_core.render.rasterize`).
 
     Returns:
         The fields of eval.json (docs/evaluation.md). A score that was not measured is None.
 
     Raises:
         InputError: the run is not finished, its capture is gone or has changed, a camera is unknown, a file of the
-            truth, the masks or the weights is missing or wrong, or FLIP is not installed.
+            truth, the masks or the weights is missing or wrong, FLIP is not installed, or the backend cannot run here.
     """
     folder = RunFolder(run)
     spec = folder.read_spec()
@@ -69,7 +71,7 @@ def evaluate_run(
     manifest = load_manifest(folder.manifest)
     scores = {index: CameraScores(scorer) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
-    _score(decode_scene(folder.scene).map(torch.from_numpy), manifest, capture, source, scores, progress)
+    _score(decode_scene(folder.scene).map(torch.from_numpy), manifest, capture, source, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
@@ -97,6 +99,7 @@ def _score(
     capture: Capture,
     source: Truth,
     scores: Mapping[int, CameraScores],  # by camera; filled
+    backend: str,
     progress: ProgressCallback,
 ) -> None:
     """Draw and score every frame of every camera."""
@@ -105,7 +108,10 @@ def _score(
     with one_torch_thread():
         for index, gathered in scores.items():
             camera = views[capture.cameras[index].name]
-            view = FixedView(scene.static, camera, background=manifest.background, antialiased=manifest.antialiased)
+            view = FixedView(
+                scene.static, camera,
+                background=manifest.background, antialiased=manifest.antialiased, backend=backend,
+            )  # fmt: skip
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))
                 picture = view.frame(segment.dynamic, segment.normalised(float(seconds))).rgb.clamp(0, 1)

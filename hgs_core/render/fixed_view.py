@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.render.backends import choose_backend
+from hgs_core.render.backends import Backend, choose_backend
+from hgs_core.render.contribution import weigher
 from hgs_core.render.cpu import FixedViewCpu
-from hgs_core.render.reference import contributions_reference, rasterize_reference
+from hgs_core.render.rasterize import rasterizer
 from hgs_core.render.types import Contributions, Render, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
@@ -35,12 +36,12 @@ class FixedView:
         """Remember what all frames share; the arguments are those of `rasterize`.
 
         Raises:
-            InputError: an unknown backend.
+            InputError: an unknown backend, or one that cannot run here.
         """
         red, green, blue = background
         view = View(camera, background=(red, green, blue), antialiased=antialiased, gradients="none")
-        kind = FixedViewCpu if choose_backend(backend, static) == "cpu" else _FixedViewReference
-        self._frames = kind(static, view)
+        chosen = choose_backend(backend, static)
+        self._frames = FixedViewCpu(static, view) if chosen == "cpu" else _DrawnAnew(static, view, chosen)
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float = 0.0, depth: bool = False) -> Render:
         """Draw the scene at normalised `time`, as `rasterize` would.
@@ -57,14 +58,16 @@ class FixedView:
 
 
 @dataclasses.dataclass(frozen=True)
-class _FixedViewReference:
-    """The reference backend has nothing to gain from a fixed view."""
+class _DrawnAnew:
+    """The other backends keep nothing from one frame to the next."""
 
     static: StaticSplats[Tensor] | None
     view: View
+    backend: Backend
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
-        return rasterize_reference(self.static, dynamic, dataclasses.replace(self.view, time=time, depth=depth))
+        view = dataclasses.replace(self.view, time=time, depth=depth)
+        return rasterizer(self.backend)(self.static, dynamic, view)
 
     def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
-        return contributions_reference(self.static, dynamic, dataclasses.replace(self.view, time=time))
+        return weigher(self.backend)(self.static, dynamic, dataclasses.replace(self.view, time=time))

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.camera import Camera
-from hgs_core.render.backends import choose_backend
+from hgs_core.render.backends import Backend, choose_backend
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import Gradients, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["rasterize"]
+__all__ = ["rasterize", "rasterizer"]
 
 
 def rasterize(
@@ -40,8 +40,8 @@ def rasterize(
         camera: the view and the size of the picture.
         time: normalised time of the dynamic splats' segment.
         background: colour behind everything, sRGB in [0, 1].
-        backend: "reference" (torch, any dtype and device), "cpu" (compiled, float32), or "auto": "cpu" where the
-            compiled library is there and the splats are float32 on the CPU.
+        backend: "reference" (torch, any dtype and device), "cpu" (compiled, float32), "triton" (CUDA, float32), or
+            "auto" (`choose_backend`).
         gradients: which parameters the backward pass reaches; the others cost nothing.
         tile_mask: [ceil(H/16), ceil(W/16)]; tiles that are False are not drawn: they show the background.
         statistics: is added to when the backward pass runs; rows are statics, then dynamics.
@@ -53,10 +53,21 @@ def rasterize(
         The picture and its coverage, differentiable towards the parameters that require gradients.
 
     Raises:
-        InputError: an unknown backend or gradient set, a mask of another shape, or a parameter that is not finite.
+        InputError: an unknown backend or one that cannot run here, an unknown gradient set, a mask of another shape, or
+            a parameter that is not finite.
         RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
     """
     red, green, blue = background
     view = View(camera, time, (red, green, blue), tile_mask, antialiased, depth, gradients, statistics)
-    draw = rasterize_cpu if choose_backend(backend, static, dynamic) == "cpu" else rasterize_reference
-    return draw(static, dynamic, view)
+    return rasterizer(choose_backend(backend, static, dynamic))(static, dynamic, view)
+
+
+def rasterizer(
+    backend: Backend,
+) -> Callable[[StaticSplats[Tensor] | None, DynamicSplats[Tensor] | None, View], Render]:
+    """Return the function by which a backend draws."""
+    if backend == "triton":
+        from hgs_core.render.triton.rasterize import rasterize_triton
+
+        return rasterize_triton
+    return rasterize_cpu if backend == "cpu" else rasterize_reference

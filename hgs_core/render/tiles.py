@@ -24,7 +24,7 @@ def tiles_of_dynamic(
     `rasterize` raises.
     """
     alone = rasterize(None, dynamic, camera, time, backend=backend, gradients="none", antialiased=antialiased)
-    return np.asarray(max_pool2d(alone.alpha[None], TILE, ceil_mode=True)[0].numpy() > 0)
+    return np.asarray(max_pool2d(alone.alpha[None], TILE, ceil_mode=True)[0].cpu().numpy() > 0)
 
 
 def tiles_to_pixels(tiles: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.bool_]:

@@ -8,14 +8,14 @@ sRGB in [0, 1]; opacities are stored as logits and scales as natural logarithms,
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Generic, Self, TypeVar, cast
 
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["DynamicSplats", "HybridScene", "Segment", "StaticSplats"]
+__all__ = ["DynamicSplats", "HybridScene", "Segment", "StaticSplats", "joined"]
 
 A = TypeVar("A")
 B = TypeVar("B")
@@ -131,3 +131,12 @@ class HybridScene(Generic[A]):
             self.static.map(convert),
             tuple(Segment(s.start, s.end, s.dynamic.map(convert)) for s in self.segments),
         )
+
+
+S = TypeVar("S", StaticSplats[npt.NDArray[np.float32]], DynamicSplats[npt.NDArray[np.float32]])
+
+
+def joined(sets: Sequence[S]) -> S:
+    """Return the splats of all sets, at least one, in order."""
+    columns = zip(*([array for _, array in splats.items()] for splats in sets), strict=True)
+    return type(sets[0])(*(np.concatenate(column) for column in columns))

@@ -11,6 +11,7 @@ from torch import Tensor
 
 from hgs_core.native import library
 from hgs_core.native.adam import adam_step
+from hgs_core.render.triton.device import available
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["Adam", "adam_update"]
@@ -54,6 +55,10 @@ class Adam(Generic[S]):
                     parameter += delta * rate
                 parameter.grad = None
 
+    def to(self, device: torch.device) -> Adam[S]:
+        """Return it with its moments on a device."""
+        return Adam(self.first.map(lambda a: a.to(device)), self.second.map(lambda a: a.to(device)), self.steps)
+
     def select(self, rows: Tensor, added: int) -> None:
         """Keep the moments of `rows` and append `added` rows of zeros."""
         self.first = _with_zeros(self.first, rows, added)
@@ -67,7 +72,7 @@ class Adam(Generic[S]):
 def adam_update(parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float, step: int) -> None:
     """Change one array in place by its `step`-th Adam update (from 1); its moments follow.
 
-    Float32 arrays on the CPU use the compiled kernel where there is one.
+    Float32 arrays on the CPU use the compiled kernel where there is one, those on a CUDA device the Triton kernel.
     """
     if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
         adam_step(
@@ -80,6 +85,13 @@ def adam_update(parameter: Tensor, gradient: Tensor, first: Tensor, second: Tens
             beta2=BETA2,
             epsilon=EPSILON,
             step=step,
+        )
+        return
+    if available(parameter):
+        from hgs_core.train.triton.adam import adam_step as adam_step_triton
+
+        adam_step_triton(
+            parameter, gradient.contiguous(), first, second, rate, step, beta1=BETA1, beta2=BETA2, epsilon=EPSILON
         )
         return
     first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)

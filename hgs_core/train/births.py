@@ -27,6 +27,7 @@ _WRONG = 20  # levels of 255 that count as wrong
 _HULL = 0.75  # share of the views that must see a new point move, as in initialisation
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
 _SIZE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
+_VOTES = 0.5  # share of the views whose pixel there must be wrong
 _CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
 
 
@@ -57,13 +58,12 @@ def find_births(
     *,
     hull: bool = True,
     pixels: int = 600,
-    votes: float = 0.5,
 ) -> Births:
     """Return points that explain wrong pixels among those that are asked for, at time 0.
 
-    A point must be confirmed by two other views' depths and be wrong in the share `votes` of the views it falls in:
-    what is right in most views is there already, or hidden in them. With `hull` it must also lie in the hull of the
-    pixels that are asked for. Of every picture at most `pixels` are swept.
+    A point must be confirmed by two other views' depths and be wrong in half of the views it falls in: what is right in
+    most views is there already. With `hull` it must also lie in the hull of the pixels that are asked for. Of every
+    picture at most `pixels` are swept.
     """
     wrong = [error > _WRONG for error in errors]
     wanted = [_worst(error, m & w, pixels) for error, m, w in zip(errors, asked, wrong, strict=True)]
@@ -76,7 +76,7 @@ def find_births(
 
     swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull if hull else None)
     chosen = np.flatnonzero((swept.agreeing >= _CONFIRMED) & (swept.opposed <= swept.agreeing))
-    chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= votes]
+    chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
     xyz = swept.xyz[chosen]
     none = np.zeros(len(xyz), np.float32)
     points = PointCloud.at_rest(xyz, swept.rgb[chosen], none, none, _sizes(cameras, xyz))

@@ -40,6 +40,13 @@ class TrainState:
     correction: ColourCorrection | None  # None: cameras are not corrected, or agree well enough not to be
     history: TrainingHistory
 
+    def to(self, device: torch.device) -> None:
+        """Move everything that steps touch to a device."""
+        self.static = self.static.map(lambda array: array.to(device))
+        self.dynamic = self.dynamic.map(lambda array: array.to(device))
+        self.static_adam, self.dynamic_adam = self.static_adam.to(device), self.dynamic_adam.to(device)
+        self.correction = None if self.correction is None else self.correction.to(device)
+
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""
         return picture if self.correction is None else self.correction.corrected(picture, view.place)[0].detach()

@@ -43,6 +43,14 @@ class ColourCorrection:
         )
         self.affine -= (self.affine - self._identity).mean(0)
 
+    def to(self, device: torch.device) -> ColourCorrection:
+        """Return it with its maps on a device."""
+        moved = ColourCorrection(len(self.affine))
+        moved.affine, moved._identity = self.affine.to(device), self._identity.to(device)
+        moved._first, moved._second = self._first.to(device), self._second.to(device)
+        moved._steps = self._steps
+        return moved
+
     def state(self) -> dict[str, Any]:
         """Return plain tensors for a checkpoint."""
         return {"affine": self.affine, "first": self._first, "second": self._second, "steps": self._steps}

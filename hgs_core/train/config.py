@@ -15,7 +15,7 @@ BUDGETS: dict[str, float] = {"low": 0.5, "default": 0.1, "high": 0.02}
 
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
-    "backend": ("auto", "cpu", "reference"),
+    "backend": ("auto", "cpu", "triton", "reference"),
     "labels": ("auto", "dynamic", "static"),
     "stages": ("interleaved", "together", "separate"),
     "motion_order": (1, 2, 3),

@@ -21,6 +21,7 @@ from hgs_core.train.births import Births, chosen_births, find_births, picture_er
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, joined, refine
+from hgs_core.train.hull import strayed
 from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.lives import haunting, trimmed
@@ -75,7 +76,10 @@ def control_density(
 def control_contributions(
     state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, statics_learn: bool
 ) -> None:
-    """Remove the splats that no training view needs: whose largest weight T alpha in any pixel is too small."""
+    """Remove the splats that no training view needs, and dynamic ones that have left the hull of what moves.
+
+    No view needs those whose largest weight T alpha in any pixel is too small.
+    """
     statics = len(state.static)
     peak = np.zeros(statics + len(state.dynamic), np.float32)
     moments_asked = min(_CONTRIBUTION_MOMENTS, -(-segment.frames // _CONTRIBUTION_FRAMES))
@@ -84,6 +88,8 @@ def control_contributions(
         for moment in moments:
             np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
     needed = peak >= config.prune_contribution
+    if views.masked:
+        needed[statics:] &= ~strayed(state.dynamic, views.cameras, segment.frames, views.moving)
     if statics_learn:
         state.static = _kept(state.static, state.static_adam, needed[:statics])
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, needed[statics:])

@@ -23,7 +23,6 @@ from hgs_core.train.training_views import TrainingView
 __all__ = ["find_infill"]
 
 _MOST_PIXELS = 4000  # of one picture that are swept
-_VOTES = 0.1  # share of the views in which a new point must be wrong: it may be hidden in most of them
 
 
 def find_infill(
@@ -61,5 +60,5 @@ def find_infill(
         errors.append(picture_error(drawn, picture))
         everywhere = torch.ones(camera.height, camera.width, dtype=torch.bool)
         still.append((~torch.stack(moving).any(0) if moving else everywhere).numpy())
-    found = find_births(seen_by, pictures, still, errors, ranges, hull=False, pixels=_MOST_PIXELS, votes=_VOTES)
+    found = find_births(seen_by, pictures, still, errors, ranges, hull=False, pixels=_MOST_PIXELS)
     return chosen_births([found], most, generator)

@@ -10,6 +10,7 @@ from torch import Tensor
 from hgs_core.evaluate.ssim import ssim_map
 from hgs_core.native import library
 from hgs_core.native.loss import l1_dssim
+from hgs_core.render.triton.device import available
 
 __all__ = ["photometric_loss"]
 
@@ -17,10 +18,12 @@ __all__ = ["photometric_loss"]
 def photometric_loss(image: Tensor, target: Tensor, dssim: float) -> Tensor:
     """Return (1 - dssim) mean|image - target| + dssim (1 - SSIM) of two pictures [3, H, W] in [0, 1].
 
-    Float32 pictures on the CPU use the compiled kernel where there is one.
+    Float32 pictures on the CPU use the compiled kernel where there is one, those on a CUDA device the Triton kernels.
     """
     if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
         return _NativeLoss.apply(image, target, dssim)  # type: ignore[no-any-return,no-untyped-call]
+    if available(image):
+        return _TritonLoss.apply(image, target, dssim)  # type: ignore[no-any-return,no-untyped-call]
     return (1 - dssim) * (image - target).abs().mean() + dssim * (1 - ssim_map(image, target).mean())
 
 
@@ -32,6 +35,21 @@ class _NativeLoss(torch.autograd.Function):
         value, gradient = l1_dssim(image.detach().contiguous().numpy(), target.contiguous().numpy(), dssim_weight=dssim)
         ctx.gradient = torch.from_numpy(gradient)
         return torch.tensor(value, dtype=torch.float32)
+
+    @staticmethod
+    def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:
+        return ctx.gradient * upstream, None, None
+
+
+class _TritonLoss(torch.autograd.Function):
+    """The same on a CUDA device."""
+
+    @staticmethod
+    def forward(ctx: Any, image: Tensor, target: Tensor, dssim: float) -> Tensor:
+        from hgs_core.train.triton.loss import l1_dssim
+
+        value, ctx.gradient = l1_dssim(image.detach().contiguous(), target.contiguous(), dssim)
+        return value
 
     @staticmethod
     def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:

@@ -118,7 +118,7 @@ def disturb(splats: S, step: float, extent: float, generator: np.random.Generato
     """Push transparent splats about in place, by noise of the shape of their own Gaussian (equation 8).
 
     Args:
-        splats: the set, float32 on the CPU.
+        splats: the set, float32.
         step: the step size of positions, world units.
         extent: of the scene, world units. Equation 8 multiplies a variance by a step, so its noise depends on the
             unit of length; here the unit is the extent.
@@ -130,7 +130,7 @@ def disturb(splats: S, step: float, extent: float, generator: np.random.Generato
         fade = torch.sigmoid(_STEEPNESS * (1 - torch.sigmoid(faint.opacity_logits) - _TRANSPARENT))
         quats = faint.rotation[:, 0] if isinstance(faint, DynamicSplats) else faint.quats
         axes = rotation_matrices(quats) * torch.exp(faint.log_scales)[:, None, :]
-        normal = torch.from_numpy(generator.standard_normal((len(rows), 3, 1), np.float32))
+        normal = torch.from_numpy(generator.standard_normal((len(rows), 3, 1), np.float32)).to(axes.device)
         shift = (axes @ (axes.transpose(1, 2) @ normal))[..., 0] * (_NOISE * step / extent**2 * fade)[:, None]
         positions = splats.motion[:, 0] if isinstance(splats, DynamicSplats) else splats.means
         positions[rows] += shift

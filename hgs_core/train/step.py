@@ -67,7 +67,7 @@ def take_step(
     if correction is not None:
         compared, affine = correction.corrected(picture, view.place)
     if tiles is not None:
-        drawn = torch.from_numpy(tiles_to_pixels(tiles, view.camera.width, view.camera.height))
+        drawn = torch.from_numpy(tiles_to_pixels(tiles, view.camera.width, view.camera.height)).to(picture.device)
         compared = torch.where(drawn, compared, view.target)
     if ignored is not None:
         compared = torch.where(ignored, view.target, compared)

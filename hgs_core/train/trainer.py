@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import torch
 from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.render.types import Gradients
@@ -37,6 +40,7 @@ from hgs_core.train.training_views import TrainingView, TrainingViews
 
 __all__ = ["Trainer"]
 
+_HOST = torch.device("cpu")
 _REPORT_EVERY = 10  # cycles
 _SHORTEST_LIFE = 0.5  # frames at which the opacity of the briefest splat has halved
 
@@ -70,7 +74,8 @@ class Trainer:
     ) -> None:
         self.config, self.checkpoint, self.segment = config, checkpoint, segment
         self.statics_learn, self.masked = after is None, masks is not None
-        self.views = TrainingViews(capture, cameras, config, segment, masks)
+        self.device = training_device(config.backend)
+        self.views = TrainingViews(capture, cameras, config, segment, masks, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
         self.schedule = Schedule(config, extent, segment.frames)
         if after is not None:
@@ -91,7 +96,7 @@ class Trainer:
         """
         started, before, state = time.monotonic(), self.state.seconds, self.state
         try:
-            with one_torch_thread():
+            with one_torch_thread(), self._on(self.device):
                 while state.cycle < self.config.cycles:
                     self._cycle(state.cycle)
                     state.cycle += 1
@@ -106,6 +111,16 @@ class Trainer:
             raise
         save_state(self.checkpoint, state)
         return self.scene()
+
+    @contextmanager
+    def _on(self, device: torch.device) -> Iterator[None]:
+        """Keep the state on a device; steps run where the backend does, rounds of control on the host."""
+        before = self.state.static.rgb.device
+        self.state.to(device)
+        try:
+            yield
+        finally:
+            self.state.to(before)
 
     def figures(self) -> dict[str, float]:
         """Return what is worth watching."""
@@ -138,22 +153,22 @@ class Trainer:
                 disturb_positions(state, self.schedule, cycle, self.statics_learn)
         self._constrain()
         if self.schedule.prunes_after(cycle):
-            with timed("pruning"):
+            with timed("pruning"), self._on(_HOST):
                 control_contributions(state, config, self.views, self.segment, self.statics_learn)
         if self.masked and self.schedule.births_after(cycle):
-            with timed("births"):
+            with timed("births"), self._on(_HOST):
                 control_births(state, config, self.views, self.segment, cycle)
         if self.statics_learn and self.schedule.infills_after(cycle):
-            with timed("infill"):
+            with timed("infill"), self._on(_HOST):
                 control_infill(state, config, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
-            with timed("density"):
+            with timed("density"), self._on(_HOST):
                 if config.density == "relocation":
                     control_relocation(state, self.schedule, cycle, self.first_counts, self.statics_learn)
                 else:
                     control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
         if self.statics_learn and self.schedule.relabels_after(cycle):
-            with timed("labels"):
+            with timed("labels"), self._on(_HOST):
                 control_labels(state, config, self.views.cameras, self.views.samples(cycle))
 
     def _learn(

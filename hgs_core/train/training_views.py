@@ -16,12 +16,13 @@ from hgs_core.capture.picture import reduced_mask
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import sample_frames
 from hgs_core.train.config import TrainConfig
+from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.segments import CaptureSegment
-from hgs_core.train.targets import target_picture
 from hgs_core.train.views import ViewSchedule, training_cameras
 
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 
+_CPU = torch.device("cpu")
 _SAMPLE_SIZE = 0.5  # of the pictures that labels and contributions are judged by
 
 
@@ -56,9 +57,12 @@ class TrainingViews:
         config: TrainConfig,
         segment: CaptureSegment,
         masks: MotionMasks | None,
+        device: torch.device = _CPU,  # where `of_cycle` puts pictures and masks
     ) -> None:
         self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
         self._masks = masks
+        self._frames = DeviceFrames(capture, device, config.frame_memory_mib << 20)
+        self._on_host = DeviceFrames(capture, _CPU, 0)
         self._training = training_cameras(capture, config)
         self._places = {camera: place for place, camera in enumerate(self._training)}
         self.cameras = tuple(cameras[index] for index in self._training)
@@ -67,20 +71,31 @@ class TrainingViews:
         memory = (config.frame_memory_mib << 20) * 4 // 5
         self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.seed)
 
+    @property
+    def masked(self) -> bool:
+        """Whether it is known what moves."""
+        return self._masks is not None
+
+    def moving(self, frame: int) -> list[npt.NDArray[np.bool_]]:
+        """Return what moves [H, W] in all training cameras' pictures of a frame of the segment; there must be masks."""
+        assert self._masks is not None
+        return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
+
     def of_cycle(self, cycle: int, size: float) -> TrainingView:
         """Return the view of a cycle, resized by the factor `size`."""
         index, frame = self.order.view(cycle)
-        return self._view(index, frame, size, masked=self._config.stages == "separate")
+        return self._view(self._frames, index, frame, size, masked=self._config.stages == "separate")
 
     def samples(self, cycle: int) -> Iterator[Iterator[TrainingView]]:
         """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""
         for index, frames in self.order.samples(cycle):
-            yield (self._view(index, frame, _SAMPLE_SIZE) for frame in frames)
+            yield (self._view(self._on_host, index, frame, _SAMPLE_SIZE) for frame in frames)
 
     def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
         """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
         for index, frames in self.order.everywhere(cycle):
-            yield [self._view(index, frame, 1.0, masked=self._masks is not None) for frame in frames]
+            masked = self._masks is not None
+            yield [self._view(self._on_host, index, frame, 1.0, masked) for frame in frames]
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
         """Yield every training camera, at half size, with the same at most `moments` normalised times."""
@@ -103,13 +118,13 @@ class TrainingViews:
                 [self._masks.mask(index, frame) for index in self._training],
             )  # fmt: skip
 
-    def _view(self, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
+    def _view(self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
         frame += self._segment.first
         camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
-        target = target_picture(self._capture, index, frame, camera)
+        target = frames.target(index, frame, camera)
         moment = self._segment.clock.normalised(float(self._capture.times[frame]))
         moving = None
         if masked:
             assert self._masks is not None, "separate stages need masks"
-            moving = torch.from_numpy(np.array(reduced_mask(self._masks.mask(index, frame), camera)))
+            moving = torch.from_numpy(np.array(reduced_mask(self._masks.mask(index, frame), camera))).to(target.device)
         return TrainingView(self._places[index], camera, moment, target, moving)

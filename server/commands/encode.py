@@ -33,6 +33,14 @@ def _run(options: argparse.Namespace) -> int:
     folder = RunFolder(options.run_folder)
     folder.read_spec()  # before torch is loaded: a wrong path is told at once
     with folder.exclusive(), ProgressBars() as bars:
-        encode_again(options.run_folder, options.budget, bars)
+        encoded = encode_again(options.run_folder, options.budget, bars)
+    totals = encoded.manifest.totals
+    for kind, kept, before, size in (
+        ("static", totals.splats_static, encoded.static, totals.bytes_static),
+        ("dynamic", totals.splats_dynamic, encoded.dynamic, totals.bytes_dynamic),
+    ):
+        each = f", {size / kept:.1f} each" if kept else ""
+        print(f"{kept:,} {kind} splats in {size:,} bytes{each}; {before - kept:,} dropped")
+    print(f"coarseness {encoded.coarseness:.3g}")
     print(folder.scene)
     return 0

@@ -55,6 +55,9 @@ def add_parser(commands: Any) -> None:
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--cameras", metavar="A,B", help="score these cameras")
     which.add_argument("--all-cameras", action="store_true", help="score every camera, those trained on too")
+    parser.add_argument(
+        "--backend", metavar="NAME", default="auto", help="what draws: auto, cpu, triton or reference (default: auto)"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.set_defaults(run=_run)
 
@@ -69,7 +72,7 @@ def _run(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         result = evaluate_run(
             options.run_folder, bars, cameras=cameras, all_cameras=options.all_cameras, truth=options.truth,
-            masks=options.masks, lpips=options.lpips, flip=options.flip,
+            masks=options.masks, lpips=options.lpips, flip=options.flip, backend=options.backend,
         )  # fmt: skip
     scores = {name: result[name] for name in FIELDS}
     if options.json:

@@ -32,6 +32,10 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
+    if config.backend == "triton":  # before minutes of initialisation
+        from hgs_core.render.backends import training_device
+
+        training_device(config.backend)
     from hgs_core.pipeline import STAGES, create_run
     from hgs_core.run_folder import RunFolder
 

@@ -13,6 +13,7 @@ from hgs_core.evaluate.report.chart_sections import (
     quality_section,
     training_section,
 )
+from hgs_core.evaluate.report.codec_section import codec_section
 from hgs_core.evaluate.report.key_figures import config_changes, key_figures
 from hgs_core.evaluate.report.markup import note, pairs, section, table
 from hgs_core.evaluate.report.picture_section import picture_section
@@ -29,6 +30,7 @@ _SECTIONS = {
     "training": "Training",
     "decomposition": "What moves",
     "size": "Size",
+    "rate": "Bytes against loss",
     "comparison": "Other runs",
     "settings": "Settings",
 }
@@ -61,6 +63,7 @@ def report_page(content: PageContent) -> str:
         training_section(run),
         decomposition_section(run, content.cameras),
         size_section(run, content.chunks),
+        codec_section(run.folder.path / "codec.json"),
         comparison_section(run, content.others),
         _settings(content),
     ]

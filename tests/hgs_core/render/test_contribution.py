@@ -57,5 +57,5 @@ def test_no_splats(backend: str) -> None:
 
 
 def test_an_unknown_backend_is_refused() -> None:
-    with pytest.raises(InputError, match="use auto, cpu or reference"):
+    with pytest.raises(InputError, match="use auto, cpu, triton or reference"):
         contributions(None, None, camera(), backend="vulkan")

@@ -70,5 +70,5 @@ def test_a_broken_frame_does_not_spoil_the_next(backend: str) -> None:
 
 
 def test_an_unknown_backend_is_refused() -> None:
-    with pytest.raises(InputError, match="use auto, cpu or reference"):
+    with pytest.raises(InputError, match="use auto, cpu, triton or reference"):
         FixedView(None, camera(), backend="vulkan")

@@ -25,5 +25,5 @@ def test_auto_and_reference_agree() -> None:
 
 
 def test_an_unknown_backend_is_refused() -> None:
-    with pytest.raises(InputError, match="use auto, cpu or reference"):
+    with pytest.raises(InputError, match="use auto, cpu, triton or reference"):
         rasterize(static_splats(1), None, camera(), backend="vulkan")

@@ -9,6 +9,7 @@ import pytest
 
 from hgs_core.native import library
 from server.cli import main
+from tests.synthetic import write_capture
 
 TINY = ["--sizes", "60@32x24", "--threads", "1", "--seconds", "0.001", "--backends", "reference"]
 
@@ -32,6 +33,21 @@ def test_json_file_is_written_beside_the_text(tmp_path: Path, capsys: pytest.Cap
 def test_both_backends_are_measured_where_there_are_kernels(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "raster", *TINY[:-2], "--json", "-"]) == 0
     assert [p["backend"] for p in json.loads(capsys.readouterr().out)["points"]] == ["cpu", "reference"]
+
+
+def test_a_training_is_timed_and_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_capture(tmp_path, frames=2, width=32, height=24)
+    small = ["cycles=4", "static_points=60", "dynamic_points=20", "max_static=80", "max_dynamic=30"]
+    assert main(["bench", "train", str(tmp_path), "--hold-out", "2", "--set", *small, "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["device"], report["config"]["cycles"]) == ("cpu", 4)
+    assert report["psnr"] > 0
+    assert 0 < report["minutes"] <= report["minutes_in_all"]
+
+
+def test_a_training_needs_a_camera_to_score_on(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "train", str(tmp_path)]) == 2
+    assert "--hold-out" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,175 @@
+"""Bytes, errors and rates of the scene codec, beside other formats of the same splats."""
+
+from __future__ import annotations
+
+import dataclasses
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.bench.codec_errors import StaticErrors, coded_errors, spz_errors
+from hgs_core.bench.codec_prefix import prefix_losses
+from hgs_core.bench.machine import machine_facts
+from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
+from hgs_core.codec.attributes import Kind
+from hgs_core.codec.folder import CHUNKS
+from hgs_core.encode_run import Loss, fitting_settings, measure_utility
+from hgs_core.encode_views import EncodeViews, views_around, views_of_run
+from hgs_core.errors import InputError
+from hgs_core.interchange.formats import import_scene
+from hgs_core.interchange.splatv_file import splatv_file
+from hgs_core.interchange.spz_file import spz_file
+from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.run_folder import RunFolder
+from hgs_core.scene.files import load_scene
+from hgs_core.scene.splats import HybridScene
+from hgs_core.train.views import training_cameras
+
+__all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
+
+SWEEP = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
+REPEATS = 5  # of decoding; the fastest counts, which other work on the machine disturbs least
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class CodecPoint:
+    """An encoding."""
+
+    name: str  # the budget, or "" in the sweep
+    coarseness: float
+    bytes_static: int  # of chunks; the manifest is not counted
+    bytes_dynamic: int
+    splats_static: int  # encoded
+    splats_dynamic: int
+    loss: float  # dB, of training views, or of made-up ones
+    loss_held_out: float | None  # dB, of cameras that nothing was chosen on
+    encode_seconds: float
+
+
+@dataclass(frozen=True)
+class CodecReport:
+    """What `bench_codec` measured."""
+
+    machine: Mapping[str, Any]
+    source: str
+    splats_static: int  # before encoding
+    splats_dynamic: int
+    budgets: tuple[CodecPoint, ...]
+    sweep: tuple[CodecPoint, ...]
+    prefix_loss: float  # dB, of the first quarter of the bytes of the first encoding
+    prefix_loss_shuffled: float  # dB, of a quarter of its chunks' bytes in random order
+    decode_rates: Mapping[str, float]  # splats per second of processor time by kind, chunk by chunk
+    bytes_splatv: int
+    bytes_spz: Mapping[str, int]  # by version, of a still scene
+    errors: Mapping[str, StaticErrors]  # of a still scene, by format
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form."""
+        return dataclasses.asdict(self)
+
+
+def bench_codec(
+    source: Path, progress: ProgressCallback, *, budgets: Sequence[str], sweep: Sequence[float] = SWEEP
+) -> CodecReport:
+    """Encode a finished run, or a file of splats, with some budgets and over a sweep of coarsenesses; nothing is kept.
+
+    Raises:
+        InputError: the source is neither, or damaged; of a run also if its capture is gone.
+    """
+    scene, views, antialiased, held_out = _opened(source)
+    steps, done = 2 + len(budgets) + len(sweep), 0
+
+    def tell() -> None:
+        nonlocal done
+        done += 1
+        progress(Progress("codec", done, steps))
+
+    utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
+    tell()
+    seen = Loss(scene, views, views.trained, antialiased=antialiased)
+    unseen = Loss(scene, views, held_out, antialiased=antialiased) if held_out else None
+    points: list[CodecPoint] = []
+    chosen = [(name, fitting_settings(scene, views, utility, name, antialiased=antialiased)) for name in budgets]
+    rates: dict[str, float] = {}
+    prefix = (0.0, 0.0)
+    for name, settings in [*chosen, *(("", EncodeSettings(coarseness=coarseness)) for coarseness in sweep)]:
+        with tempfile.TemporaryDirectory() as out:
+            began = time.process_time()
+            manifest = encode_scene(
+                scene, Path(out), cameras=views.cameras, times=views.times, title=views.title, settings=settings,
+                antialiased=antialiased, utility=utility,
+            )  # fmt: skip
+            seconds = time.process_time() - began
+            decoded = decode_scene(Path(out))
+            if not rates:
+                rates, prefix = _decode_rates(Path(out)), prefix_losses(Path(out), seen)
+        totals = manifest.totals
+        points.append(
+            CodecPoint(
+                name, settings.coarseness, totals.bytes_static, totals.bytes_dynamic, totals.splats_static,
+                totals.splats_dynamic, seen.of(decoded), None if unseen is None else unseen.of(decoded), seconds,
+            )
+        )  # fmt: skip
+        tell()
+    moving = [segment.dynamic for segment in scene.segments]
+    still = not any(map(len, moving))
+    splatv = sum(len(splatv_file(scene.static.take(slice(0, None if i == 0 else 0)), part, views.cameras))
+                 for i, part in enumerate(moving))  # fmt: skip
+    errors: dict[str, StaticErrors] = {}
+    spz: dict[str, int] = {}
+    if still:
+        versions = {f"spz {version}": spz_file(scene.static, version=version) for version in (2, 3)}
+        spz = {name: len(data) for name, data in versions.items()}
+        errors = {name: spz_errors(scene.static, data) for name, data in versions.items()}
+        for name, settings in chosen:
+            errors[name] = coded_errors(scene.static, views.cameras, utility, settings, antialiased=antialiased)
+    tell()
+    return CodecReport(
+        machine_facts(), source.name, len(scene.static), sum(map(len, moving)), tuple(points[: len(chosen)]),
+        tuple(points[len(chosen) :]), *prefix, rates, splatv, spz, errors,
+    )  # fmt: skip
+
+
+def _opened(source: Path) -> tuple[HybridScene[Floats], EncodeViews, bool, dict[int, Any]]:
+    """Return the scene, its views, whether it is antialiased, and the cameras held out, by index."""
+    if source.is_file():
+        imported = import_scene(source, 50 / 30)
+        return imported.scene, views_around(imported.scene, source.stem), imported.antialiased, {}
+    folder = RunFolder(source)
+    spec = folder.read_spec()
+    if not folder.trained.is_file():
+        raise InputError(source, "is not trained yet", "finish it with hgs train")
+    scene = load_scene(folder.trained)
+    views = views_of_run(folder, spec, scene)
+    hidden = () if spec.without_capture else set(range(len(views.cameras))) - set(
+        training_cameras(spec.open_capture(), spec.config)
+    )  # fmt: skip
+    return scene, views, spec.config.antialiased, {i: views.cameras[i] for i in sorted(hidden)}
+
+
+def _decode_rates(folder: Path) -> dict[str, float]:
+    """Return how many splats of each kind a core decodes in a second, from the chunks' bytes in memory."""
+    files = [path.read_bytes() for path in sorted((folder / CHUNKS).iterdir())]
+    chunks = [(decode_chunk(data), data) for data in files]
+    rates = {}
+    for kind in Kind:
+        of_kind = [data for chunk, data in chunks if chunk.kind == kind]
+        if of_kind:
+            fastest = min(_decoding_seconds(of_kind) for _ in range(REPEATS))
+            rates[kind.name.lower()] = sum(chunk.count for chunk, _ in chunks if chunk.kind == kind) / fastest
+    return rates
+
+
+def _decoding_seconds(chunks: Sequence[bytes]) -> float:
+    began = time.process_time()
+    for data in chunks:
+        decode_chunk(data)
+    return max(time.process_time() - began, 1e-9)

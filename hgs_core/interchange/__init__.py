@@ -1,0 +1,6 @@
+"""Scenes in the formats of others: 3DGS and STGS point clouds, .splat, .splatv and SPZ (docs/interchange.md)."""
+
+from hgs_core.interchange.formats import IMPORTED, export_scene, import_scene
+from hgs_core.interchange.moment import scene_at
+
+__all__ = ["IMPORTED", "export_scene", "import_scene", "scene_at"]

@@ -1,0 +1,91 @@
+"""PLY files as tables: the vertices' numbers by property name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.errors import InputError
+
+__all__ = ["columns", "read_ply", "write_ply"]
+
+_TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2", "ushort": "<u2",
+    "uint16": "<u2", "int": "<i4", "int32": "<i4", "uint": "<u4", "uint32": "<u4", "float": "<f4", "float32": "<f4",
+    "double": "<f8", "float64": "<f8",
+}  # fmt: skip
+_LONGEST_HEADER = 1 << 16
+
+Floats = NDArray[np.float32]
+Table = Mapping[str, Floats]
+
+
+def read_ply(path: Path) -> dict[str, Floats]:
+    """Read the vertices of a binary little-endian PLY file: one float32 array [N] per property.
+
+    Raises:
+        InputError: the file is missing, is no such file, or is shorter than its header says.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({error.strerror})", "give a .ply file of splats") from error
+    end = data.find(b"end_header\n", 0, _LONGEST_HEADER)
+    if not data.startswith(b"ply\n") or end < 0:
+        raise InputError(path, "is not a PLY file: it has no PLY header", "give a .ply file of splats")
+    dtype, count = _layout(path, data[:end].decode("ascii", "replace").split("\n"))
+    begin = end + len(b"end_header\n")
+    if len(data) - begin < count * dtype.itemsize:
+        raise InputError(
+            path, f"has {len(data) - begin} bytes of vertices, {count} need {count * dtype.itemsize}", "copy it again"
+        )
+    rows = np.frombuffer(data, dtype, count, begin)
+    return {name: rows[name].astype(np.float32) for name in dtype.names or ()}
+
+
+def _layout(path: Path, header: Sequence[str]) -> tuple[np.dtype[Any], int]:
+    """Return type and number of the vertices; they must be the file's first element."""
+    count, element = -1, ""
+    fields: list[tuple[str, str]] = []
+    for line in header:
+        match line.split():
+            case ["format", kind, *_] if kind != "binary_little_endian":
+                raise InputError(path, f"is in the format {kind}", "save it as binary_little_endian")
+            case ["element", name, number]:
+                element = name
+                if count < 0 and (name != "vertex" or not number.isdecimal()):
+                    raise InputError(path, f"begins with the element {name} {number}", "its vertices must come first")
+                count = int(number) if name == "vertex" else count
+            case ["property", kind, name] if element == "vertex":
+                if kind not in _TYPES or name in dict(fields):
+                    raise InputError(path, f"has the vertex property {kind} {name}, unknown or twice")
+                fields.append((name, _TYPES[kind]))
+            case ["property", "list", *_] if element == "vertex":
+                raise InputError(path, "has vertices with lists: it holds no splats", "give a .ply file of splats")
+    if count < 0:
+        raise InputError(path, "has no vertices", "give a .ply file of splats")
+    return np.dtype(fields), count
+
+
+def columns(path: Path, table: Table, names: Sequence[str]) -> Floats:
+    """Return some properties as one array [N, C].
+
+    Raises:
+        InputError: one is missing.
+    """
+    missing = [name for name in names if name not in table]
+    if missing:
+        raise InputError(path, f"has no vertex property {missing[0]}", "give a .ply file of splats")
+    return np.stack([table[name] for name in names], axis=1)
+
+
+def write_ply(table: Table) -> bytes:
+    """Return a binary little-endian PLY file with these properties, as float."""
+    rows = np.stack(list(table.values()), axis=1).astype("<f4")
+    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(rows)}"]
+    header += [f"property float {name}" for name in table]
+    return "\n".join([*header, "end_header\n"]).encode() + rows.tobytes()

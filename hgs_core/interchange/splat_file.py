@@ -1,0 +1,66 @@
+""".splat files (antimatter15): 32 bytes a splat, no header.
+
+f32 x, y, z; f32 standard deviations; u8 r, g, b, opacity; u8 quaternion w, x, y, z as 128 + 128 q. Axes as ours.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.errors import InputError
+from hgs_core.scene.splats import StaticSplats
+
+__all__ = ["SPLAT_BYTES", "read_splat", "rgba_bytes", "splat_file"]
+
+SPLAT_BYTES = 32
+_ROW = np.dtype([("mean", "<f4", 3), ("deviation", "<f4", 3), ("rgba", "u1", 4), ("quat", "u1", 4)])
+_OPACITIES = (1e-6, 1 - 1e-6)  # whose logits stand for 0 and 1
+
+Floats = NDArray[np.float32]
+
+
+def rgba_bytes(rgb: Floats, opacity_logits: Floats) -> NDArray[np.uint8]:
+    """Return colours and opacities [N, 4] as bytes."""
+    opacity = np.exp(-np.logaddexp(0.0, -opacity_logits.astype(np.float64)))
+    rgba = np.concatenate([rgb, opacity[:, None]], axis=1)
+    return np.asarray(np.rint(np.clip(rgba, 0, 1) * 255), np.uint8)
+
+
+def splat_file(splats: StaticSplats[Floats]) -> bytes:
+    """Return the file; large and opaque splats come first, so that a beginning of it shows most."""
+    rows = np.zeros(len(splats), _ROW)
+    rows["mean"], rows["deviation"] = splats.means, np.exp(splats.log_scales)
+    rows["rgba"] = rgba_bytes(splats.rgb, splats.opacity_logits)
+    norm = np.linalg.norm(splats.quats, axis=1, keepdims=True)
+    quats = np.where(norm < 1e-12, (1.0, 0.0, 0.0, 0.0), splats.quats / np.where(norm < 1e-12, 1.0, norm))
+    rows["quat"] = np.clip(np.rint(quats * 128 + 128), 0, 255)
+    shown = splats.log_scales.astype(np.float64).sum(axis=1) + np.log(rows["rgba"][:, 3] + 1e-3)
+    return rows[np.argsort(-shown, kind="stable")].tobytes()
+
+
+def read_splat(path: Path) -> StaticSplats[Floats]:
+    """Read a .splat file.
+
+    Raises:
+        InputError: the file is missing, or not made of whole splats.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({error.strerror})", "give a .splat file") from error
+    if len(data) % SPLAT_BYTES or not data:
+        raise InputError(path, f"has {len(data)} bytes, no multiple of {SPLAT_BYTES}", "copy it again")
+    rows = np.frombuffer(data, _ROW)
+    opacity = np.clip(rows["rgba"][:, 3] / 255, *_OPACITIES)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        log_scales = np.log(rows["deviation"])
+    return StaticSplats(
+        rows["mean"].copy(),
+        log_scales,
+        (rows["quat"].astype(np.float32) - 128) / 128,
+        np.log(opacity / (1 - opacity)).astype(np.float32),
+        rows["rgba"][:, :3].astype(np.float32) / 255,
+    )

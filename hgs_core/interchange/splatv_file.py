@@ -1,0 +1,74 @@
+""".splatv files (antimatter15, splaTV): a 4D scene as the texture that its viewer draws from, 64 bytes a splat.
+
+u32 0x674b, u32 length of a JSON list of chunks, the list, the chunks. The one chunk is a texture of 4096 texels a row,
+four texels of four u32 a splat: f32 x, y, z, and halves in pairs: quaternion (w, x, y, z), standard deviations, a pair
+(unused, u8 r, g, b, opacity), nine motion coefficients, four of turning, centre and width of the life in [0, 1].
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.camera import Camera
+from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST
+from hgs_core.interchange.splat_file import rgba_bytes
+from hgs_core.scene.at_rest import at_rest
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+__all__ = ["SPLATV_BYTES", "splatv_file"]
+
+MAGIC = 0x674B
+SPLATV_BYTES = 64
+ROW_SPLATS = 1024
+LARGEST_HALF = 65504.0
+_ROW = np.dtype(
+    [
+        ("mean", "<f4", 3), ("quat", "<f2", 4), ("deviation", "<f2", 4), ("rgba", "u1", 4), ("motion", "<f2", 10),
+        ("omega", "<f2", 4), ("clock", "<f2", 2),
+    ]
+)  # fmt: skip
+
+Floats = NDArray[np.float32]
+
+
+def splatv_file(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], cameras: Sequence[Camera]) -> bytes:
+    """Return the file; the first camera is the one that the viewer starts from."""
+    sets = [at_rest(static), dynamic]
+    texture_rows = max(1, -(-(len(static) + len(dynamic)) // ROW_SPLATS))
+    rows = np.zeros(texture_rows * ROW_SPLATS, _ROW)
+    rows["clock"][:, 1] = 1  # what fills the texture up is transparent, and no division by zero
+    at = 0
+    for splats in sets:
+        part = rows[at : at + len(splats)]
+        at += len(splats)
+        part["mean"] = splats.motion[:, 0]
+        part["quat"] = _half(splats.rotation[:, 0])
+        part["deviation"][:, :3] = _half(np.exp(np.minimum(splats.log_scales, 11.0)))
+        part["rgba"] = rgba_bytes(splats.rgb, splats.opacity_logits)
+        part["motion"][:, :9] = _half(splats.motion[:, 1:].reshape(-1, 9))
+        part["omega"] = _half(splats.rotation[:, 1])
+        width = np.exp(np.clip(splats.time_log_precisions / -2, BRIEFEST, STEADIEST))
+        part["clock"] = _half(np.stack([splats.time_centers, np.maximum(width, 6e-5)], axis=1))
+    chunk = {
+        "type": "splat", "size": rows.nbytes, "texwidth": 4 * ROW_SPLATS, "texheight": texture_rows,
+        "cameras": [_camera(i, camera) for i, camera in enumerate(cameras)],
+    }  # fmt: skip
+    text = json.dumps([chunk], separators=(",", ":")).encode()
+    return np.array([MAGIC, len(text)], "<u4").tobytes() + text + rows.tobytes()
+
+
+def _half(values: Floats) -> NDArray[np.float16]:
+    return np.asarray(np.clip(values, -LARGEST_HALF, LARGEST_HALF), np.float16)
+
+
+def _camera(number: int, camera: Camera) -> dict[str, object]:
+    """Describe a camera as 3DGS's cameras.json does: its place, and its axes in the world as columns."""
+    return {
+        "id": number, "img_name": camera.name, "width": camera.width, "height": camera.height,
+        "position": camera.position.tolist(), "rotation": camera.world_to_camera[:3, :3].T.tolist(),
+        "fx": camera.fx, "fy": camera.fy,
+    }  # fmt: skip

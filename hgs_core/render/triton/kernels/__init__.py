@@ -1,0 +1,3 @@
+"""The kernels themselves: Triton's dialect of Python, which no type checker reads."""
+
+__all__: list[str] = []

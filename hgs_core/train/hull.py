@@ -1,0 +1,57 @@
+"""Dynamic splats that have left what moves.
+
+They start in the visual hull of the moving pixels, where most views see something move. Those that training has pushed
+out of it since, or whose motion carries them out, show nothing that moves: at best they repair what stands still, a few
+frames at a time, and to a camera between the training cameras they are flecks in empty space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from torch import Tensor
+
+from hgs_core.camera import Camera
+from hgs_core.decompose.labels import label_points
+from hgs_core.scene.splats import DynamicSplats
+from hgs_core.scene.temporal import evaluate
+
+__all__ = ["strayed"]
+
+_INSIDE = 0.5  # mean share of the views that must see something move there
+_BRIEF = (
+    0.25  # normalised time to half the opacity; a splat that lives longer may be a restless static, outside of masks
+)
+_MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
+
+
+def strayed(
+    dynamic: DynamicSplats[Tensor],
+    cameras: Sequence[Camera],
+    frames: int,
+    moving: Callable[[int], Sequence[npt.NDArray[np.bool_]]],
+) -> npt.NDArray[np.bool_]:
+    """Return [M] which dynamic splats live briefly and outside of the hull of what moves.
+
+    A splat is looked at in the middle of its life and where its opacity has halved, as far as the segment goes.
+
+    Args:
+        dynamic: the splats.
+        cameras: whose masks `moving` gives.
+        frames: of the segment, evenly over normalised time.
+        moving: gives the masks [H, W] of all cameras at a frame of the segment.
+    """
+    arrays = dynamic.map(lambda array: array.detach().numpy())
+    half_life = np.sqrt(np.log(2) / np.exp(arrays.time_log_precisions.astype(np.float64)))
+    share, looked = np.zeros(len(dynamic)), np.zeros(len(dynamic))
+    last = max(1, frames - 1)
+    moments = np.stack([arrays.time_centers + part * half_life for part in _MOMENTS])  # [3, M]
+    at = np.where((moments >= 0) & (moments <= 1), np.rint(moments * last), -1).astype(np.int64)
+    for frame in np.unique(at[at >= 0]):
+        rows = np.flatnonzero((at == frame).any(0))
+        xyz, _, _ = evaluate(arrays.take(rows), float(frame / last))
+        share[rows] += label_points(cameras, moving(int(frame)), xyz)
+        looked[rows] += 1
+    return np.asarray((half_life < _BRIEF) & (looked > 0) & (share < _INSIDE * looked))

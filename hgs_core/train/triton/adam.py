@@ -1,0 +1,49 @@
+"""Adam on tensors of the device that the Triton kernels run on."""
+
+from __future__ import annotations
+
+import math
+
+import triton
+from torch import Tensor
+
+from hgs_core.render.triton.device import launching_on
+from hgs_core.train.triton.kernels.adam import adam
+
+__all__ = ["adam_step"]
+
+_BLOCK = 1024
+
+
+def adam_step(
+    parameters: Tensor,
+    gradients: Tensor,
+    first_moments: Tensor,
+    second_moments: Tensor,
+    learning_rate: float,
+    step: int,
+    *,
+    beta1: float,
+    beta2: float,
+    epsilon: float,
+) -> None:
+    """Take one step of Adam with bias correction (Kingma and Ba 2015, algorithm 1), in place.
+
+    Args:
+        parameters: any shape, float32, contiguous; changed.
+        gradients: same shape.
+        first_moments: same shape, zero before the first step; changed.
+        second_moments: same shape, zero before the first step; changed.
+        learning_rate: step size.
+        step: number of this step, 1 for the first.
+        beta1: decay of the first moments.
+        beta2: decay of the second moments.
+        epsilon: added to the root of the corrected second moment.
+    """
+    count = parameters.numel()
+    rate, inverse_root = learning_rate / (1 - beta1**step), 1 / math.sqrt(1 - beta2**step)
+    with launching_on(parameters.device):
+        adam[(triton.cdiv(count, _BLOCK),)](
+            parameters, gradients, first_moments, second_moments, rate, inverse_root, count,
+            BETA1=beta1, BETA2=beta2, EPSILON=epsilon, BLOCK=_BLOCK,
+        )  # fmt: skip
