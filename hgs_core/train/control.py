@@ -24,6 +24,7 @@ from hgs_core.train.density import DensityRound, joined, refine
 from hgs_core.train.hull import strayed
 from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
+from hgs_core.train.lives import haunting, trimmed
 from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
 from hgs_core.train.residuals import temporal_residuals
 from hgs_core.train.schedule import Schedule
@@ -99,28 +100,35 @@ def control_contributions(
 def control_births(
     state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, cycle: int
 ) -> None:
-    """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left."""
+    """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left.
+
+    Before, the lives of those there are end where still pixels are wrong.
+    """
     generator = np.random.default_rng((config.seed, 5, cycle))
     instants = min(_BIRTH_INSTANTS, segment.frames)
     most = max(0, config.max_dynamic - len(state.dynamic)) // 2
-    if most == 0:
-        return
     known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
     ranges = depth_ranges(views.cameras, known)
     fixed = [
         FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
         for camera in views.cameras
     ]
-    born = []
+    born, moments, ghosts = [], [], []
     for instant in views.instants(instants, generator):
         errors = [
             picture_error(view.frame(state.dynamic, instant.moment).rgb, truth)
             for view, truth in zip(fixed, instant.pictures, strict=True)
         ]
+        moments.append(instant.moment)
+        ghosts.append(haunting(state.dynamic, views.cameras, instant.moment, instant.moving, errors))
+        if most == 0:
+            continue
         found = find_births(views.cameras, instant.pictures, instant.moving, errors, ranges)
         count = len(found.points)
         alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
         born.append(Births(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
+    shortened, changed = trimmed(state.dynamic, np.array(moments), np.stack(ghosts))
+    state.dynamic = _kept(state.dynamic, state.dynamic_adam, ~changed, shortened.take(_rows(changed)))
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
     points = chosen_births(born, most, generator)
     _, dynamic = initial_splats(points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
