@@ -63,7 +63,9 @@ def measure_utility(
                 camera = cameras[(frame + i * step) % len(cameras)]
                 # The view of a frame that is drawn whole changes from frame to frame, and with it the camera.
                 all_tiles = (frame * count + (i + frame // max(1, every // count)) % count) % every == 0
-                tiles = None if all_tiles else tiles_of_dynamic(segment.dynamic, camera, moment)
+                tiles = None
+                if not all_tiles:
+                    tiles = tiles_of_dynamic(segment.dynamic, camera, moment, antialiased=antialiased)
                 if tiles is not None and not tiles.any():
                     continue
                 seen = contributions(

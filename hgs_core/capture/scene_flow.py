@@ -27,7 +27,6 @@ _BLOCKED = 40.0  # levels of 255: a view that disagrees by more does not see the
 _EFFORT = 0.3  # levels per pixel: of two equally good places the nearer one
 _NEIGHBOURS = 8  # points that move alike
 _FEWEST_VIEWS = 2
-
 _SLOW = 1.5  # pixels per frame: what is slower is left at rest, as displacements are found in whole pixels
 
 Floats = npt.NDArray[np.floating[Any]]
@@ -81,12 +80,12 @@ def scene_flow(
     unit = np.nanmean(pixel[:, known], axis=0)  # world units per pixel
     alike = _nearest(points)
     found = np.zeros_like(points)
-    for size, radius in _LEVELS:
+    for level, (size, radius) in enumerate(_LEVELS):
         steps = _ball(radius)
         trials = points[:, None] + found[:, None] + steps * (unit / size)[:, None, None]
         cost = _disagreement(cameras, now, later, seen, points, trials, size)
         cost += _EFFORT * np.linalg.norm(steps, axis=1).astype(np.float32) / size
-        if radius == _LEVELS[0][1]:
+        if level == 0:
             cost = cost[alike].mean(1)  # all of them start from the same place
         found = (trials - points[:, None])[np.arange(len(points)), cost.argmin(1)]
         found = np.median(found[alike], axis=1)

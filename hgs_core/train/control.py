@@ -132,7 +132,7 @@ def control_births(
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
     points = chosen_births(born, most, generator)
     _, dynamic = initial_splats(points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
-    state.dynamic = _kept(state.dynamic, state.dynamic_adam, np.ones(len(state.dynamic), np.bool_), dynamic)
+    state.dynamic = _kept(state.dynamic, state.dynamic_adam, None, dynamic)
     state.history.births += len(dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
@@ -150,7 +150,7 @@ def control_infill(
         state.static, state.dynamic, views.everywhere(cycle), config, state.shown, ranges, most, generator
     )
     static, _ = initial_splats(points, segment.clock, segment.frames, opacity=_INFILL_OPACITY)
-    state.static = _kept(state.static, state.static_adam, np.ones(len(state.static), np.bool_), static)
+    state.static = _kept(state.static, state.static_adam, None, static)
     state.history.infilled += len(static)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
@@ -182,9 +182,9 @@ def control_labels(
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 
-def _kept(splats: S, adam: Adam[S], kept: Mask, added: S | None = None) -> S:
-    """Return the splats that are kept and those added; the optimiser follows, without moments of the new ones."""
-    rows = _rows(kept)
+def _kept(splats: S, adam: Adam[S], kept: Mask | None, added: S | None = None) -> S:
+    """Return the splats that are kept (None: all) and those added; the optimiser follows, with no moments of these."""
+    rows = torch.arange(len(splats)) if kept is None else _rows(kept)
     adam.select(rows, 0 if added is None else len(added))
     left = splats.take(rows)
     return left if added is None else joined(left, added)

@@ -21,9 +21,7 @@ from hgs_core.scene.temporal import evaluate
 __all__ = ["strayed"]
 
 _INSIDE = 0.5  # mean share of the views that must see something move there
-_BRIEF = (
-    0.25  # normalised time to half the opacity; a splat that lives longer may be a restless static, outside of masks
-)
+_BRIEF = 0.25  # normalised time to half the opacity; what lives longer may be a restless static, outside of masks
 _MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
 
 

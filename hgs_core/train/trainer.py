@@ -73,7 +73,7 @@ class Trainer:
         after: TrainState | None = None,
     ) -> None:
         self.config, self.checkpoint, self.segment = config, checkpoint, segment
-        self.statics_learn, self.masked = after is None, masks is not None
+        self.statics_learn = after is None
         self.device = training_device(config.backend)
         self.views = TrainingViews(capture, cameras, config, segment, masks, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
@@ -155,7 +155,7 @@ class Trainer:
         if self.schedule.prunes_after(cycle):
             with timed("pruning"), self._on(_HOST):
                 control_contributions(state, config, self.views, self.segment, self.statics_learn)
-        if self.masked and self.schedule.births_after(cycle):
+        if self.views.masked and self.schedule.births_after(cycle):
             with timed("births"), self._on(_HOST):
                 control_births(state, config, self.views, self.segment, cycle)
         if self.statics_learn and self.schedule.infills_after(cycle):

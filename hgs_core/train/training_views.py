@@ -94,8 +94,7 @@ class TrainingViews:
     def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
         """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
         for index, frames in self.order.everywhere(cycle):
-            masked = self._masks is not None
-            yield [self._view(self._on_host, index, frame, 1.0, masked) for frame in frames]
+            yield [self._view(self._on_host, index, frame, 1.0, self.masked) for frame in frames]
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:
         """Yield every training camera, at half size, with the same at most `moments` normalised times."""
@@ -107,16 +106,12 @@ class TrainingViews:
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
         """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""
-        assert self._masks is not None
         every = -(-self._segment.frames // count)
         for frame in range(int(generator.integers(every)), self._segment.frames, every):
-            frame += self._segment.first
-            seconds = float(self._capture.times[frame])
-            yield Instant(
-                seconds, self._segment.clock.normalised(seconds),
-                [self._capture.frame(index, frame) for index in self._training],
-                [self._masks.mask(index, frame) for index in self._training],
-            )  # fmt: skip
+            number = self._segment.first + frame
+            seconds = float(self._capture.times[number])
+            pictures = [self._capture.frame(index, number) for index in self._training]
+            yield Instant(seconds, self._segment.clock.normalised(seconds), pictures, self.moving(frame))
 
     def _view(self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
         frame += self._segment.first

@@ -15,6 +15,7 @@ from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import Render, ScreenStatistics, View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from tests.hgs_core.render.hard_cases import HardCase
 from tests.tolerances import assert_close
 
 Backend = Callable[[StaticSplats[Tensor] | None, DynamicSplats[Tensor] | None, View], Render]
@@ -88,6 +89,17 @@ def relative_error(actual: Tensor, truth: Tensor) -> float:
     error = torch.linalg.vector_norm(actual.double() - truth.double())
     relative = float(error / torch.linalg.vector_norm(truth.double()).clamp_min(_SMALLEST))
     return relative if relative == relative else float("inf")
+
+
+def check_case(case: HardCase, backend: str, truth: Result | None = None) -> None:
+    """Assert that a backend in float32 keeps a hard case's bounds; `truth`: the reference in float64, if at hand."""
+    truth = truth or differentiate("reference", torch.float64, case.static, case.dynamic, case.view)
+    result = differentiate(backend, torch.float32, case.static, case.dynamic, case.view)
+    for kind, image in truth.pictures().items():
+        assert relative_error(result.pictures()[kind], image) <= case.image, kind
+    gradients = result.gradients()
+    for parameter, gradient in truth.gradients().items():
+        assert relative_error(gradients[parameter], gradient) <= case.gradient, parameter
 
 
 def compare(

@@ -10,7 +10,7 @@ import torch
 from hgs_core.camera import Camera
 from hgs_core.render.types import View
 from hgs_core.scene import StaticSplats
-from tests.hgs_core.render.comparison import BACKENDS, Result, differentiate, every_backend, relative_error
+from tests.hgs_core.render.comparison import BACKENDS, Result, check_case, differentiate, every_backend
 from tests.hgs_core.render.hard_cases import CASES, front
 
 
@@ -31,13 +31,7 @@ def test_the_case_is_what_it_says(name: str) -> None:
 @every_backend
 @pytest.mark.parametrize("name", CASES)
 def test_float32_agrees_with_float64(name: str, backend: str) -> None:
-    case = CASES[name]()
-    result = differentiate(backend, torch.float32, case.static, case.dynamic, case.view)
-    for kind, image in truth(name).pictures().items():
-        assert relative_error(result.pictures()[kind], image) <= case.image, kind
-    gradients = result.gradients()
-    for parameter, gradient in truth(name).gradients().items():
-        assert relative_error(gradients[parameter], gradient) <= case.gradient, parameter
+    check_case(CASES[name](), backend, truth(name))
 
 
 def screen_filling(count: int) -> StaticSplats[torch.Tensor]:
