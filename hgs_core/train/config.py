@@ -68,6 +68,8 @@ class TrainConfig:
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # splats of less weight in every pixel of every training view are removed; 0: none
     dssim: float = 0.2  # lambda of the loss
+    settle_from: float = 0.6  # share of `cycles` after which steps of all but positions become smaller
+    settled: float = 0.02  # what is left of them at the end
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     labels: str = "auto"  # auto: from masks; dynamic, static: all splats alike
@@ -108,6 +110,8 @@ class TrainConfig:
             "dssim",
             "coarse_until",
             "infill",
+            "settle_from",
+            "settled",
         ):
             value = getattr(self, name)
             if not 0 <= value <= 1:

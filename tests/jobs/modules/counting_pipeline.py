@@ -23,7 +23,7 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_CYCLE = 0.02
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)
