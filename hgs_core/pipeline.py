@@ -71,7 +71,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
         masks.save(folder.masks)
     points = initial_points(
         capture, cameras, masks, every=capture.frames_in(config.init_interval), static_target=config.static_points,
-        dynamic_target=config.dynamic_points, seed=config.seed, progress=progress,
+        dynamic_target=config.first_dynamic_points(capture.seconds), seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
 

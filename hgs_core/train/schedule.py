@@ -26,6 +26,7 @@ class Schedule:
     config: TrainConfig
     extent: float  # world units; positions move in multiples of it
     frames: int  # of the segment
+    seconds: float = 0.0  # of the segment
 
     def resolution(self, cycle: int) -> float:
         """Return the factor by which pictures are resized: coarse first, then full."""
@@ -54,6 +55,11 @@ class Schedule:
         """Return whether a round of births follows this cycle."""
         rounds = {round(share * self.config.cycles) for share in _BIRTHS[: self.config.birth_rounds]}
         return cycle + 1 in rounds
+
+    @property
+    def splat_budgets(self) -> tuple[int, int]:
+        """Return how many static and dynamic splats the segment may have in the end."""
+        return self.config.splat_budgets(self.seconds)
 
     def budget(self, cycle: int, initial: int, final: int) -> int:
         """Return the splats allowed after the round that follows `cycle`: from `initial` to `final`, linearly."""
