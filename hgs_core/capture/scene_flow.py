@@ -26,6 +26,7 @@ _LEVELS = ((0.25, 5), (0.5, 2), (1.0, 2))  # size of the pictures, and the pixel
 _BLOCKED = 40.0  # levels of 255: a view that disagrees by more does not see the point, and counts no further
 _EFFORT = 0.3  # levels per pixel: of two equally good places the nearer one
 _NEIGHBOURS = 8  # points that move alike
+_LEADERS = 500  # points that look far around themselves, most of the work; the others begin where the nearest one ended
 _FEWEST_VIEWS = 2
 _SLOW = 1.5  # pixels per frame: what is slower is left at rest, as displacements are found in whole pixels
 
@@ -78,17 +79,21 @@ def scene_flow(
         return flow.astype(np.float32)
     points, seen = np.asarray(xyz, np.float64)[known], seen[:, known]
     unit = np.nanmean(pixel[:, known], axis=0)  # world units per pixel
+    leaders = np.unique(np.linspace(0, len(points) - 1, _LEADERS).astype(np.int64))
+    follow = _squares(points, points[leaders]).argmin(1)
     alike = _nearest(points)
     found = np.zeros_like(points)
     for level, (size, radius) in enumerate(_LEVELS):
+        rows, near = (leaders, _nearest(points[leaders])) if level == 0 else (np.arange(len(points)), alike)
         steps = _ball(radius)
-        trials = points[:, None] + found[:, None] + steps * (unit / size)[:, None, None]
-        cost = _disagreement(cameras, now, later, seen, points, trials, size)
+        trials = points[rows, None] + found[rows, None] + steps * (unit[rows] / size)[:, None, None]
+        cost = _disagreement(cameras, now, later, seen[:, rows], points[rows], trials, size)
         cost += _EFFORT * np.linalg.norm(steps, axis=1).astype(np.float32) / size
         if level == 0:
-            cost = cost[alike].mean(1)  # all of them start from the same place
-        found = (trials - points[:, None])[np.arange(len(points)), cost.argmin(1)]
-        found = np.median(found[alike], axis=1)
+            cost = cost[near].mean(1)  # all of them start from the same place
+        best = (trials - points[rows, None])[np.arange(len(rows)), cost.argmin(1)]
+        best = np.median(best[near], axis=1)
+        found = best[follow] if level == 0 else best
     quick = np.linalg.norm(found, axis=1) >= _SLOW * unit
     flow[known[quick]] = found[quick]
     return flow.astype(np.float32)
@@ -138,5 +143,9 @@ def _ball(radius: int) -> npt.NDArray[np.float64]:
 def _nearest(points: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
     """Return [P, k] the rows of each point's nearest points, itself among them."""
     count = min(_NEIGHBOURS, len(points))
-    squares = ((points**2).sum(1)[:, None] + (points**2).sum(1)) - 2 * points @ points.T
-    return np.asarray(np.argpartition(squares, count - 1, axis=1)[:, :count])
+    return np.asarray(np.argpartition(_squares(points, points), count - 1, axis=1)[:, :count])
+
+
+def _squares(points: npt.NDArray[np.float64], others: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the squared distances [P, Q] of points [P, 3] from others [Q, 3]."""
+    return np.asarray((points**2).sum(1)[:, None] + (others**2).sum(1) - 2 * points @ others.T)
