@@ -55,10 +55,10 @@ class TrainConfig:
     seed: int = 0
     cycles: int = 12_000
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
-    dynamic_points: int = 5_000  # the same of what moves, for every second of the capture
+    dynamic_points: int = 8_000  # the same of what moves, for every second of the capture
     init_interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     max_static: int = 80_000  # splat budgets
-    max_dynamic: int = 10_000  # for every second of a segment
+    max_dynamic: int = 15_000  # for every second of a segment
     density: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
@@ -211,13 +211,13 @@ def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "cycles": 2_500, "dynamic_points": 3_000,
-        "max_static": 35_000, "max_dynamic": 5_000, "coarse_until": 0.4,
+        "cycles": 2_500, "dynamic_points": 5_000,
+        "max_static": 35_000, "max_dynamic": 8_000, "coarse_until": 0.4,
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 7_500,
-        "max_static": 120_000, "max_dynamic": 20_000, "coarse_until": 0.15,
+        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 10_000,
+        "max_static": 120_000, "max_dynamic": 25_000, "coarse_until": 0.15,
     },
 }  # fmt: skip
 """What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
