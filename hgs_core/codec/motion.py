@@ -15,7 +15,7 @@ from hgs_core.codec.rotations import canonical, product, turn_between
 from hgs_core.codec.steps import Steps
 from hgs_core.scene.motion import position as place
 
-__all__ = ["MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
+__all__ = ["MOMENTS", "Path", "highest_order", "least_squares", "motion_numbers", "turning_numbers"]
 
 MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
 # Steps of the coefficients m1 to m5 in steps of the position. An error of a high order is mostly made good by the
@@ -86,7 +86,7 @@ def motion_numbers(
     own = steps.own_position[:, None]
     costs = []
     for order in tried:
-        fitted = _fitted(powers[..., : order + 1], goal, path.weights)
+        fitted = least_squares(powers[..., : order + 1], goal, path.weights)
         error = np.abs(goal - powers[..., : order + 1] @ fitted)
         cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
         excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_SHIFT * steps.position
@@ -101,7 +101,7 @@ def motion_numbers(
         step = float(np.float32(MOTION_STEPS[order - 1] * steps.position))
         basis = powers[members]
         leading = np.rint(
-            _fitted(basis[..., : order + 1], left[members], path.weights[members])[:, order] / step
+            least_squares(basis[..., : order + 1], left[members], path.weights[members])[:, order] / step
         ).astype(np.int64)
         numbers[MOTION_ORDERS[order - 1]] = leading, step
         left = left.copy()
@@ -111,7 +111,7 @@ def motion_numbers(
     return numbers, orders
 
 
-def _fitted(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
+def least_squares(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
     """Return the coefficients [N, K, 3] of weighted least squares of `basis` [N, J, K] to `goal` [N, J, 3].
 
     Lives so short that the moments cannot tell the orders apart get the least coefficients.

@@ -84,8 +84,7 @@ def _dynamic(r: np.random.Generator, count: int, smallest: float, largest: float
 
 
 def _encode_clouds(out: Path) -> None:
-    """A still cloud, and clouds in two segments of one second that fly, turn, appear and vanish, the second ones
-    by the fifth power of time.
+    """A still cloud, and clouds in two segments of one second that fly, turn, come and go; the second by d^5, too.
 
     Three cameras look at it from the side, from above and askew, with unlike focal lengths. Their directions are no
     simple ratios: on the codec's grid of positions those would give many splats equal depth.
