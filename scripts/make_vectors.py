@@ -48,10 +48,10 @@ def statics(count: int, seed: int, spread: float = 2.0) -> StaticSplats[Floats]:
     )
 
 
-def dynamics(count: int, seed: int, motion: float = 0.3) -> DynamicSplats[Floats]:
+def dynamics(count: int, seed: int, motion: float = 0.3, order: int = 3) -> DynamicSplats[Floats]:
     rng = np.random.default_rng(seed)
     still = statics(count, seed)
-    coefficients = rng.normal(0, motion, (count, 4, 3)).astype(np.float32)
+    coefficients = rng.normal(0, motion, (count, order + 1, 3)).astype(np.float32)
     coefficients[:, 0] = still.means
     rotation = np.stack([still.quats, rng.normal(0, motion, (count, 4)).astype(np.float32)], axis=1)
     return DynamicSplats(
@@ -108,7 +108,11 @@ def with_planes(data: bytes, attribute: int, planes: list[bytes]) -> bytes:
     return pack(dataclasses.replace(container, streams=tuple(streams)))
 
 
-def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
+def of_version(data: bytes, version: int) -> bytes:
+    return pack(dataclasses.replace(unpack(data), version=version))
+
+
+def invalid(static: bytes, dynamic: bytes, fifth: bytes) -> dict[str, bytes]:
     entry = HEADER.size
     container = unpack(static)
     first, second = container.streams[:2]
@@ -128,7 +132,7 @@ def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
         "flipped_bit": bytes(flipped),
         "wrong_magic": b"PLY\n" + static[4:],
         "earlier_version": poke(static, 4, "B", 1),
-        "later_version": poke(static, 4, "B", 3),
+        "later_version": poke(static, 4, "B", 4),
         "unknown_kind": poke(static, 5, "B", 2),
         "too_many_attributes": poke(static, 6, "B", 255),
         "reserved_byte": poke(static, 7, "B", 1),
@@ -168,6 +172,11 @@ def invalid(static: bytes, dynamic: bytes) -> dict[str, bytes]:
         "rows_without_form": without(dynamic, 18),
         "form_without_attribute": without(dynamic, 19),
         "form_of_fewer_rows": with_planes(dynamic, 18, [b"\x07" * forms]),
+        "form_beyond_the_version": of_version(fifth, 2),
+        "form_beyond_the_fifth": with_planes(fifth, 18, [b"\x10" * unpack(fifth).count]),
+        "form_of_fifth_without_third": with_planes(fifth, 18, [b"\x0a" * unpack(fifth).count]),
+        "fifth_without_attribute": without(fifth, 24),
+        "fourth_without_rows": with_planes(fifth, 18, [b"\x07" * unpack(fifth).count]),
     }
 
 
@@ -219,7 +228,7 @@ def manifest() -> dict[str, object]:
 WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["format"], "ply", "manifest.format"),
     (["version"], 1, "manifest.version"),
-    (["version"], 3, "manifest.version"),
+    (["version"], 4, "manifest.version"),
     (["title"], 3, "manifest.title"),
     (["title"], None, "manifest.title"),
     (["end"], -1.0, "manifest.end"),
@@ -249,12 +258,16 @@ WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
 def main() -> None:
     (OUT / "invalid").mkdir(parents=True, exist_ok=True)
     static, dynamic = static_chunk(statics(40, 1)), dynamic_chunk(dynamics(40, 2))
+    # Of motions so large that splats of the fifth order lie among splats of lower ones.
+    fifth = dynamic_chunk(dynamics(40, 6, motion=30.0, order=5))
     valid: dict[str, Callable[[], bytes]] = {
         "static": lambda: static,
         "static_one": lambda: static_chunk(statics(1, 3)),
         "static_wide": lambda: static_chunk(statics(30, 4, spread=3000.0)),
         "static_unknown_attribute": lambda: with_unknown_attribute(static),
         "dynamic": lambda: dynamic,
+        "dynamic_fifth_order": lambda: fifth,
+        "dynamic_version_3": lambda: of_version(dynamic, 3),
         "dynamic_still": lambda: dynamic_chunk(dynamics(20, 5, motion=0.0)),
     }
     for name, make in valid.items():
@@ -262,7 +275,7 @@ def main() -> None:
         (OUT / f"{name}.chunk").write_bytes(data)
         (OUT / f"{name}.json").write_text(json.dumps(expected(data), indent=1) + "\n")
     errors: dict[str, object] = {}
-    for name, data in invalid(static, dynamic).items():
+    for name, data in invalid(static, dynamic, fifth).items():
         (OUT / "invalid" / f"{name}.chunk").write_bytes(data)
         errors[name] = error_of(data)
     (OUT / "invalid.json").write_text(json.dumps(errors, indent=1) + "\n")

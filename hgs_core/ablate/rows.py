@@ -51,6 +51,7 @@ ROWS: Mapping[str, Row] = {
         Row("train-together", "Is one step for both sets as good as one for each?", {"stages": "together"}),
         Row("order-1", "Is straight motion enough?", {"motion_order": 1}),
         Row("order-2", "Is motion with constant acceleration enough?", {"motion_order": 2}),
+        Row("order-5", "Does motion of the fifth order, in place of a cubic, show more?", {"motion_order": 5}),
         Row(
             "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
             {"labels": "dynamic", "adaptive_labels": False, "stages": "together"},

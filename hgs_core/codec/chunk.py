@@ -12,10 +12,21 @@ from hgs_core.codec.attributes import Kind
 from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.quantise import MAX_ZERO, Grid
 
-__all__ = ["MAX_CHUNK_BYTES", "MAX_SPLATS", "Bounds", "Box", "Container", "Stream", "pack", "unpack", "varint"]
+__all__ = [
+    "MAX_CHUNK_BYTES",
+    "MAX_SPLATS",
+    "VERSIONS",
+    "Bounds",
+    "Box",
+    "Container",
+    "Stream",
+    "pack",
+    "unpack",
+    "varint",
+]
 
 MAGIC = b"HGSC"
-VERSION = 2
+VERSIONS = (2, 3)  # of the format; the second has motions of the fifth order
 MAX_SPLATS = 1 << 20
 MAX_CHUNK_BYTES = 1 << 28
 
@@ -62,6 +73,7 @@ class Container:
     box: Box
     bounds: Bounds
     streams: tuple[Stream, ...]
+    version: int = VERSIONS[0]
 
 
 def pack(container: Container) -> bytes:
@@ -70,7 +82,7 @@ def pack(container: Container) -> bytes:
     planes = [plane for stream in container.streams for plane in stream.planes]
     total = HEADER.size + len(table) + sum(map(len, planes)) + CHECKSUM.size
     header = HEADER.pack(
-        MAGIC, VERSION, container.kind, len(container.streams), 0, container.count, container.index, total,
+        MAGIC, container.version, container.kind, len(container.streams), 0, container.count, container.index, total,
         *container.box[0], *container.box[1], *container.time_range, *container.bounds,
     )  # fmt: skip
     body = b"".join([header, table, *planes])
@@ -88,7 +100,7 @@ def unpack(data: bytes) -> Container:
     magic, version, kind, attributes, reserved, count, index, total, *numbers = HEADER.unpack_from(data)
     corners, (start, end), bounds = numbers[:6], numbers[6:8], numbers[8:]
     _expect(magic == MAGIC, 0, "magic", magic, MAGIC)
-    _expect(version == VERSION, 4, "version", version, VERSION)
+    _expect(version in VERSIONS, 4, "version", version, " or ".join(map(str, VERSIONS)))
     _expect(total == len(data), 16, "total length", total, f"{len(data)}, the length of the chunk")
     _expect(total <= MAX_CHUNK_BYTES, 16, "total length", total, f"at most {MAX_CHUNK_BYTES}")
     (checksum,) = CHECKSUM.unpack_from(data, len(data) - CHECKSUM.size)
@@ -102,7 +114,7 @@ def unpack(data: bytes) -> Container:
     _expect(all(a <= b for a, b in zip(*box, strict=True)), 20, "box", box, "ascending corners")
     _expect(math.isfinite(start) and math.isfinite(end) and start <= end, 44, "time range", (start, end), "ascending")
     _expect(all(math.isfinite(x) and x >= 0 for x in bounds), 60, "bounds", tuple(bounds), "finite, not negative")
-    return Container(Kind(kind), count, index, (start, end), box, Bounds(*bounds), _table(data, attributes))
+    return Container(Kind(kind), count, index, (start, end), box, Bounds(*bounds), _table(data, attributes), version)
 
 
 def _entry(stream: Stream) -> bytes:

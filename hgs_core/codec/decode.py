@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.codec import morton
-from hgs_core.codec.attributes import ATTRIBUTES, BY_ID, MOTION_ORDERS, TURNS, Attribute, Kind
-from hgs_core.codec.chunk import Bounds, Box, Container, Stream, unpack
+from hgs_core.codec.attributes import ATTRIBUTES, BY_ID, FIFTH, LARGEST_FORM, MOTION_ORDERS, Attribute, Kind
+from hgs_core.codec.chunk import VERSIONS, Bounds, Box, Container, Stream, unpack
 from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.quantise import MAX_BITS, eased, unit_quats
 from hgs_core.codec.streams import Transform, decompress, from_planes, undo_transform
+from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["DecodedChunk", "arrays_of", "decode_chunk", "dynamic_splats", "rows_of", "static_splats", "time_exponents"]
 
 TABLE = 80  # byte at which the attribute table begins
-LARGEST_FORM = TURNS + 3
 
 # An opacity of 1 has no logit; alpha is clamped to 0.99, so this one cannot be told from it.
 LARGEST_OPACITY = 1 - 1e-6
@@ -31,8 +31,9 @@ Rows = Mapping[str, NDArray[np.intp] | int]
 
 @dataclass(frozen=True)
 class DecodedChunk:
-    """What a chunk holds, float32. Static: means [N, 3], quats [N, 4]. Dynamic: motion [N, 4, 3], rotation [N, 2, 4],
-    time_centers [N], time_log_precisions [N]. Both: log_scales [N, 3], opacities [N] in [0, 1], rgb [N, 3].
+    """What a chunk holds, float32. Static: means [N, 3], quats [N, 4]. Dynamic: motion [N, K, 3], rotation [N, 2, 4],
+    time_centers [N], time_log_precisions [N]; K is 6 if a splat moves in the fifth order, else 4. Both:
+    log_scales [N, 3], opacities [N] in [0, 1], rgb [N, 3].
     """
 
     kind: Kind
@@ -42,6 +43,7 @@ class DecodedChunk:
     box: Box  # world units; holds the centre of every splat whenever it can be seen
     bounds: Bounds
     arrays: Mapping[str, Floats]
+    version: int = VERSIONS[0]
 
     def static(self) -> StaticSplats[Floats]:
         """Return the splats of a static chunk."""
@@ -91,6 +93,8 @@ def _decoded(container: Container) -> DecodedChunk:
         attribute = BY_ID.get(stream.attribute)
         if attribute is None or (attribute.dynamic_only and container.kind == Kind.STATIC):
             continue  # of a later version of the format
+        if attribute.version > container.version:
+            continue
         _check_entry(stream, attribute)
         streams[attribute.name] = stream
     rows = _rows(container, streams)
@@ -107,8 +111,9 @@ def _decoded(container: Container) -> DecodedChunk:
         if not np.isfinite(array).all():
             raise ChunkError(TABLE, f"{name} of splat {_first_bad(array)}", "not finite", "a finite number")
     return DecodedChunk(
-        container.kind, container.count, container.index, container.time_range, container.box, container.bounds, arrays
-    )
+        container.kind, container.count, container.index, container.time_range, container.box, container.bounds, arrays,
+        container.version,
+    )  # fmt: skip
 
 
 def arrays_of(kind: Kind, values: Mapping[str, Floats], rows: Rows, count: int) -> dict[str, Floats]:
@@ -141,9 +146,12 @@ def _rows(container: Container, streams: Mapping[str, Stream]) -> dict[str, NDAr
         return rows_of(container.kind, container.count, None)
     stream = streams["form"]
     codes = _codes(stream, ATTRIBUTES["form"], container.count)[0]
-    if codes.max() > LARGEST_FORM:
-        splat = int(codes.argmax())
-        raise ChunkError(stream.data_at[0], f"form of splat {splat}", codes[splat], f"at most {LARGEST_FORM}")
+    largest = LARGEST_FORM[container.version]
+    wrong = (codes > largest) | ((codes >= FIFTH) & ((codes & codes.dtype.type(3)) < 3))
+    if wrong.any():
+        splat = int(wrong.argmax())
+        expected = f"at most {largest}, of order 3 below the fifth"
+        raise ChunkError(stream.data_at[0], f"form of splat {splat}", codes[splat], expected)
     return rows_of(container.kind, container.count, codes)
 
 
@@ -162,12 +170,9 @@ def rows_of(
     if codes is None:
         return rows
     for name, attribute in ATTRIBUTES.items():
-        if attribute.rows_of == TURNS:
-            members = np.flatnonzero(codes & codes.dtype.type(TURNS))
-        elif attribute.rows_of:
-            members = np.flatnonzero((codes & codes.dtype.type(3)) >= attribute.rows_of)
-        else:
+        if not attribute.rows_of:
             continue
+        members = np.flatnonzero(attribute.among(codes))
         if len(members):
             rows[name] = members
     return rows
@@ -182,7 +187,7 @@ def _dynamic_arrays(values: Mapping[str, Floats], rows: Rows, count: int) -> dic
     if not np.isfinite(precisions).all():
         raise ChunkError(TABLE, f"time_log_precision of splat {_first_bad(precisions)}", "not finite", "finite")
     exponents = time_exponents(precisions)
-    motion = np.zeros((count, 4, 3), np.float32)
+    motion = np.zeros((count, COEFFICIENTS["crackle" in values], 3), np.float32)
     rotation = np.zeros((count, 2, 4), np.float32)
     motion[:, 0] = values["position"]
     rotation[:, 0] = unit_quats(values["rotation"])

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from hgs_core.atomic import write_bytes
 from hgs_core.camera import Camera
-from hgs_core.codec.chunk import Box
+from hgs_core.codec.chunk import VERSIONS, Box
 from hgs_core.codec.decode import DecodedChunk
 from hgs_core.codec.encode_chunk import encode_static_chunk
 from hgs_core.codec.encode_dynamic import encode_dynamic_chunk
@@ -40,6 +40,7 @@ class _Coded:
 
     entry: ChunkEntry
     data: bytes
+    version: int
 
 
 def encode_scene(
@@ -100,6 +101,7 @@ def encode_scene(
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=antialiased,
+        version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
     _write(out, manifest, coded, thumbnail)
     return manifest
@@ -163,7 +165,7 @@ def _segment_chunks(
 
 def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
     box: Box = decoded.box
-    return _Coded(ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), decoded.count, box), data)
+    return _Coded(ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), decoded.count, box), data, decoded.version)
 
 
 def _write(out: Path, manifest: Manifest, chunks: Sequence[_Coded], thumbnail: bytes | None) -> None:

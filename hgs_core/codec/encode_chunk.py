@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hgs_core.codec import morton
 from hgs_core.codec.appearance import appearance_numbers, rotation_numbers
-from hgs_core.codec.attributes import ATTRIBUTES, TURNS, Attribute, Kind
+from hgs_core.codec.attributes import ATTRIBUTES, Attribute, Kind
 from hgs_core.codec.chunk import Bounds, Box, Container, Stream, pack
 from hgs_core.codec.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.prepare import Prepared
@@ -107,14 +107,15 @@ def write_chunk(
             streams.append(_smallest(attribute, values[_row_order(attribute, form, order)], step, settings))
     nowhere = ((0.0,) * 3, (0.0,) * 3)
     unset = Bounds(0.0, 0.0, 0.0, 0.0, 0.0)
-    return Container(kind, len(order), index, time_range, nowhere, unset, tuple(streams)), order
+    version = max(ATTRIBUTES[name].version for name in numbers)
+    return Container(kind, len(order), index, time_range, nowhere, unset, tuple(streams), version), order
 
 
 def _row_order(attribute: Attribute, form: Whole, order: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return which of an attribute's rows belong to the splats in their new order."""
     if not attribute.rows_of:
         return order
-    has = (form & TURNS) != 0 if attribute.rows_of == TURNS else (form & 3) >= attribute.rows_of
+    has = attribute.among(form)
     row = np.cumsum(has) - 1
     return np.asarray(row[order[has[order]]])
 

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.codec.appearance import appearance_numbers
-from hgs_core.codec.attributes import TURNS, Kind
+from hgs_core.codec.attributes import FIFTH, TURNS, Kind
 from hgs_core.codec.choose import choose, neighbours
 from hgs_core.codec.chunk import Bounds, pack
 from hgs_core.codec.decode import DecodedChunk, decode_chunk, time_exponents
 from hgs_core.codec.encode_chunk import Numbers, declare, outward, write_chunk
-from hgs_core.codec.motion import Path, motion_numbers, turning_numbers
+from hgs_core.codec.motion import Path, highest_order, motion_numbers, turning_numbers
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.quantise import float32_below
 from hgs_core.codec.rotations import shape_error
@@ -96,14 +96,14 @@ def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[
     start, end = _visible(splats, time)
     path = Path.of(splats, start, end)
     offsets = (path.times - centers[:, None]) * np.exp2(exponents.astype(np.float64))[:, None]
-    moving, orders = motion_numbers(path, offsets, steps)
+    moving, orders = motion_numbers(path, offsets, steps, highest_order(splats))
     turning, turns = turning_numbers(splats, path, centers[:, None] - splats.values["time_center"], exponents, steps)
     look = appearance_numbers(splats, steps)
     numbers |= moving | turning
     numbers |= {name: (look[name], step) for name, step in (
         ("log_scale", steps.shape), ("opacity", steps.opacity), ("rgb", steps.rgb))}  # fmt: skip
     if orders.any() or turns.any():
-        numbers["form"] = (orders + TURNS * turns)[:, None], 1.0
+        numbers["form"] = (np.minimum(orders, 3) + TURNS * turns + FIFTH * (orders > 3))[:, None], 1.0
     return numbers, path
 
 
@@ -160,7 +160,7 @@ def _reach(chunk: DecodedChunk, time: SegmentTime) -> tuple[Doubles, Doubles]:
     center = chunk.arrays["time_centers"].astype(np.float64)
     reach = np.maximum(np.abs(start - center), np.abs(end - center))[:, None]
     motion = np.abs(chunk.arrays["motion"].astype(np.float64))
-    swing = sum(motion[:, k] * reach**k for k in (1, 2, 3))
+    swing = sum(motion[:, k] * reach**k for k in range(1, motion.shape[1]))
     slack = 1e-6 * (np.abs(motion[:, 0]) + swing)
     middle = chunk.arrays["motion"][:, 0].astype(np.float64)
     return (middle - swing - slack).min(axis=0), (middle + swing + slack).max(axis=0)

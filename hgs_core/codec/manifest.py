@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.camera import Camera
-from hgs_core.codec.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, Box
+from hgs_core.codec.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
 from hgs_core.codec.json_fields import Field, field_of
 from hgs_core.errors import InputError
 
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
 
 FORMAT = "hgs-scene"
-VERSION = 2
-
 Triple = tuple[float, float, float]
 
 
@@ -95,6 +93,7 @@ class Manifest:
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
+    version: int = VERSIONS[0]  # of the format: the latest of any chunk
 
     @property
     def chunks(self) -> tuple[ChunkEntry, ...]:
@@ -116,7 +115,7 @@ class Manifest:
         """Return the plain form that manifest.json holds."""
         return {
             "format": FORMAT,
-            "version": VERSION,
+            "version": self.version,
             "title": self.title,
             "start": self.start,
             "end": self.end,
@@ -155,8 +154,9 @@ class Manifest:
         if root["format"].text() != FORMAT:
             raise root["format"].error(f"is {root['format'].value!r}, expected {FORMAT!r}")
         version = root["version"].whole(1)
-        if version != VERSION:
-            raise root["version"].error(f"is {version}, expected {VERSION}", "use a newer version of this program")
+        if version not in VERSIONS:
+            known = " or ".join(map(str, VERSIONS))
+            raise root["version"].error(f"is {version}, expected {known}", "use a newer version of this program")
         manifest = cls(
             title=root["title"].text(),
             start=root["start"].number(),
@@ -176,6 +176,7 @@ class Manifest:
             thumbnail=root["thumbnail"].flag(),
             training=root["training"].mapping(),
             antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
+            version=version,
         )
         _check_references(manifest, root)
         return manifest

@@ -13,15 +13,16 @@ from hgs_core.codec.choose import EXCHANGE
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.rotations import canonical, product, turn_between
 from hgs_core.codec.steps import Steps
+from hgs_core.scene.motion import position as place
 
-__all__ = ["MOMENTS", "Path", "motion_numbers", "turning_numbers"]
+__all__ = ["MOMENTS", "Path", "highest_order", "least_squares", "motion_numbers", "turning_numbers"]
 
 MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
-# Steps of the coefficients m1, m2, m3 in steps of the position. An error of a high order is mostly made good by the
+# Steps of the coefficients m1 to m5 in steps of the position. An error of a high order is mostly made good by the
 # lower ones, which are fitted after it, and counts most where the splat has faded.
-MOTION_STEPS = (3.0, 8.0, 16.0)
+MOTION_STEPS = (3.0, 8.0, 16.0, 32.0, 64.0)
 TURNING_STEP = 2.0  # in steps of the rotation
-COST_OF_ORDERS = (0.0, 10.0, 18.0, 25.0)  # bits, about
+COST_OF_ORDERS = {0: 0.0, 1: 10.0, 2: 18.0, 3: 25.0, 5: 37.0}  # bits, about; these orders can be written
 COST_OF_TURNING = 24.0
 LARGEST_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
 
@@ -44,9 +45,10 @@ class Path:
         times = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, MOMENTS)
         d = times - splats.values["time_center"]
         fade = np.exp(-np.exp(splats.values["time_log_precision"]) * d * d)
-        m0, m1, m2, m3 = (splats.values[name][:, None] for name in ("position", *MOTION_ORDERS))
+        names = ("position", *MOTION_ORDERS[: highest_order(splats)])
+        motion = np.stack([splats.values[name] for name in names], axis=1)
         d = d[..., None]
-        positions = m0 + d * (m1 + d * (m2 + d * m3))
+        positions = place(motion[:, None], d)
         quats = splats.values["rotation"][:, None] + d * splats.values["turning"][:, None]
         length = np.linalg.norm(quats, axis=2, keepdims=True)
         vanished = length < 1e-12
@@ -60,46 +62,56 @@ class Path:
         return np.asarray(squares / squares.sum(axis=1, keepdims=True))
 
 
-def motion_numbers(path: Path, offsets: Doubles, steps: Steps) -> tuple[dict[str, tuple[Whole, float]], Whole]:
+def highest_order(splats: Prepared) -> int:
+    """Return the order of the polynomials by which splats move, 3 or 5."""
+    return sum(name in splats.values for name in MOTION_ORDERS)
+
+
+def motion_numbers(
+    path: Path, offsets: Doubles, steps: Steps, highest: int = 3
+) -> tuple[dict[str, tuple[Whole, float]], Whole]:
     """Fit polynomials in `offsets` [N, MOMENTS] (from the centre, in scaled time), the lowest order that is worth it.
 
+    `highest` is the order, 3 or 5, that none is above.
+
     Returns:
-        position [N, 3] and, for the splats that have them, velocity, acceleration and jerk, each with its step; and
-        the orders [N].
+        position [N, 3] and, for the splats that have them, velocity, acceleration, jerk, snap and crackle, each with
+        its step; and the orders [N], 0 to 3 or 5.
     """
     # Relative to the path's middle, so that nothing is lost far from the origin.
     middle = path.positions[:, MOMENTS // 2]
     goal = path.positions - middle[:, None]
-    powers = np.stack([offsets**k for k in range(4)], axis=2)
+    powers = np.stack([offsets**k for k in range(highest + 1)], axis=2)
+    tried = [order for order in COST_OF_ORDERS if order <= highest]
     own = steps.own_position[:, None]
     costs = []
-    for order in range(4):
-        fitted = _fitted(powers[..., : order + 1], goal, path.weights)
+    for order in tried:
+        fitted = least_squares(powers[..., : order + 1], goal, path.weights)
         error = np.abs(goal - powers[..., : order + 1] @ fitted)
         cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
         excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_SHIFT * steps.position
-        costs.append(cost + EXCHANGE * COST_OF_ORDERS[order] + np.where(excess & (order < 3), np.inf, 0.0))
-    orders = np.argmin(np.stack(costs, axis=1), axis=1).astype(np.int64)
+        costs.append(cost + EXCHANGE * COST_OF_ORDERS[order] + np.where(excess & (order < highest), np.inf, 0.0))
+    orders = np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)]
     numbers: dict[str, tuple[Whole, float]] = {}
     left = goal
-    for order in (3, 2, 1):
+    for order in range(highest, 0, -1):
         members = np.flatnonzero(orders >= order)
         if not len(members):
             continue
         step = float(np.float32(MOTION_STEPS[order - 1] * steps.position))
         basis = powers[members]
-        highest = np.rint(
-            _fitted(basis[..., : order + 1], left[members], path.weights[members])[:, order] / step
+        leading = np.rint(
+            least_squares(basis[..., : order + 1], left[members], path.weights[members])[:, order] / step
         ).astype(np.int64)
-        numbers[MOTION_ORDERS[order - 1]] = highest, step
+        numbers[MOTION_ORDERS[order - 1]] = leading, step
         left = left.copy()
-        left[members] -= basis[..., order : order + 1] * (highest * step)[:, None]
+        left[members] -= basis[..., order : order + 1] * (leading * step)[:, None]
     constant = (left * path.weights[..., None]).sum(axis=1) + middle
     numbers["position"] = np.rint(constant / steps.position).astype(np.int64), steps.position
     return numbers, orders
 
 
-def _fitted(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
+def least_squares(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
     """Return the coefficients [N, K, 3] of weighted least squares of `basis` [N, J, K] to `goal` [N, J, 3].
 
     Lives so short that the moments cannot tell the orders apart get the least coefficients.

@@ -17,6 +17,7 @@ from hgs_core.codec.rotations import canonical, product
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import estimated_utility, pixels_per_unit
 from hgs_core.errors import InputError
+from hgs_core.scene.motion import position as place
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
 
@@ -45,7 +46,7 @@ class Prepared:
     Beside what is stored there are "utility" [N, 1] and "scale" [N, 1], pixels per world unit (`weights.py`), and
     "strength_by_scale" and "strength_by_turn" [N, 3] (`antialiasing.py`), zeros where nothing is antialiased. A dynamic
     set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised
-    time.
+    time; a set of the fifth order "snap" and "crackle" [N, 3], too.
     """
 
     values: Mapping[str, Doubles]
@@ -109,7 +110,7 @@ def prepare_dynamic(
     center = np.asarray(splats.time_centers, np.float64)[:, None]
     values |= {
         "position": motion[:, 0],
-        **{name: motion[:, order] for order, name in enumerate(MOTION_ORDERS, start=1)},
+        **{name: motion[:, order] for order, name in enumerate(MOTION_ORDERS[: motion.shape[1] - 1], start=1)},
         "rotation": product(rotation, turn),
         "turning": product(turning, turn),
         "time_center": center,
@@ -123,14 +124,13 @@ def prepare_dynamic(
     alive = (start <= shown_until) & (end >= 0)
     living = alive[:, None]
     _check_size("dynamic splat", "time_centers", np.where(living, center, 0.0), LARGEST_TIME)
-    for order in range(4):
+    for order in range(motion.shape[1]):
         reach = motion[:, order] * np.maximum(1.0, furthest) ** order
         _check_size("dynamic splat", "motion", np.where(living, reach, 0.0), LARGEST_COORDINATE)
     values = {name: array[alive] for name, array in values.items()}
     start, end = np.clip(start[alive], 0, shown_until), np.clip(end[alive], 0, shown_until)
     midway = ((start + end) / 2)[:, None] - values["time_center"]
-    m0, m1, m2, m3 = (values[name] for name in ("position", *MOTION_ORDERS))
-    halfway = m0 + midway * (m1 + midway * (m2 + midway * m3))
+    halfway = place(motion[alive], midway)
     share = (end - start) / max(shown_until, 1e-9) / 3  # it is brightest for about a third of its life
     known = None if utility is None else utility[alive]
     return _weighed(values, halfway, cameras, known, share, settings, antialiased)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from hgs_core.atomic import write_bytes
 from hgs_core.camera import Camera
 from hgs_core.errors import InputError
+from hgs_core.interchange.cubic import as_cubics
 from hgs_core.interchange.gaussian_ply import gaussian_ply, gaussian_splats
 from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.ply_table import read_ply
@@ -105,10 +106,13 @@ def export_scene(
         raise InputError("--time", f"{time} s is outside the scene", f"give {scene.start:g} to {scene.end:g}")
     if path.suffix == ".splatv" or (path.suffix == ".ply" and time is None and moving):
         part = _segment(scene, segment)
+        dynamic, fifth, error = as_cubics(part.dynamic)
+        if fifth:
+            notes.append(f"{fifth} motions of the fifth order became cubics, off by at most {error:.3g} world units")
         if path.suffix == ".ply":
-            write_bytes(path, spacetime_ply(scene.static, part.dynamic))
+            write_bytes(path, spacetime_ply(scene.static, dynamic))
         else:
-            write_bytes(path, splatv_file(scene.static, part.dynamic, cameras))
+            write_bytes(path, splatv_file(scene.static, dynamic, cameras))
         return [*notes, f"its times 0 to 1 are {part.start:g} to {part.end:g} s"]
     if moving and time is None:
         raise InputError(path, "holds one moment, and this scene moves", f"add --time {scene.start:g} to {scene.end:g}")

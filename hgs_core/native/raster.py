@@ -14,19 +14,18 @@ from hgs_core.camera import Camera
 from hgs_core.native.arrays import Floats, address
 from hgs_core.native.library import check, load, thread_count
 from hgs_core.native.structs import (
-    DYNAMIC_SHAPES,
     STATIC_SHAPES,
     CDynamicGradients,
-    CDynamicSplats,
     CMeasurements,
     CPicture,
     CScreenStatistics,
     CStaticGradients,
-    CStaticSplats,
     CView,
     c_camera,
+    dynamic_shapes,
+    dynamics_struct,
     gradients_struct,
-    splats_struct,
+    statics_struct,
 )
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
@@ -108,7 +107,7 @@ class Raster:
         """
         self._workspace: int | None = None
         self._threads = threads or thread_count()
-        self._static = splats_struct(CStaticSplats(), static, STATIC_SHAPES)
+        self._static = statics_struct(static)
         mask = None
         if tile_mask is not None:
             tiles = (-(-camera.height // 16), -(-camera.width // 16))
@@ -132,7 +131,7 @@ class Raster:
         self._draw(dynamic, depth)
 
     def _draw(self, dynamic: DynamicSplats[Floats] | None, depth: bool) -> None:
-        self._dynamic = splats_struct(CDynamicSplats(), dynamic, DYNAMIC_SHAPES)
+        self._dynamic = dynamics_struct(dynamic)
         self._dynamic_arrays = dynamic
         self._drawn = False
         self.rgb = np.empty((3, *self._shape), np.float32)
@@ -208,7 +207,9 @@ class Raster:
             ctypes.byref(self._picture()),
             ctypes.byref(gradient),
             gradients_struct(CStaticGradients(), grad_static, self._static.count, STATIC_SHAPES),
-            gradients_struct(CDynamicGradients(), grad_dynamic, self._dynamic.count, DYNAMIC_SHAPES),
+            gradients_struct(
+                CDynamicGradients(), grad_dynamic, self._dynamic.count, dynamic_shapes(self._dynamic.coefficients)
+            ),
             None if gathered is None else ctypes.byref(gathered),
             self._threads,
         )

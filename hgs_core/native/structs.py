@@ -10,6 +10,7 @@ import numpy as np
 
 from hgs_core.camera import Camera
 from hgs_core.native.arrays import Floats, address, pointers
+from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = [
@@ -25,8 +26,10 @@ __all__ = [
     "CStaticSplats",
     "CView",
     "c_camera",
+    "dynamic_shapes",
+    "dynamics_struct",
     "gradients_struct",
-    "splats_struct",
+    "statics_struct",
 ]
 
 MAX_SIDE = 65535  # HGS_MAX_SIDE, pixels
@@ -40,7 +43,7 @@ STATIC_SHAPES: Mapping[str, tuple[int, ...]] = {
     "rgb": (3,),
 }
 DYNAMIC_SHAPES: Mapping[str, tuple[int, ...]] = {
-    "motion": (4, 3),
+    "motion": (COEFFICIENTS[0], 3),  # or as `dynamic_shapes` says
     "rotation": (2, 4),
     "log_scales": (3,),
     "opacity_logits": (),
@@ -48,6 +51,11 @@ DYNAMIC_SHAPES: Mapping[str, tuple[int, ...]] = {
     "time_log_precisions": (),
     "rgb": (3,),
 }
+
+
+def dynamic_shapes(coefficients: int) -> Mapping[str, tuple[int, ...]]:
+    """Return the shape of one row of every parameter of a dynamic set with so many coefficients of motion."""
+    return {**DYNAMIC_SHAPES, "motion": (coefficients, 3)}
 
 
 class CCamera(ctypes.Structure):
@@ -94,7 +102,7 @@ class CStaticSplats(ctypes.Structure):
 class CDynamicSplats(ctypes.Structure):
     """Splats that are evaluated at a time."""
 
-    _fields_ = [("count", ctypes.c_int64), *pointers(DYNAMIC_SHAPES)]
+    _fields_ = [("count", ctypes.c_int64), ("coefficients", ctypes.c_int64), *pointers(DYNAMIC_SHAPES)]
 
 
 class CStaticGradients(ctypes.Structure):
@@ -152,14 +160,30 @@ def c_camera(camera: Camera) -> CCamera:
     )
 
 
-def splats_struct(
-    struct: Struct, splats: StaticSplats[Floats] | DynamicSplats[Floats] | None, shapes: Mapping[str, tuple[int, ...]]
-) -> Struct:
-    """Point the fields of a set's struct at its arrays; an absent set stays empty.
+def statics_struct(splats: StaticSplats[Floats] | None) -> CStaticSplats:
+    """Return the struct of a static set, or of none.
 
     Raises:
         ValueError: an array of another shape or type.
     """
+    return _pointed(CStaticSplats(), splats, STATIC_SHAPES)
+
+
+def dynamics_struct(splats: DynamicSplats[Floats] | None) -> CDynamicSplats:
+    """Return the struct of a dynamic set, or of none.
+
+    Raises:
+        ValueError: an array of another shape or type.
+    """
+    longest = splats is not None and splats.motion.shape[1:2] == COEFFICIENTS[1:]
+    coefficients = COEFFICIENTS[longest]
+    return _pointed(CDynamicSplats(coefficients=coefficients), splats, dynamic_shapes(coefficients))
+
+
+def _pointed(
+    struct: Struct, splats: StaticSplats[Floats] | DynamicSplats[Floats] | None, shapes: Mapping[str, tuple[int, ...]]
+) -> Struct:
+    """Point the fields of a set's struct at its arrays; an absent set stays empty."""
     if splats is not None:
         count = len(splats)
         struct.count = count

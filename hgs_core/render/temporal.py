@@ -12,6 +12,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.render.constants import ALPHA_MIN, TIME_LOG_PRECISION_MAX
+from hgs_core.scene.motion import position
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["Moment", "alive", "moment_of_dynamic", "moment_of_static"]
@@ -45,8 +46,8 @@ def moment_of_dynamic(splats: DynamicSplats[Tensor], time: float) -> Moment:
     """Evaluate dynamic splats at normalised `time` (docs/numerics.md, "Time")."""
     s = splats.map(Tensor.double)
     offsets = time - s.time_centers
-    d, m = offsets[:, None], s.motion
-    means = m[:, 0] + d * (m[:, 1] + d * (m[:, 2] + d * m[:, 3]))
+    d = offsets[:, None]
+    means = position(s.motion, d)
     quats = s.rotation[:, 0] + d * s.rotation[:, 1]
     opacities = _opacities(s.opacity_logits, s.time_log_precisions, offsets)
     return Moment(means, s.log_scales, quats, opacities, s.rgb)

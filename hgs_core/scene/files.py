@@ -1,7 +1,8 @@
 """Scene files: a trained `HybridScene` as .npz, float32, lossless.
 
 Entries: `format` (the version), `segments` [S, 2] (start and end of each segment, seconds), `static.<field>` and
-`segment<i>.<field>` with the fields and shapes of `StaticSplats` and `DynamicSplats`.
+`segment<i>.<field>` with the fields and shapes of `StaticSplats` and `DynamicSplats`. The shape of a motion says how
+many coefficients the set has; files with four are what they always were.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from hgs_core.atomic import replacing
 from hgs_core.errors import InputError
+from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
 __all__ = ["load_scene", "save_scene"]
@@ -70,7 +72,7 @@ def load_scene(path: Path) -> HybridScene[Floats]:
         Segment(
             float(start),
             float(end),
-            DynamicSplats(*_arrays(path, entries, f"segment{i}", DynamicSplats.empty())),
+            DynamicSplats(*_arrays(path, entries, f"segment{i}", _model(entries, f"segment{i}"))),
         )
         for i, (start, end) in enumerate(spans)
     )
@@ -88,6 +90,12 @@ def _arrays(
         arrays.append(np.asarray(array, np.float32))
         count = len(array)
     return arrays
+
+
+def _model(entries: Mapping[str, NDArray[Any]], prefix: str) -> DynamicSplats[Floats]:
+    """Return an empty set with as many coefficients of motion as the file's, if there may be so many."""
+    shape = entries[f"{prefix}.motion"].shape if f"{prefix}.motion" in entries else ()
+    return DynamicSplats.empty(shape[1]) if len(shape) == 3 and shape[1] in COEFFICIENTS else DynamicSplats.empty()
 
 
 def _entry(

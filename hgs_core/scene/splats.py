@@ -15,6 +15,8 @@ from typing import Any, Generic, Self, TypeVar, cast
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.scene.motion import COEFFICIENTS
+
 __all__ = ["DynamicSplats", "HybridScene", "Segment", "StaticSplats", "joined"]
 
 A = TypeVar("A")
@@ -60,14 +62,14 @@ class StaticSplats(_Arrays[A]):
 
 @dataclass(frozen=True)
 class DynamicSplats(_Arrays[A]):
-    """M splats that move, turn, appear and vanish: 29 floats each.
+    """M splats that move, turn, appear and vanish: 29 floats each, 35 with motion of the fifth order.
 
     At normalised time t in [0, 1] of its segment, with d = t - time_centers and s = exp(time_log_precisions):
     position sum_k motion[k] d^k, rotation normalise(rotation[0] + d rotation[1]), opacity
     sigmoid(opacity_logits) exp(-s d^2).
     """
 
-    motion: A  # [M, 4, 3] polynomial coefficients in d, constant first, world units
+    motion: A  # [M, K, 3] polynomial coefficients in d, constant first, world units; K = 4 or 6 (scene/motion.py)
     rotation: A  # [M, 2, 4] quaternion polynomial in d, w, x, y, z
     log_scales: A  # [M, 3]
     opacity_logits: A  # [M] of the peak opacity sigma, at d = 0
@@ -80,9 +82,10 @@ class DynamicSplats(_Arrays[A]):
         return DynamicSplats(*(convert(array) for _, array in self.items()))
 
     @staticmethod
-    def empty() -> DynamicSplats[npt.NDArray[np.float32]]:
-        """Return a set of no splats (numpy, float32)."""
-        return DynamicSplats(*(np.zeros((0, *s), np.float32) for s in ((4, 3), (2, 4), (3,), (), (), (), (3,))))
+    def empty(coefficients: int = COEFFICIENTS[0]) -> DynamicSplats[npt.NDArray[np.float32]]:
+        """Return a set of no splats (numpy, float32) with so many coefficients of motion."""
+        shapes = ((coefficients, 3), (2, 4), (3,), (), (), (), (3,))
+        return DynamicSplats(*(np.zeros((0, *s), np.float32) for s in shapes))
 
 
 @dataclass(frozen=True)
@@ -137,6 +140,17 @@ S = TypeVar("S", StaticSplats[npt.NDArray[np.float32]], DynamicSplats[npt.NDArra
 
 
 def joined(sets: Sequence[S]) -> S:
-    """Return the splats of all sets, at least one, in order."""
+    """Return the splats of all sets, at least one, in order; dynamic ones with the most coefficients among them."""
     columns = zip(*([array for _, array in splats.items()] for splats in sets), strict=True)
-    return type(sets[0])(*(np.concatenate(column) for column in columns))
+    return type(sets[0])(*(np.concatenate(_alike(column)) for column in columns))
+
+
+def _alike(column: Sequence[npt.NDArray[np.float32]]) -> list[npt.NDArray[np.float32]]:
+    """Give polynomials of fewer coefficients higher ones of zero; other arrays are alike already."""
+    most = max(array.shape[1:2] for array in column)
+    return [
+        array
+        if array.shape[1:2] == most
+        else np.pad(array, ((0, 0), (0, most[0] - array.shape[1]), *((0, 0),) * (array.ndim - 2)))
+        for array in column
+    ]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.scene.motion import position
 from hgs_core.scene.splats import DynamicSplats
 
 __all__ = ["evaluate", "lifetime"]
@@ -43,7 +44,7 @@ def evaluate(
     motion = np.asarray(dynamic.motion, np.float64)
     rotation = np.asarray(dynamic.rotation, np.float64)
     step = d[:, None]
-    positions = motion[:, 0] + step * (motion[:, 1] + step * (motion[:, 2] + step * motion[:, 3]))
+    positions = position(motion, step)
     quats = rotation[:, 0] + step * rotation[:, 1]
     norm = np.linalg.norm(quats, axis=1, keepdims=True)
     still = norm < 1e-12  # |q|^2 < 1e-24

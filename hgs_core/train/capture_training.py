@@ -15,6 +15,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.points import PointCloud
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats
@@ -56,8 +57,9 @@ def train_capture(
     total, trained, key = config.cycles * len(segments), [], None
     for number, segment in enumerate(segments):
         start = initial_splats(
-            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels
-        )
+            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels,
+            coefficients=coefficients_of_order(config.motion_order),
+        )  # fmt: skip
         trainer = Trainer(
             capture, cameras, config, segment, start, checkpoint(number),
             masks=masks, after=None if key is None else key.state,

@@ -18,7 +18,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "backend": ("auto", "cpu", "triton", "reference"),
     "labels": ("auto", "dynamic", "static"),
     "stages": ("interleaved", "together", "separate"),
-    "motion_order": (1, 2, 3),
+    "motion_order": (1, 2, 3, 5),
     "birth_rounds": (0, 1, 2),
     "density": ("gradient", "relocation"),
     "budget": tuple(BUDGETS),
@@ -79,7 +79,7 @@ class TrainConfig:
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
     infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
     stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
-    motion_order: int = 3  # degree of the position polynomial: 1, 2 or 3
+    motion_order: int = 3  # degree of the position polynomial: 1, 2, 3 or 5
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)
     checkpoint_every: int = 500  # cycles

@@ -131,7 +131,10 @@ def control_births(
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, ~changed, shortened.take(_rows(changed)))
     # They live for about a frame: what lives longer will learn to. So few cycles show them that they start opaque.
     points = chosen_births(born, most, generator)
-    _, dynamic = initial_splats(points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY)
+    coefficients = state.dynamic.motion.shape[1]
+    _, dynamic = initial_splats(
+        points, segment.clock, segment.frames, opacity=_BIRTH_OPACITY, coefficients=coefficients
+    )
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, None, dynamic)
     state.history.births += len(dynamic)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
@@ -177,7 +180,7 @@ def control_labels(
         restless[worst] = varies[worst] > config.restless_error
     still = standing_still(state.dynamic, cameras, config.still_pixels)
     to_static = as_statics(state.dynamic.take(_rows(still)))
-    to_dynamic = as_dynamics(state.static.take(_rows(restless)))
+    to_dynamic = as_dynamics(state.static.take(_rows(restless)), state.dynamic.motion.shape[1])
     state.static = _kept(state.static, state.static_adam, ~restless, to_static)
     state.dynamic = _kept(state.dynamic, state.dynamic_adam, ~still, to_dynamic)
     state.history.relabelled(len(to_static), int(restless.sum()))

@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.capture.points import PointCloud
+from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 
 __all__ = ["initial_splats", "scene_extent"]
@@ -28,7 +29,12 @@ def scene_extent(positions: npt.NDArray[np.float64]) -> float:
 
 
 def initial_splats(
-    points: PointCloud, clock: Segment[Any], sampled_frames: int, labels: str = "auto", opacity: float = 0.1
+    points: PointCloud,
+    clock: Segment[Any],
+    sampled_frames: int,
+    labels: str = "auto",
+    opacity: float = 0.1,
+    coefficients: int = COEFFICIENTS[0],
 ) -> tuple[StaticSplats[Tensor], DynamicSplats[Tensor]]:
     """Make one round splat of every point: static, or dynamic around the moment the point was seen.
 
@@ -39,6 +45,7 @@ def initial_splats(
         labels: `auto` follows the points' labels; `static` and `dynamic` make all splats alike, and a point that stands
             still then starts a dynamic splat that lives all through the segment.
         opacity: of all splats; 3D Gaussian Splatting starts at 0.1, low enough that wrong points can fade.
+        coefficients: of motion, 4 or 6; those above the velocity start at zero.
     """
     still_points = points.dynamic < _DYNAMIC
     moving = {"auto": ~still_points, "static": still_points & False, "dynamic": still_points | True}[labels]
@@ -55,7 +62,7 @@ def initial_splats(
     static = StaticSplats(
         points.xyz[~moving], scales(~moving), quats(still), np.full(still, logit, np.float32), points.rgb[~moving]
     )
-    motion = np.zeros((moved, 4, 3), np.float32)
+    motion = np.zeros((moved, coefficients, 3), np.float32)
     motion[:, 0] = points.xyz[moving]
     motion[:, 1] = points.velocity[moving] * np.float32(clock.end - clock.start)
     half_life = np.where(still_points[moving], 1.0, _HALF_LIFE / max(1, sampled_frames - 1))

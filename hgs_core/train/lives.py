@@ -85,9 +85,10 @@ def trimmed(
 def _shifted(dynamic: DynamicSplats[Tensor], by: Tensor) -> DynamicSplats[Tensor]:
     """Return the same paths and turns around centres that are later by [M] normalised time."""
     motion, rotation, d = dynamic.motion.double(), dynamic.rotation.double(), by[:, None]
+    count = motion.shape[1]
     moved = [
-        sum((math.comb(j, k) * d ** (j - k) * motion[:, j] for j in range(k, 4)), torch.zeros_like(motion[:, 0]))
-        for k in range(4)
+        sum((math.comb(j, k) * d ** (j - k) * motion[:, j] for j in range(k, count)), torch.zeros_like(motion[:, 0]))
+        for k in range(count)
     ]
     turned = [rotation[:, 0] + d * rotation[:, 1], rotation[:, 1]]
     return dataclasses.replace(

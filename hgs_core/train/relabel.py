@@ -16,6 +16,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.render.projection import rotation_matrices
+from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import evaluate
 from hgs_core.train.density import joined
@@ -70,10 +71,13 @@ def as_statics(dynamic: DynamicSplats[Tensor]) -> StaticSplats[Tensor]:
     )  # fmt: skip
 
 
-def as_dynamics(static: StaticSplats[Tensor]) -> DynamicSplats[Tensor]:
-    """Return two resting dynamic splats per static one, one for each half of the segment, free to part."""
+def as_dynamics(static: StaticSplats[Tensor], coefficients: int = COEFFICIENTS[0]) -> DynamicSplats[Tensor]:
+    """Return two resting dynamic splats per static one, one for each half of the segment, free to part.
+
+    `coefficients` of motion are those of the set that they join, 4 or 6.
+    """
     count = len(static)
-    motion = torch.zeros(count, 4, 3)
+    motion = torch.zeros(count, coefficients, 3)
     motion[:, 0] = static.means
     rotation = torch.stack([static.quats, torch.zeros_like(static.quats)], 1)
     precision = torch.full((count,), math.log(math.log(2) / _HALF_LIFE**2))

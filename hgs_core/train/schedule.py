@@ -88,11 +88,9 @@ class Schedule:
         position = self.position_rate(cycle)
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
         inverse = (1 / life)[:, None]
-        powers = torch.tensor([0.0, 1.0, 2.0, 3.0], device=life.device)
-        factors = torch.tensor(
-            [1.0] + [rates.motion] * self.config.motion_order + [0.0] * (3 - self.config.motion_order),
-            device=life.device,
-        )
+        order, coefficients = self.config.motion_order, dynamic.motion.shape[1]
+        powers = torch.arange(float(coefficients), device=life.device)
+        factors = torch.tensor([1.0] + [rates.motion] * order + [0.0] * (coefficients - 1 - order), device=life.device)
         turning = torch.tensor([rates.rotation, rates.turning], device=life.device)
         return {
             "motion": (position * factors * inverse**powers)[:, :, None],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import subprocess
 import sys
@@ -83,13 +84,16 @@ def _dynamic(r: np.random.Generator, count: int, smallest: float, largest: float
 
 
 def _encode_clouds(out: Path) -> None:
-    """A still cloud, and clouds in two segments of one second that fly, turn, appear and vanish.
+    """A still cloud, and clouds in two segments of one second that fly, turn, come and go; the second by d^5, too.
 
     Three cameras look at it from the side, from above and askew, with unlike focal lengths. Their directions are no
     simple ratios: on the codec's grid of positions those would give many splats equal depth.
     """
     r = np.random.default_rng(3)
-    segments = (Segment(0.0, 1.0, _dynamic(r, 400, 0.03, 0.15)), Segment(1.0, 2.0, _dynamic(r, 300, 0.03, 0.15)))
+    first, second = _dynamic(r, 400, 0.03, 0.15), _dynamic(r, 300, 0.03, 0.15)
+    swings = _single(np.random.default_rng(5).normal(size=(300, 2, 3)) * 4.0)
+    second = dataclasses.replace(second, motion=np.concatenate([second.motion, swings], axis=1))
+    segments = (Segment(0.0, 1.0, first), Segment(1.0, 2.0, second))
     poses = {
         "side": _pose((0.3178, -0.2239, -3.1927)),
         "above": _pose((1.5347, -2.4173, -1.2589)),

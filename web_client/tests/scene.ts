@@ -52,19 +52,22 @@ export function staticChunk(means: number[]): StaticChunk {
   };
 }
 
-/** Dynamic splats that start at z = `depths` at their centre in time and move along z with `speeds`. */
+/** Dynamic splats that start at z = `depths` at their centre in time and move along z with `speeds`; maybe by d^5, too. */
 export function dynamicChunk(
   depths: number[],
   speeds: number[],
   centers: number[],
   logPrecision: number,
+  fifth?: number[],
 ): DynamicChunk {
   const count = depths.length;
-  const motion = new Float32Array(12 * count);
+  const width = fifth ? 18 : 12;
+  const motion = new Float32Array(width * count);
   const rotation = new Float32Array(8 * count);
   for (let i = 0; i < count; i++) {
-    motion[12 * i + 2] = depths[i];
-    motion[12 * i + 5] = speeds[i];
+    motion[width * i + 2] = depths[i];
+    motion[width * i + 5] = speeds[i];
+    if (fifth) motion[width * i + 17] = fifth[i];
     rotation[8 * i] = 1;
   }
   return {

@@ -25,6 +25,8 @@ _GROUPS = {
     "velocity": "motion",
     "acceleration": "motion",
     "jerk": "motion",
+    "snap": "motion",
+    "crackle": "motion",
     "turning": "motion",
 }
 _OTHER = "container"

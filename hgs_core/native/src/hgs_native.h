@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 3
+#define HGS_ABI_VERSION 4
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -68,7 +68,8 @@ typedef struct hgs_static_splats {
 /* Splats that are evaluated at a normalised time. */
 typedef struct hgs_dynamic_splats {
   int64_t count;                    /* M, below 2^31; the arrays may be NULL when it is 0 */
-  const float *motion;              /* [M][4][3] polynomial of the mean, world units */
+  int64_t coefficients;             /* K, of the motion: 4 or 6 */
+  const float *motion;              /* [M][K][3] polynomial of the mean, world units, constant first */
   const float *rotation;            /* [M][2][4] polynomial of the quaternion */
   const float *log_scales;          /* [M][3] ln of world units */
   const float *opacity_logits;      /* [M] */

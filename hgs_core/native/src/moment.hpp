@@ -127,7 +127,11 @@ struct StaticMoment {
   }
 };
 
+// Of a set whose motion has so many coefficients: constant, so that loops over them are unrolled.
+template <int kCoefficients>
 struct DynamicMoment {
+  static constexpr int kMotion = 3 * kCoefficients;
+
   const hgs_dynamic_splats &splats;
   double time;
 
@@ -142,19 +146,20 @@ struct DynamicMoment {
 
   Shape shape(const Rows &rows, Refusal &refusal) const {
     Shape s;
-    Vec center, motion[12], rotation[8];
+    Vec center, motion[kMotion], rotation[8];
     gather<1>(splats.time_centers, rows, &center);
-    gather<12>(splats.motion, rows, motion);
+    gather<kMotion>(splats.motion, rows, motion);
     gather<8>(splats.rotation, rows, rotation);
     gather<3>(splats.log_scales, rows, s.log_scale);
     gather<3>(splats.rgb, rows, s.rgb);
-    refusal.look_at<12>(motion);
+    refusal.look_at<kMotion>(motion);
     refusal.look_at<8>(rotation);
     refusal.look_at<3>(s.log_scale);
     refusal.look_at_colours<3>(s.rgb);
     const Wide d = offset(center);
     for (int i = 0; i < 3; ++i) {
-      s.mean[i] = widen(motion[i]) + d * (widen(motion[3 + i]) + d * (widen(motion[6 + i]) + d * widen(motion[9 + i])));
+      s.mean[i] = widen(motion[kMotion - 3 + i]);
+      for (int k = kCoefficients - 2; k >= 0; --k) s.mean[i] = widen(motion[3 * k + i]) + d * s.mean[i];
     }
     for (int i = 0; i < 4; ++i) s.quat[i] = widen(rotation[i]) + d * widen(rotation[4 + i]);
     return s;
@@ -165,16 +170,20 @@ struct DynamicMoment {
     Refusal ignored;  // the forward pass has looked
     const Fade f = fade(rows, ignored);
     const Vec d = f.offset, opacity = f.sigma * f.decay;
-    Vec motion[12], rotation[8], d_motion[12], d_rotation[8];
-    gather<12>(splats.motion, rows, motion);
+    Vec motion[kMotion], rotation[8], d_motion[kMotion], d_rotation[8];
+    gather<kMotion>(splats.motion, rows, motion);
     gather<8>(splats.rotation, rows, rotation);
     // o = sigma exp(-s d^2), so d ln o / d d = -2 s d and d ln o / d ln s = -s d^2.
     const Vec d_log_precision = -d_opacity * opacity * f.precision * d * d;
     Vec d_offset = -2.0f * d_opacity * opacity * f.precision * d;
     for (int i = 0; i < 3; ++i) {
-      d_offset += d_shape.mean[i] * (motion[3 + i] + d * (2.0f * motion[6 + i] + 3.0f * d * motion[9 + i]));
+      constexpr int kLast = kCoefficients - 1;
+      constexpr float kOrder = kLast;
+      Vec velocity = (kOrder - 1.0f) * motion[3 * (kLast - 1) + i] + kOrder * d * motion[3 * kLast + i];
+      for (int k = kLast - 2; k >= 1; --k) velocity = static_cast<float>(k) * motion[3 * k + i] + d * velocity;
+      d_offset += d_shape.mean[i] * velocity;
       d_motion[i] = d_shape.mean[i];
-      for (int k = 1; k < 4; ++k) d_motion[3 * k + i] = d * d_motion[3 * (k - 1) + i];
+      for (int k = 1; k < kCoefficients; ++k) d_motion[3 * k + i] = d * d_motion[3 * (k - 1) + i];
     }
     for (int i = 0; i < 4; ++i) {
       d_offset += d_shape.quat[i] * rotation[4 + i];
@@ -182,7 +191,7 @@ struct DynamicMoment {
       d_rotation[4 + i] = d * d_shape.quat[i];
     }
     const Vec d_center = -d_offset, d_logit = d_opacity * opacity * (1.0f - f.sigma);
-    scatter<12>(out.motion, rows, d_motion);
+    scatter<kMotion>(out.motion, rows, d_motion);
     scatter<8>(out.rotation, rows, d_rotation);
     scatter<3>(out.log_scales, rows, d_shape.log_scale);
     scatter<1>(out.opacity_logits, rows, &d_logit);
@@ -210,5 +219,11 @@ struct DynamicMoment {
     return {d, s, sigmoid(logit), exp(-s * d * d)};
   }
 };
+
+// Call `with` with the moment of a dynamic set and return what it returns.
+template <class F>
+inline auto with_moment(const hgs_dynamic_splats &splats, double time, F &&with) {
+  return splats.coefficients == 6 ? with(DynamicMoment<6>{splats, time}) : with(DynamicMoment<4>{splats, time});
+}
 
 }  // namespace hgs

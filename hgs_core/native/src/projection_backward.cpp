@@ -18,7 +18,8 @@ void clear(float *array, int64_t count, int width, int threads) {
   });
 }
 
-void clear(const hgs_static_gradients &g, int64_t count, int threads) {
+void clear(const hgs_static_gradients &g, const StaticMoment &moment, int threads) {
+  const int64_t count = moment.count();
   clear(g.means, count, 3, threads);
   clear(g.log_scales, count, 3, threads);
   clear(g.quats, count, 4, threads);
@@ -26,8 +27,10 @@ void clear(const hgs_static_gradients &g, int64_t count, int threads) {
   clear(g.rgb, count, 3, threads);
 }
 
-void clear(const hgs_dynamic_gradients &g, int64_t count, int threads) {
-  clear(g.motion, count, 12, threads);
+template <int kCoefficients>
+void clear(const hgs_dynamic_gradients &g, const DynamicMoment<kCoefficients> &moment, int threads) {
+  const int64_t count = moment.count();
+  clear(g.motion, count, 3 * kCoefficients, threads);
   clear(g.rotation, count, 8, threads);
   clear(g.log_scales, count, 3, threads);
   clear(g.opacity_logits, count, 1, threads);
@@ -65,7 +68,7 @@ void add_statistics(const Rows &rows, int64_t first_row, const ScreenGradient &g
 template <class Moment, class Gradients>
 void project_set_backward(const Workspace &w, const ScreenSet &set, const Moment &moment, int64_t first_row,
                           const Gradients &gradients, const hgs_screen_statistics *statistics, int threads) {
-  clear(gradients, moment.count(), threads);
+  clear(gradients, moment, threads);
   const CameraModel model(w.view);
   parallel_for(threads, (set.visible_count + kLanes - 1) / kLanes, 16, [&](int64_t group) {
     const int64_t first = group * kLanes;
@@ -102,8 +105,9 @@ void project_statics_backward(const Workspace &w, const hgs_static_splats &splat
 void project_dynamics_backward(const Workspace &w, const hgs_dynamic_splats &splats,
                                const hgs_dynamic_gradients &gradients, const hgs_screen_statistics *statistics,
                                int threads) {
-  project_set_backward(w, w.dynamics, DynamicMoment{splats, w.view.time}, w.statics.count, gradients, statistics,
-                       threads);
+  with_moment(splats, w.view.time, [&](const auto &moment) {
+    project_set_backward(w, w.dynamics, moment, w.statics.count, gradients, statistics, threads);
+  });
 }
 
 }  // namespace hgs

@@ -143,7 +143,8 @@ hgs_status project_statics(Workspace &w, const hgs_static_splats &splats, int th
 }
 
 hgs_status project_dynamics(Workspace &w, const hgs_dynamic_splats &splats, int threads) {
-  return project_set(w.view, DynamicMoment{splats, w.view.time}, w.dynamics, threads);
+  return with_moment(splats, w.view.time,
+                     [&](const auto &moment) { return project_set(w.view, moment, w.dynamics, threads); });
 }
 
 }  // namespace hgs

@@ -72,7 +72,8 @@ def differentiate(
         differentiate_dynamics[grid](
             *(array for name, array in dynamic.items() if name != "rgb"), len(dynamic), screen.camera,
             screen.depths[screen.statics :], sums[skipped:], None if norms is None else norms[skipped:],
-            *(array for _, array in grad_dynamic.items()), ANTIALIASED=antialiased, **options,
+            *(array for _, array in grad_dynamic.items()), COEFFICIENTS=dynamic.motion.shape[1],
+            ANTIALIASED=antialiased, **options,
         )  # fmt: skip
     if statistics is not None and norms is not None:
         pulls = norms.cpu().numpy()

@@ -67,7 +67,10 @@ def project(
     if dynamic is not None and m:
         grid, options = row_blocks(m)
         inputs = [array for _, array in dynamic.items()]
-        project_dynamics[grid](*inputs, m, n, *outputs, ANTIALIASED=view.antialiased, **options)
+        coefficients = dynamic.motion.shape[1]
+        project_dynamics[grid](
+            *inputs, m, n, *outputs, COEFFICIENTS=coefficients, ANTIALIASED=view.antialiased, **options
+        )
     return screen
 
 

@@ -125,12 +125,13 @@ def test_rows_belong_to_the_splats_that_the_form_names_and_are_scaled_by_powers_
     precisions = [row[0] for row in scalar_values(data, 17)]
     exponents = [min(20, max(0, math.floor((p - 1.75) * 0.7213475204444817))) for p in precisions]
     forms = [int(row[0]) for row in scalar_values(data, 18)] if 18 in entries(data) else [0] * chunk.count
-    rows = {wanted: iter(scalar_values(data, wanted)) for wanted in (19, 20, 21, 22) if wanted in entries(data)}
+    rows = {wanted: iter(scalar_values(data, wanted)) for wanted in range(19, 25) if wanted in entries(data)}
     positions, rotations, centers = (scalar_values(data, wanted) for wanted in (1, 3, 16))
     for n in range(chunk.count):
-        motion = [positions[n], [0.0] * 3, [0.0] * 3, [0.0] * 3]
-        for order in range(1, forms[n] % 4 + 1):
-            motion[order] = [f32(x * 2.0 ** (order * exponents[n])) for x in next(rows[18 + order])]
+        motion = [positions[n], *([0.0] * 3 for _ in range(5 if 24 in entries(data) else 3))]
+        orders = {order: 18 + order for order in range(1, forms[n] % 4 + 1)}
+        for order, wanted in (orders | ({4: 23, 5: 24} if forms[n] & 8 else {})).items():
+            motion[order] = [f32(x * 2.0 ** (order * exponents[n])) for x in next(rows[wanted])]
         turning = [f32(x * 2.0 ** exponents[n]) for x in next(rows[22])] if forms[n] & 4 else [0.0] * 4
         assert chunk.arrays["motion"][n].tolist() == motion
         assert chunk.arrays["rotation"][n].tolist() == [rotations[n], turning]

@@ -18,6 +18,7 @@ from hgs_core.codec.attributes import Kind
 from hgs_core.codec.rotations import shape_error
 from hgs_core.errors import InputError
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, evaluate, lifetime
+from hgs_core.scene.splats import joined
 
 SETTINGS = EncodeSettings(static_chunk_splats=64, dynamic_chunk_splats=64, small_chunk_splats=8)
 TIMES = np.arange(60) / 30
@@ -34,20 +35,19 @@ def statics(count: int, seed: int, spread: float = 1.0) -> StaticSplats:
     )
 
 
-def dynamics(count: int, seed: int) -> DynamicSplats:
+def dynamics(count: int, seed: int, coefficients: int = 4) -> DynamicSplats:
     rng = np.random.default_rng(seed)
     still = statics(count, seed)
-    motion = rng.normal(0, 0.5, (count, 4, 3)).astype(np.float32)
+    motion = rng.normal(0, 0.5, (count, coefficients, 3)).astype(np.float32)
     rotation = rng.normal(0, 1, (count, 2, 4)).astype(np.float32)
     center = rng.uniform(-0.2, 1.2, count).astype(np.float32)
     precision = rng.normal(4, 3, count).astype(np.float32)
     return DynamicSplats(motion, rotation, still.log_scales, still.opacity_logits, center, precision, still.rgb)
 
 
-def scene(static: int = 200, dynamic: int = 150) -> HybridScene:
-    return HybridScene(
-        statics(static, 0), (Segment(0.0, 29 / 30, dynamics(dynamic, 1)), Segment(1.0, 59 / 30, dynamics(dynamic, 2)))
-    )
+def scene(static: int = 200, dynamic: int = 150, coefficients: int = 4) -> HybridScene:
+    first, second = (dynamics(dynamic, seed, coefficients) for seed in (1, 2))
+    return HybridScene(statics(static, 0), (Segment(0.0, 29 / 30, first), Segment(1.0, 59 / 30, second)))
 
 
 def encode(given: HybridScene, out: Path, cameras: list[Camera], **more: Any):
@@ -125,8 +125,11 @@ def check_dynamics(before: DynamicSplats, folder: Path, segment: int, until: flo
     return found
 
 
-def test_every_splat_decodes_within_the_bounds_of_its_chunk(tmp_path: Path, cameras: list[Camera]) -> None:
-    given = scene()
+@pytest.mark.parametrize("coefficients", [4, 6])
+def test_every_splat_decodes_within_the_bounds_of_its_chunk(
+    tmp_path: Path, cameras: list[Camera], coefficients: int
+) -> None:
+    given = scene(coefficients=coefficients)
     manifest = encode(given, tmp_path, cameras, utility=important(given))
     assert check_statics(given.static, tmp_path) == manifest.totals.splats_static
     after = decode_scene(tmp_path)
@@ -147,13 +150,14 @@ extreme = st.sampled_from([-np.inf, -1e30, -20.0, -5.54, 0.0, 3.0, 20.0, 1e30, n
     logits=st.lists(extreme, min_size=70, max_size=70),
     precisions=st.lists(extreme, min_size=70, max_size=70),
     still=st.booleans(),
+    coefficients=st.sampled_from([4, 6]),
     scale=st.sampled_from([-np.inf, -50.0, -4.0, 2.0]),
 )
 def test_extreme_scenes_decode_within_their_bounds(
     tmp_path: Path, cameras: list[Camera], count: int, seed: int, logits: list[float], precisions: list[float],
-    still: bool, scale: float,
+    still: bool, coefficients: int, scale: float,
 ) -> None:  # fmt: skip
-    static, dynamic = statics(count, seed), dynamics(count, seed + 1)
+    static, dynamic = statics(count, seed), dynamics(count, seed + 1, coefficients)
     opacities = np.array(logits[:count], np.float32)
     static.log_scales[: count // 2] = scale
     static.quats[: count // 3] = 0
@@ -217,6 +221,45 @@ def test_every_living_splat_is_in_the_chunks_and_needs_of_its_slice(tmp_path: Pa
         seen.setdefault(piece.segment, set()).update(chunk.id for chunk in piece.chunks)
 
 
+def swinging(count: int) -> DynamicSplats:
+    """Splats that live all through their segment and swing to and fro, in the fifth order and no lower one."""
+    quintic = np.polynomial.chebyshev.cheb2poly([0, 0, 0, 0, 0, 1])  # T_5 over [-1, 1]
+    swing = (quintic * 2.0 ** np.arange(6))[:, None] * (1.0, 0.5, -0.5)
+    base = dynamics(count, 3, coefficients=6)
+    motion = np.where(np.arange(6)[:, None] == 0, base.motion, swing).astype(np.float32)
+    return dataclasses.replace(
+        base, motion=motion, opacity_logits=np.full(count, 3, np.float32), time_centers=np.full(count, 0.5, np.float32),
+        time_log_precisions=np.full(count, -3, np.float32),
+    )  # fmt: skip
+
+
+def test_motion_of_the_fifth_order_makes_version_3_and_only_where_it_is_needed(
+    tmp_path: Path, cameras: list[Camera]
+) -> None:
+    base = scene(dynamic=60)
+    given = dataclasses.replace(
+        base, segments=(dataclasses.replace(base.segments[0], dynamic=swinging(20)), base.segments[1])
+    )
+    manifest = encode(given, tmp_path, cameras, utility=important(given))
+    assert json.loads((tmp_path / "manifest.json").read_text())["version"] == manifest.version == 3
+    fifth = {chunk.time_range[0] for chunk in chunks_of(tmp_path) if chunk.version == 3}
+    assert fifth == {0.0}
+    after = decode_scene(tmp_path).segments
+    assert [segment.dynamic.motion.shape[1] for segment in after] == [6, 4]
+    assert after[0].dynamic.motion[:, 5].any(axis=1).all()
+    check_dynamics(given.segments[0].dynamic, tmp_path, 0, 30 / 29, 1 / 29)
+
+
+def test_coefficients_of_zero_cost_nothing(tmp_path: Path, cameras: list[Camera]) -> None:
+    given = scene()
+    fifth = DynamicSplats.empty(6)
+    wider = tuple(Segment(s.start, s.end, joined([fifth, s.dynamic])) for s in given.segments)
+    narrow = encode(given, tmp_path / "4", cameras)
+    wide = encode(dataclasses.replace(given, segments=wider), tmp_path / "6", cameras)
+    assert wide.version == narrow.version == 2
+    assert sum(chunk.bytes for chunk in wide.chunks) <= 1.02 * sum(chunk.bytes for chunk in narrow.chunks)
+
+
 def test_slices_cover_all_time_without_gaps(tmp_path: Path, cameras: list[Camera]) -> None:
     manifest = encode(scene(), tmp_path, cameras)
     assert manifest.slices[0].start == manifest.start
@@ -225,8 +268,9 @@ def test_slices_cover_all_time_without_gaps(tmp_path: Path, cameras: list[Camera
         assert before.end == after.start
 
 
-def test_the_box_holds_every_living_centre(tmp_path: Path, cameras: list[Camera]) -> None:
-    manifest = encode(scene(), tmp_path, cameras)
+@pytest.mark.parametrize("coefficients", [4, 6])
+def test_the_box_holds_every_living_centre(tmp_path: Path, cameras: list[Camera], coefficients: int) -> None:
+    manifest = encode(scene(coefficients=coefficients), tmp_path, cameras)
     for piece in manifest.slices:
         for entry in piece.chunks:
             splats = read_chunk(tmp_path, entry).dynamic()

@@ -45,6 +45,32 @@ def test_an_stgs_ply_gives_the_same_splats_of_both_kinds(scene: HybridScene[np.n
         np.testing.assert_allclose(getattr(found.segments[0].dynamic, name), array, rtol=1e-6, atol=1e-6)
 
 
+def test_motion_of_the_fifth_order_becomes_the_nearest_cubic_and_a_note_says_how_near(
+    scene: HybridScene[np.ndarray], tmp_path: Path
+) -> None:
+    """Reference: numpy's polyfit over the times at which a splat that hardly fades is seen."""
+    own = scene.segments[0].dynamic
+    motion = np.pad(own.motion, ((0, 0), (0, 2), (0, 0)))
+    motion[0, :, 0] = 50, 3, -2, 1, 8, -40
+    dynamic = dataclasses.replace(own, motion=motion)
+    dynamic.time_centers[0], dynamic.time_log_precisions[0] = 0.5, -20
+    dynamic.opacity_logits[0] = 5
+    fifth = dataclasses.replace(scene, segments=(dataclasses.replace(scene.segments[0], dynamic=dynamic),))
+    notes = export(fifth, tmp_path / "x.ply")
+    assert any(note.startswith("1 motions of the fifth order became cubics") for note in notes)
+    found = import_scene(tmp_path / "x.ply", 2.0).scene.segments[0].dynamic
+    assert found.motion.shape[1:] == (4, 3)
+    np.testing.assert_allclose(found.motion[1:], own.motion[1:], rtol=1e-6, atol=1e-6)
+    d = np.linspace(-0.5, 0.5, 33)
+    path = np.polynomial.polynomial.polyval(d, motion[0, :, 0].astype(np.float64))
+    expected = np.polynomial.polynomial.polyfit(d, path, 3)
+    np.testing.assert_allclose(found.motion[0, :, 0], expected, rtol=1e-5, atol=1e-5)
+    (error,) = [float(note.split()[-3]) for note in notes if "fifth" in note]
+    assert error == pytest.approx(np.abs(np.polynomial.polynomial.polyval(d, expected) - path).max(), rel=0.01)
+    assert not any("fifth" in note for note in export(scene, tmp_path / "y.splatv"))
+    assert any("fifth" in note for note in export(fifth, tmp_path / "z.splatv"))
+
+
 def test_an_stgs_ply_has_the_fields_and_the_size_of_its_trainer(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:
     export(scene, tmp_path / "x.ply")
     header, _, rows = (tmp_path / "x.ply").read_bytes().partition(b"end_header\n")

@@ -211,6 +211,8 @@ def test_refuses_arrays_it_would_misread() -> None:
         Raster(dataclasses.replace(static, quats=static.quats[:, :3]), None, camera())
     with pytest.raises(ValueError, match="motion must be"):
         Raster(None, dataclasses.replace(dynamic, motion=dynamic.motion.astype(np.float64)), camera())
+    with pytest.raises(ValueError, match=r"motion must be .* of shape \(5, 4, 3\), got float32 \(5, 5, 3\)"):
+        Raster(None, dataclasses.replace(dynamic, motion=np.zeros((5, 5, 3), np.float32)), camera())
     with pytest.raises(ValueError, match="tile_mask must be"):
         Raster(static, None, camera(40, 24), tile_mask=np.ones((2, 2), np.bool_))
 

@@ -34,11 +34,13 @@ def static_splats(count: int, seed: int = 0, dtype: torch.dtype = torch.float64)
     return StaticSplats(*(torch.tensor(array, dtype=dtype) for array in arrays))
 
 
-def dynamic_splats(count: int, seed: int = 1, dtype: torch.dtype = torch.float64) -> DynamicSplats[Tensor]:
+def dynamic_splats(
+    count: int, seed: int = 1, dtype: torch.dtype = torch.float64, coefficients: int = 4
+) -> DynamicSplats[Tensor]:
     """Splats that move, turn, appear and vanish in the view of `camera`."""
     still = static_splats(count, seed)
     r = np.random.default_rng(seed + 1)
-    motion = np.concatenate([still.means.numpy()[:, None], r.normal(0, 0.3, (count, 3, 3))], 1)
+    motion = np.concatenate([still.means.numpy()[:, None], r.normal(0, 0.3, (count, coefficients - 1, 3))], 1)
     rotation = np.stack([still.quats.numpy(), r.normal(0, 0.5, (count, 4))], 1)
     arrays = (
         motion,

@@ -31,6 +31,12 @@ def test_float32_agrees_with_float64(backend: str, options: dict[str, Any]) -> N
 
 
 @every_backend
+@pytest.mark.parametrize("time", [-0.2, 0.4, 1.3])
+def test_motion_of_the_fifth_order_agrees_with_float64(backend: str, time: float) -> None:
+    compare(static_splats(20), dynamic_splats(150, coefficients=6), View(camera(64, 48), time), backend)
+
+
+@every_backend
 def test_thin_splats_through_antialiasing(backend: str) -> None:
     splats = static_splats(150)
     splats.log_scales.sub_(3)
@@ -45,10 +51,10 @@ def smooth_view(**options: Any) -> View:
     return View(Camera("smooth", 7, 5, 6.0, 6.5, 3.2, 2.6, pose), 0.4, (0.2, 0.5, 0.9), **options)
 
 
-def smooth_dynamics() -> DynamicSplats[Tensor]:
+def smooth_dynamics(coefficients: int = 4) -> DynamicSplats[Tensor]:
     """Six splats, each of which covers every pixel by more than 1/255 and none by 0.99."""
     r = np.random.default_rng(5)
-    motion = np.concatenate([r.uniform(-0.2, 0.2, (6, 1, 3)), r.normal(0, 0.1, (6, 3, 3))], 1)
+    motion = np.concatenate([r.uniform(-0.2, 0.2, (6, 1, 3)), r.normal(0, 0.1, (6, coefficients - 1, 3))], 1)
     motion[:, 0, 2] = np.linspace(1.5, 3, 6)
     arrays = (
         motion,
@@ -89,6 +95,15 @@ def test_static_gradients_are_finite_differences(field: str, antialiased: bool) 
 @pytest.mark.parametrize("field", DYNAMIC)
 def test_dynamic_gradients_are_finite_differences(field: str, antialiased: bool) -> None:
     dynamic, view = smooth_dynamics(), smooth_view(depth=True, antialiased=antialiased)
+    array = getattr(dynamic, field).clone().requires_grad_()
+    assert torch.autograd.gradcheck(
+        lambda a: weighted(None, dataclasses.replace(dynamic, **{field: a}), view), array, fast_mode=True
+    )
+
+
+@pytest.mark.parametrize("field", ["motion", "time_centers"])
+def test_gradients_of_motion_of_the_fifth_order_are_finite_differences(field: str) -> None:
+    dynamic, view = smooth_dynamics(coefficients=6), smooth_view(depth=True)
     array = getattr(dynamic, field).clone().requires_grad_()
     assert torch.autograd.gradcheck(
         lambda a: weighted(None, dataclasses.replace(dynamic, **{field: a}), view), array, fast_mode=True

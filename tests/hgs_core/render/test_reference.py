@@ -32,7 +32,9 @@ def draw_pixel_by_pixel(
         motion, rotation, log_scale, logit, center, precision, rgb = row
         d = time - center
         opacity = math.exp(-math.exp(precision) * d * d) / (1 + math.exp(-logit))
-        splats.append((sum(motion[k] * d**k for k in range(4)), log_scale, rotation[0] + d * rotation[1], opacity, rgb))
+        splats.append(
+            (sum(motion[k] * d**k for k in range(len(motion))), log_scale, rotation[0] + d * rotation[1], opacity, rgb)
+        )
     W, t = view.world_to_camera[:3, :3], view.world_to_camera[:3, 3]
     ellipses = []
     for index, (mean, log_scale, quat, opacity, rgb) in enumerate(splats):
@@ -77,9 +79,12 @@ def draw_pixel_by_pixel(
     return image, weights
 
 
-@pytest.mark.parametrize(("time", "antialiased"), [(0.0, False), (0.4, False), (1.0, False), (0.4, True)])
-def test_everything_drawn_is_as_specified(time: float, antialiased: bool) -> None:
-    static, dynamic, view = static_splats(60), dynamic_splats(40), camera()
+@pytest.mark.parametrize(
+    ("time", "antialiased", "coefficients"),
+    [(0.0, False, 4), (0.4, False, 4), (1.0, False, 4), (0.4, True, 4), (0.0, False, 6), (1.0, True, 6)],
+)
+def test_everything_drawn_is_as_specified(time: float, antialiased: bool, coefficients: int) -> None:
+    static, dynamic, view = static_splats(60), dynamic_splats(40, coefficients=coefficients), camera()
     if antialiased:
         static.log_scales.sub_(2)
     image, weights = draw_pixel_by_pixel(static, dynamic, view, time, antialiased)

@@ -10,7 +10,7 @@ from hgs_core.errors import InputError
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, load_scene, save_scene
 
 
-def random_scene(seed: int = 0) -> HybridScene:
+def random_scene(seed: int = 0, coefficients: int = 4) -> HybridScene:
     rng = np.random.default_rng(seed)
 
     def fill(empty, count):
@@ -18,12 +18,13 @@ def random_scene(seed: int = 0) -> HybridScene:
 
     return HybridScene(
         fill(StaticSplats.empty(), 7),
-        (Segment(0.0, 1.5, fill(DynamicSplats.empty(), 3)), Segment(1.5, 2.0, DynamicSplats.empty())),
+        (Segment(0.0, 1.5, fill(DynamicSplats.empty(coefficients), 3)), Segment(1.5, 2.0, DynamicSplats.empty())),
     )
 
 
-def test_the_same_bits_come_back(tmp_path: Path) -> None:
-    scene = random_scene()
+@pytest.mark.parametrize("coefficients", [4, 6])
+def test_the_same_bits_come_back(tmp_path: Path, coefficients: int) -> None:
+    scene = random_scene(coefficients=coefficients)
     save_scene(tmp_path / "scene.npz", scene)
     back = load_scene(tmp_path / "scene.npz")
     assert [(s.start, s.end) for s in back.segments] == [(0.0, 1.5), (1.5, 2.0)]
@@ -63,6 +64,13 @@ def test_a_wrong_shape_is_named(tmp_path: Path) -> None:
     scene = random_scene()
     save_scene(path, dataclasses.replace(scene, static=dataclasses.replace(scene.static, quats=np.zeros((6, 4)))))
     with pytest.raises(InputError, match=r"entry static\.quats is float32 \(6, 4\), expected 7x4"):
+        load_scene(path)
+
+
+def test_motion_of_the_fourth_order_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "scene.npz"
+    save_scene(path, random_scene(coefficients=5))
+    with pytest.raises(InputError, match=r"entry segment0\.motion is float32 \(3, 5, 3\), expected Nx4x3"):
         load_scene(path)
 
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from hgs_core.scene import DynamicSplats, evaluate, lifetime
+from hgs_core.scene.motion import COEFFICIENTS, coefficients_of_order
+from hgs_core.scene.splats import joined
 
 
 def splat(**fields: object) -> DynamicSplats:
@@ -43,12 +45,28 @@ def test_a_splat_of_endless_precision_lives_at_its_centre_alone() -> None:
     assert evaluate(one, 0.26)[2][0] == 0
 
 
-def test_the_position_is_the_polynomial() -> None:
+@pytest.mark.parametrize("coefficients", COEFFICIENTS)
+def test_the_position_is_the_polynomial(coefficients: int) -> None:
     """Reference: numpy.polynomial."""
-    motion = np.random.default_rng(0).normal(size=(4, 3))
+    motion = np.random.default_rng(0).normal(size=(coefficients, 3))
     positions, _, _ = evaluate(splat(motion=motion, time_centers=0.5), 0.75)
     expected = np.polynomial.polynomial.polyval(0.25, motion.astype(np.float32).astype(np.float64))
     np.testing.assert_allclose(positions[0], expected, rtol=1e-12)
+
+
+def test_an_order_is_kept_in_the_least_coefficients_that_there_are() -> None:
+    assert [coefficients_of_order(order) for order in (1, 2, 3, 5)] == [4, 4, 4, 6]
+    with pytest.raises(ValueError, match="highest order is 5"):
+        coefficients_of_order(6)
+
+
+def test_joined_sets_move_as_before_whatever_their_orders() -> None:
+    r = np.random.default_rng(1)
+    sets = [splat(motion=r.normal(size=(k, 3)), time_centers=0.5) for k in (4, 6, 4)]
+    together = joined(sets)
+    assert together.motion.shape == (3, 6, 3)
+    expected = np.concatenate([evaluate(one, 0.9)[0] for one in sets])
+    np.testing.assert_allclose(evaluate(together, 0.9)[0], expected, rtol=1e-15)
 
 
 def test_the_rotation_is_linear_then_normalised_and_safe_at_zero() -> None:

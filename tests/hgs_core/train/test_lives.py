@@ -6,6 +6,7 @@ import dataclasses
 import math
 
 import numpy as np
+import pytest
 import torch
 
 from hgs_core.scene import DynamicSplats
@@ -17,11 +18,11 @@ from tests.synthetic import ring_of_cameras
 MOMENTS = np.linspace(0, 1, 11)
 
 
-def splats(centers: list[float], half_life: float = 0.2) -> DynamicSplats[torch.Tensor]:
+def splats(centers: list[float], half_life: float = 0.2, coefficients: int = 4) -> DynamicSplats[torch.Tensor]:
     """Splats that move and turn, opaque at their centres."""
     count = len(centers)
     return dataclasses.replace(
-        dynamic_splats(count, dtype=torch.float32),
+        dynamic_splats(count, dtype=torch.float32, coefficients=coefficients),
         opacity_logits=torch.full((count,), 4.0),
         time_centers=torch.tensor(centers),
         time_log_precisions=torch.full((count,), math.log(math.log(2) / half_life**2)),
@@ -53,9 +54,10 @@ def test_both_ends_are_cut_where_both_are_ghosts() -> None:
     np.testing.assert_allclose(at(after, 0.3)[2], at(after, 0.7)[2], rtol=1e-4)
 
 
-def test_path_and_turning_stay_the_same_functions_of_time() -> None:
+@pytest.mark.parametrize("coefficients", [4, 6])
+def test_path_and_turning_stay_the_same_functions_of_time(coefficients: int) -> None:
     """Reference: the equations of time on the splats as they were."""
-    before = splats([0.5, 0.4, 0.6])
+    before = splats([0.5, 0.4, 0.6], coefficients=coefficients)
     after, changed = trimmed(before, MOMENTS, np.repeat(ghosts(0.2), 3, 1))
     assert changed.all()
     for moment in (0.35, 0.5, 0.8):

@@ -70,6 +70,7 @@ def test_folding_motion_in_hardly_changes_the_picture(time: float) -> None:
 
 def test_a_static_splat_is_divided_into_two_lives_that_overlap() -> None:
     static = as_statics(resting(2))
+    assert as_dynamics(static, 6).motion.shape == (4, 6, 3)
     lives = as_dynamics(static)
     assert len(lives) == 4
     assert lives.time_centers.tolist() == [0.25, 0.25, 0.75, 0.75]

@@ -29,11 +29,11 @@ def test_positions_decay_from_first_to_final_rate_in_units_of_the_extent() -> No
     assert schedule.static_rates(1000)["means"] == pytest.approx(2e-5)
 
 
-def lives(*precisions: float) -> DynamicSplats[torch.Tensor]:
+def lives(*precisions: float, coefficients: int = 4) -> DynamicSplats[torch.Tensor]:
     """Dynamic splats of the given temporal precisions s."""
     count = len(precisions)
     return DynamicSplats(
-        torch.zeros(count, 4, 3), torch.zeros(count, 2, 4), torch.zeros(count, 3), torch.zeros(count),
+        torch.zeros(count, coefficients, 3), torch.zeros(count, 2, 4), torch.zeros(count, 3), torch.zeros(count),
         torch.zeros(count), torch.tensor(precisions).log(), torch.zeros(count, 3),
     )  # fmt: skip
 
@@ -57,12 +57,15 @@ def test_lives_count_as_no_shorter_than_a_frame_and_no_longer_than_the_segment()
     assert motion[:, 1, 0].tolist() == pytest.approx([0.4e-3, 50 * 0.4e-3])
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-def test_coefficients_beyond_the_order_of_motion_never_move(order: int) -> None:
+@pytest.mark.parametrize(("order", "coefficients"), [(1, 4), (2, 4), (3, 4), (3, 6), (5, 6)])
+def test_coefficients_beyond_the_order_of_motion_never_move(order: int, coefficients: int) -> None:
     config = dataclasses.replace(CONFIG, motion_order=order)
-    motion = Schedule(config, 1.0, 50).dynamic_rates(0, lives(1.0))["motion"]
+    splats = lives(1.0, 100.0, coefficients=coefficients)
+    motion = Schedule(config, 1.0, 50).dynamic_rates(0, splats)["motion"]
     assert isinstance(motion, torch.Tensor)
-    assert [bool(rate > 0) for rate in motion[0, :, 0]] == [k <= order for k in range(4)]
+    assert motion.shape == (2, coefficients, 1)
+    assert [bool(rate > 0) for rate in motion[0, :, 0]] == [k <= order for k in range(coefficients)]
+    assert motion[1, order, 0] == pytest.approx(0.4e-3 * 10**order)
 
 
 def test_births_and_labels_have_their_rounds_while_splats_are_still_added() -> None:

@@ -15,6 +15,7 @@ from hgs_core.decompose.masks import motion_masks
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, StageStopped, silent
 from hgs_core.scene import HybridScene
+from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats, scene_extent
 from hgs_core.train.segments import cut_into_segments
@@ -52,7 +53,7 @@ def points(seed: int = 0) -> PointCloud:
 def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig) -> Trainer:
     capture = open_capture(capture_folder)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
-    start = initial_splats(points(), segment.clock, 2)
+    start = initial_splats(points(), segment.clock, 2, coefficients=coefficients_of_order(settings.motion_order))
     return Trainer(capture, capture.cameras, settings, segment, start, checkpoint)
 
 
@@ -78,12 +79,13 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
-    ("stop_at", "density"), [(10, "gradient"), (30, "gradient"), (30, "relocation"), (50, "gradient")]
+    ("stop_at", "density", "order"),
+    [(10, "gradient", 3), (30, "gradient", 3), (30, "relocation", 3), (50, "gradient", 3), (30, "gradient", 5)],
 )
 def test_a_stopped_training_resumes_to_the_same_bits(
-    capture_folder: Path, tmp_path: Path, stop_at: int, density: str
+    capture_folder: Path, tmp_path: Path, stop_at: int, density: str, order: int
 ) -> None:
-    settings = config(density=density)
+    settings = config(density=density, motion_order=order)
     whole = trainer(capture_folder, tmp_path / "whole.pt", settings).run(silent)
 
     def stop(progress: Progress) -> None:
@@ -96,6 +98,8 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     resumed = trainer(capture_folder, checkpoint, settings)
     assert resumed.state.cycle == stop_at
     assert same_bits(whole, resumed.run(silent))
+    assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(order)
+    assert whole.segments[0].dynamic.motion[:, order].any()
 
 
 def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:

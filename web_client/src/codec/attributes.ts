@@ -5,6 +5,9 @@ export const TRANSFORM = { none: 0, delta: 1, chain: 2 } as const;
 /** The bit of "form" that says that a splat's rotation changes; the two bits below it hold the order of its motion. */
 export const TURNS = 4;
 
+/** The bit of "form" that says that a motion of order 3 goes on to the fifth order. */
+export const FIFTH = 8;
+
 export interface Attribute {
   readonly id: number;
   readonly name: AttributeName;
@@ -14,9 +17,15 @@ export interface Attribute {
   /** The largest number of a transform it may have. */
   readonly lastTransform: number;
   readonly dynamicOnly: boolean;
-  /** Order of motion, or TURNS, that a splat must have to have a row; 0: every splat has one. */
+  /** Order of motion, TURNS or FIFTH, that a splat must have to have a row; 0: every splat has one. */
   readonly rowsOf: number;
+  /** Of the format, from which on it is known. */
+  readonly version: number;
 }
+
+/** Whether a splat of this form has a row of the attribute. */
+export const hasRow = ({ rowsOf }: Attribute, form: number): boolean =>
+  rowsOf === TURNS || rowsOf === FIFTH ? (form & rowsOf) !== 0 : (form & 3) >= rowsOf;
 
 export type AttributeName =
   | "position"
@@ -30,6 +39,8 @@ export type AttributeName =
   | "velocity"
   | "acceleration"
   | "jerk"
+  | "snap"
+  | "crackle"
   | "turning";
 
 function attribute(
@@ -39,7 +50,8 @@ function attribute(
   lastTransform: number = TRANSFORM.delta,
   rowsOf = 0,
 ): Attribute {
-  return { id, name, components, morton: name === "position", lastTransform, dynamicOnly: id >= 16, rowsOf };
+  const version = rowsOf === FIFTH ? 3 : 2;
+  return { id, name, components, morton: name === "position", lastTransform, dynamicOnly: id >= 16, rowsOf, version };
 }
 
 export const ATTRIBUTES: readonly Attribute[] = [
@@ -55,6 +67,8 @@ export const ATTRIBUTES: readonly Attribute[] = [
   attribute(20, "acceleration", 3, TRANSFORM.delta, 2),
   attribute(21, "jerk", 3, TRANSFORM.delta, 3),
   attribute(22, "turning", 4, TRANSFORM.delta, TURNS),
+  attribute(23, "snap", 3, TRANSFORM.delta, FIFTH),
+  attribute(24, "crackle", 3, TRANSFORM.delta, FIFTH),
 ];
 
 /** Bytes per row of an attribute of `bits` before compression. */

@@ -1,6 +1,6 @@
 /** From the bytes of a chunk to float arrays, bit for bit as docs/format.md states. */
 
-import { ATTRIBUTES, type Attribute, type AttributeName, planesOf, TURNS } from "./attributes";
+import { ATTRIBUTES, type Attribute, type AttributeName, FIFTH, hasRow, planesOf, TURNS } from "./attributes";
 import { type Container, type Stream, TABLE, unpack } from "./container";
 import { ChunkError } from "./errors";
 import { gridPoints } from "./morton";
@@ -11,7 +11,7 @@ import { decompress, zstdReady } from "./zstd";
 
 const MAX_BITS = 24;
 const MAX_EXPONENT = 20;
-const LARGEST_FORM = TURNS + 3;
+const ORDERS = ["velocity", "acceleration", "jerk", "snap", "crackle"] as const;
 
 type Floats = Float32Array<ArrayBuffer>;
 type Streams = ReadonlyMap<AttributeName, Stream>;
@@ -72,11 +72,11 @@ function firstNotFinite(array: Float32Array): number {
 }
 
 /** The streams of attributes that this version knows, their table entries checked. */
-function knownStreams({ kind, streams }: Container): Streams {
+function knownStreams({ version, kind, streams }: Container): Streams {
   const known = new Map<AttributeName, Stream>();
   for (const stream of streams) {
     const attribute = ATTRIBUTES.find(({ id }) => id === stream.attribute);
-    if (!attribute || (attribute.dynamicOnly && kind === "static")) continue;
+    if (!attribute || attribute.version > version || (attribute.dynamicOnly && kind === "static")) continue;
     checkEntry(stream, attribute);
     known.set(attribute.name, stream);
   }
@@ -97,7 +97,7 @@ function checkEntry({ at, components, grid, transform, planes }: Stream, attribu
 }
 
 /** Finds which attributes have rows, and which splats those belong to. */
-function rowsOf({ kind, count }: Container, streams: Streams): Rows {
+function rowsOf({ version, kind, count }: Container, streams: Streams): Rows {
   const rows: Rows = new Map();
   for (const { name, rowsOf, dynamicOnly } of ATTRIBUTES) {
     if (rowsOf === 0 && name !== "form" && (kind === "dynamic" || !dynamicOnly)) rows.set(name, "all");
@@ -105,16 +105,20 @@ function rowsOf({ kind, count }: Container, streams: Streams): Rows {
   const stream = streams.get("form");
   if (!stream || kind === "static") return rows;
   const [forms] = codesOf(stream, attributeOf("form"), count);
-  const wrong = forms.findIndex((form) => form > LARGEST_FORM);
+  const largest = TURNS + 3 + (version > 2 ? FIFTH : 0);
+  const wrong = forms.findIndex((form) => form > largest || (form >= FIFTH && (form & 3) < 3));
   if (wrong >= 0)
-    throw new ChunkError(stream.planes[0].at, `form of splat ${wrong}`, forms[wrong], `at most ${LARGEST_FORM}`);
-  for (const { name, rowsOf } of ATTRIBUTES) {
-    if (rowsOf === 0) continue;
+    throw new ChunkError(
+      stream.planes[0].at,
+      `form of splat ${wrong}`,
+      forms[wrong],
+      `at most ${largest}, of order 3 below the fifth`,
+    );
+  for (const attribute of ATTRIBUTES) {
+    if (attribute.rowsOf === 0) continue;
     const members: number[] = [];
-    for (let i = 0; i < count; i++) {
-      if (rowsOf === TURNS ? forms[i] & TURNS : (forms[i] & 3) >= rowsOf) members.push(i);
-    }
-    if (members.length) rows.set(name, Uint32Array.from(members));
+    for (let i = 0; i < count; i++) if (hasRow(attribute, forms[i])) members.push(i);
+    if (members.length) rows.set(attribute.name, Uint32Array.from(members));
   }
   return rows;
 }
@@ -177,7 +181,7 @@ function polynomials(reader: Reader, positions: Floats, rotations: Floats) {
   const { count } = reader;
   const timeCenters = reader.read("time_center");
   const timeLogPrecisions = reader.read("time_log_precision");
-  const higher = (["velocity", "acceleration", "jerk"] as const).map((name) => reader.read(name));
+  const higher = ORDERS.map((name) => reader.read(name));
   const turning = reader.read("turning");
   const bad = firstNotFinite(timeLogPrecisions);
   if (bad >= 0)
@@ -187,26 +191,32 @@ function polynomials(reader: Reader, positions: Floats, rotations: Floats) {
     Math.min(MAX_EXPONENT, Math.max(0, Math.floor((precision - 1.75) * 0.7213475204444817))),
   );
   for (let i = 0; i < count; i++) timeCenters[i] *= 2 ** -exponents[i];
-  const motion = new Float32Array(count * 12);
+  const width = reader.rows.has("crackle") ? 18 : 12;
+  const motion = new Float32Array(count * width);
   const rotation = new Float32Array(count * 8);
   for (let i = 0; i < count; i++) {
     for (let c = 0; c < 3; c++) {
-      motion[12 * i + c] = positions[3 * i + c];
+      motion[width * i + c] = positions[3 * i + c];
       rotation[8 * i + 1 + c] = rotations[3 * i + c];
     }
   }
-  const place = (name: AttributeName, values: Floats, width: number, to: Floats, stride: number, order: number) => {
+  const place = (
+    name: AttributeName,
+    values: Floats,
+    components: number,
+    to: Floats,
+    stride: number,
+    order: number,
+  ) => {
     const members = reader.rows.get(name);
     if (!members || members === "all") return;
     for (let row = 0; row < members.length; row++) {
       const power = 2 ** (order * exponents[members[row]]);
-      const at = members[row] * stride + order * width;
-      for (let c = 0; c < width; c++) to[at + c] = values[row * width + c] * power;
+      const at = members[row] * stride + order * components;
+      for (let c = 0; c < components; c++) to[at + c] = values[row * components + c] * power;
     }
   };
-  place("velocity", higher[0], 3, motion, 12, 1);
-  place("acceleration", higher[1], 3, motion, 12, 2);
-  place("jerk", higher[2], 3, motion, 12, 3);
+  for (let k = 0; k < ORDERS.length; k++) place(ORDERS[k], higher[k], 3, motion, width, k + 1);
   place("turning", turning, 4, rotation, 8, 1);
   completeQuats(rotation, 8);
   return { motion, rotation, timeCenters, timeLogPrecisions };

@@ -5,13 +5,15 @@ import { ChunkError } from "./errors";
 import type { Bounds, Box } from "./types";
 
 const MAGIC = 0x43534748; // "HGSC"
-const VERSION = 2;
 const MAX_SPLATS = 2 ** 20;
 const MAX_CHUNK_BYTES = 2 ** 28;
 const MAX_ZERO = 2 ** 28;
 const ENTRY = 9; // bytes, before its whole numbers of variable length
 const CHECKSUM = 4;
 const VARINT_BYTES = 5;
+
+/** Versions of the format that are read; the second has motions of the fifth order. */
+export const VERSIONS: readonly number[] = [2, 3];
 
 /** Byte at which the attribute table begins. */
 export const TABLE = 80;
@@ -40,6 +42,7 @@ export interface Stream {
 }
 
 export interface Container {
+  readonly version: number;
   readonly kind: "static" | "dynamic";
   readonly count: number;
   readonly timeRange: readonly [number, number];
@@ -56,7 +59,7 @@ export function unpack(bytes: Uint8Array): Container {
   const view = new DataView(bytes.buffer, bytes.byteOffset, length);
   const u32 = (at: number) => view.getUint32(at, true);
   expect(u32(0) === MAGIC, 0, "magic", u32(0), MAGIC);
-  expect(bytes[4] === VERSION, 4, "version", bytes[4], VERSION);
+  expect(VERSIONS.includes(bytes[4]), 4, "version", bytes[4], VERSIONS.join(" or "));
   expect(u32(16) === length, 16, "total length", u32(16), `${length}, the length of the chunk`);
   expect(length <= MAX_CHUNK_BYTES, 16, "total length", length, `at most ${MAX_CHUNK_BYTES}`);
   const actual = crc32(bytes.subarray(0, length - CHECKSUM));
@@ -82,6 +85,7 @@ export function unpack(bytes: Uint8Array): Container {
   );
   const [position, blur, shape, opacity, rgb] = declared;
   return {
+    version: bytes[4],
     kind: bytes[5] === 0 ? "static" : "dynamic",
     count,
     timeRange: [start, end],

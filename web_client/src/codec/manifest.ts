@@ -1,5 +1,6 @@
 /** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
 
+import { VERSIONS } from "./container";
 import { ManifestError } from "./errors";
 import type { Box, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
 
@@ -84,11 +85,12 @@ class Field {
 export function parseManifest(json: unknown): Manifest {
   const root = new Field("manifest", json);
   if (root.get("format").text() !== "hgs-scene") throw root.get("format").error('"hgs-scene"');
-  if (root.get("version").whole(1) !== 2) throw root.get("version").error("2");
+  const version = root.get("version").whole(1);
+  if (!VERSIONS.includes(version)) throw root.get("version").error(VERSIONS.join(" or "));
   const totals = root.get("totals");
   const segments = root.get("segments").some().map(readSpan);
   const manifest: Manifest = {
-    version: 2,
+    version,
     title: root.get("title").text(),
     ...readSpan(root),
     frameRate: root.get("frame_rate").positive(),

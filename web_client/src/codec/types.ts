@@ -46,7 +46,8 @@ export interface StaticChunk extends ChunkCommon {
 /** Splats that move: the equations are in docs/numerics.md, "Time". */
 export interface DynamicChunk extends ChunkCommon {
   readonly kind: "dynamic";
-  /** [N * 4 * 3] position polynomial in d = t - timeCenters, constant first, x y z each. */
+  /** [N * K * 3] position polynomial in d = t - timeCenters, constant first, x y z each; K is 6 if a splat moves in the
+   * fifth order, else 4. */
   readonly motion: Float32Array;
   /** [N * 2 * 4] rotation polynomial in d, w x y z each; the constant is a unit quaternion. */
   readonly rotation: Float32Array;
@@ -109,7 +110,7 @@ export interface Totals {
 }
 
 export interface Manifest {
-  readonly version: 2;
+  readonly version: number;
   readonly title: string;
   /** Seconds of the capture's clock. */
   readonly start: number;

@@ -181,7 +181,7 @@ export class ScenePlayer {
     switch (message.type) {
       case "decoded":
         if (message.kind === "static") this.#renderer.writeStatics(message.first, message.texels);
-        else this.#renderer.writeDynamics(message.first, message.texels);
+        else this.#renderer.writeDynamics(message.first, message.texels, message.fifth);
         this.#scene?.buffer.arrived(message.id);
         this.#version++;
         this.#chunks.decoded(message.id);

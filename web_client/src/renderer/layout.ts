@@ -6,11 +6,20 @@ export const TEXTURE_WIDTH = 2048;
 /** RGBA32F texels of a static splat: [x y z opacity] [quaternion] [sigma x y z, -] [r g b, -]. */
 export const STATIC_TEXELS = 4;
 
-/** RGBA32F texels of a dynamic splat: 3 of motion, 2 of rotation, [sigma, peak opacity] [r g b, mu] [s, -, -, -]. */
+/**
+ * RGBA32F texels of a dynamic splat: 3 of motion, 2 of rotation, [sigma, peak opacity] [r g b, mu] [s, q, -, -]. q is 1 if
+ * the motion goes on to the fifth order, else 0.
+ */
 export const DYNAMIC_TEXELS = 8;
+
+/** RGBA32F texels of a dynamic splat in a texture of their own, which only scenes with such splats have: [m4, -] [m5, -]. */
+export const FIFTH_TEXELS = 2;
 
 export const STATICS_PER_ROW = TEXTURE_WIDTH / STATIC_TEXELS;
 export const DYNAMICS_PER_ROW = TEXTURE_WIDTH / DYNAMIC_TEXELS;
+
+/** Texels per row of the texture of the fifth order: as many splats as in a row of the dynamics. */
+export const FIFTH_WIDTH = DYNAMICS_PER_ROW * FIFTH_TEXELS;
 
 /** Set in the ids of dynamic splats. */
 export const DYNAMIC_BIT = 0x80000000;

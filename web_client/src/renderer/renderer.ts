@@ -3,7 +3,7 @@
 import { type Intrinsics, type Pose, resized } from "../camera/pinhole";
 import { CanvasTarget } from "./canvas_target";
 import { GpuPace } from "./gpu_pace";
-import { DYNAMICS_PER_ROW, QUADS_PER_INSTANCE, STATICS_PER_ROW } from "./layout";
+import { DYNAMICS_PER_ROW, FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { canDraw, PictureTarget } from "./picture_target";
 import { Program } from "./program";
@@ -13,6 +13,7 @@ import { SplatTexture } from "./splat_texture";
 const UNIFORMS = [
   "statics",
   "dynamics",
+  "fifth",
   "order",
   "count",
   "rotation",
@@ -50,6 +51,7 @@ export class SplatRenderer {
   readonly #gl: WebGL2RenderingContext;
   readonly #statics = new SplatTexture("static");
   readonly #dynamics = new SplatTexture("dynamic");
+  readonly #fifth = new SplatTexture("dynamic", FIFTH_WIDTH);
   readonly #order = new OrderTexture();
   readonly #listeners = new AbortController();
   #program!: Program<(typeof UNIFORMS)[number]>;
@@ -57,6 +59,7 @@ export class SplatRenderer {
   #pace!: GpuPace;
   /** sRGB behind the splats, in [0, 1]. */
   background: readonly [number, number, number] = [0, 0, 0];
+  #dynamicRows = 0;
   #count = 0;
   #lost = false;
 
@@ -111,6 +114,8 @@ export class SplatRenderer {
   allocate(staticRows: number, dynamicRows: number): void {
     this.#statics.allocate(this.#gl, staticRows);
     this.#dynamics.allocate(this.#gl, dynamicRows);
+    this.#fifth.allocate(this.#gl, 0);
+    this.#dynamicRows = dynamicRows;
   }
 
   /** Upload packed static splats; `first` is the id of the first, at the start of a row. */
@@ -118,9 +123,13 @@ export class SplatRenderer {
     this.#statics.write(this.#gl, first / STATICS_PER_ROW, texels);
   }
 
-  /** Upload packed dynamic splats; `first` is the id of the first, at the start of a row. */
-  writeDynamics(first: number, texels: Float32Array): void {
-    this.#dynamics.write(this.#gl, first / DYNAMICS_PER_ROW, texels);
+  /** Upload packed dynamic splats; `first` is the id of the first, at the start of a row. `fifth` may be empty. */
+  writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void {
+    const row = first / DYNAMICS_PER_ROW;
+    this.#dynamics.write(this.#gl, row, texels);
+    if (fifth.length === 0) return;
+    if (!this.#fifth.filled) this.#fifth.allocate(this.#gl, this.#dynamicRows);
+    this.#fifth.write(this.#gl, row, fifth);
   }
 
   /** Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. */
@@ -207,6 +216,7 @@ export class SplatRenderer {
     this.#count = 0;
     this.#statics.create(gl);
     this.#dynamics.create(gl);
+    this.#fifth.create(gl);
   }
 
   #submit({ pose, camera, time, antialiased }: Shot): void {
@@ -220,9 +230,11 @@ export class SplatRenderer {
     this.#statics.bind(gl, 0);
     this.#dynamics.bind(gl, 1);
     this.#order.bind(gl, 2);
+    this.#fifth.bind(gl, 3);
     gl.uniform1i(u.statics, 0);
     gl.uniform1i(u.dynamics, 1);
     gl.uniform1i(u.order, 2);
+    gl.uniform1i(u.fifth, 3);
     gl.uniform1ui(u.count, this.#count);
     gl.uniformMatrix3fv(u.rotation, true, [...pose.rotation]); // row-major
     gl.uniform3f(u.translation, ...pose.translation);

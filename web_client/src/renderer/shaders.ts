@@ -5,7 +5,15 @@
  * at the pixel's centre from the exact screen mean, not from interpolated corners, which snap to a subpixel grid.
  */
 
-import { DYNAMIC_BIT, DYNAMIC_TEXELS, QUADS_PER_INSTANCE, STATIC_TEXELS, TEXTURE_WIDTH } from "./layout";
+import {
+  DYNAMIC_BIT,
+  DYNAMIC_TEXELS,
+  FIFTH_TEXELS,
+  FIFTH_WIDTH,
+  QUADS_PER_INSTANCE,
+  STATIC_TEXELS,
+  TEXTURE_WIDTH,
+} from "./layout";
 
 export const VERTEX_SHADER = `#version 300 es
 precision highp float;
@@ -15,6 +23,7 @@ precision highp usampler2D;
 
 uniform sampler2D statics;    // ${STATIC_TEXELS} texels per splat
 uniform sampler2D dynamics;   // ${DYNAMIC_TEXELS} texels per splat
+uniform sampler2D fifth;      // ${FIFTH_TEXELS} texels per dynamic splat, if any moves in the fifth order
 uniform usampler2D order;     // splat ids, farthest first
 uniform uint count;           // of ids
 uniform mat3 rotation;        // world to camera
@@ -64,8 +73,8 @@ void main() {
   vec3 sigma;
   vec4 paint;
   if (id >= ${DYNAMIC_BIT}u) {
-    int base = int(id - ${DYNAMIC_BIT}u) * ${DYNAMIC_TEXELS};
-    ivec2 at = place(base);
+    int splat = int(id - ${DYNAMIC_BIT}u);
+    ivec2 at = place(splat * ${DYNAMIC_TEXELS});
     vec4 a = texelFetch(dynamics, at, 0);
     vec4 b = texelFetch(dynamics, at + ivec2(1, 0), 0);
     vec4 c = texelFetch(dynamics, at + ivec2(2, 0), 0);
@@ -73,12 +82,18 @@ void main() {
     vec4 turn1 = texelFetch(dynamics, at + ivec2(4, 0), 0);
     vec4 e = texelFetch(dynamics, at + ivec2(5, 0), 0);
     vec4 f = texelFetch(dynamics, at + ivec2(6, 0), 0);
-    float precision_ = texelFetch(dynamics, at + ivec2(7, 0), 0).x;
+    vec2 g = texelFetch(dynamics, at + ivec2(7, 0), 0).xy;
     float d = time - f.w;
-    position = a.xyz + d * (vec3(a.w, b.xy) + d * (vec3(b.zw, c.x) + d * c.yzw));
+    vec3 cubic = c.yzw;
+    if (g.y > 0.0) {
+      int m4 = splat * ${FIFTH_TEXELS};
+      at = ivec2(m4 & ${FIFTH_WIDTH - 1}, m4 >> ${Math.log2(FIFTH_WIDTH)});
+      cubic += d * (texelFetch(fifth, at, 0).xyz + d * texelFetch(fifth, at + ivec2(1, 0), 0).xyz);
+    }
+    position = a.xyz + d * (vec3(a.w, b.xy) + d * (vec3(b.zw, c.x) + d * cubic));
     quaternion = turn0 + d * turn1;
     sigma = e.xyz;
-    paint = vec4(f.xyz, e.w * exp(-precision_ * d * d));
+    paint = vec4(f.xyz, e.w * exp(-g.x * d * d));
   } else {
     ivec2 at = place(int(id) * ${STATIC_TEXELS});
     vec4 a = texelFetch(statics, at, 0);

@@ -7,7 +7,15 @@ export class SplatTexture {
   #rows = 1;
   #chunks: { row: number; texels: Float32Array }[] = [];
 
-  constructor(readonly what: string) {}
+  constructor(
+    readonly what: string,
+    readonly width = TEXTURE_WIDTH,
+  ) {}
+
+  /** Whether anything was written since room was made. */
+  get filled(): boolean {
+    return this.#chunks.length > 0;
+  }
 
   /** Make room for `rows` rows, empty. */
   allocate(gl: WebGL2RenderingContext, rows: number): void {
@@ -34,7 +42,7 @@ export class SplatTexture {
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, TEXTURE_WIDTH, this.#rows);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, this.width, this.#rows);
     for (const { row, texels } of this.#chunks) this.#upload(gl, row, texels);
   }
 
@@ -44,8 +52,8 @@ export class SplatTexture {
   }
 
   #upload(gl: WebGL2RenderingContext, row: number, texels: Float32Array): void {
-    const rows = texels.length / (4 * TEXTURE_WIDTH);
+    const rows = texels.length / (4 * this.width);
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, TEXTURE_WIDTH, rows, gl.RGBA, gl.FLOAT, texels);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, this.width, rows, gl.RGBA, gl.FLOAT, texels);
   }
 }

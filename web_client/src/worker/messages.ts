@@ -12,7 +12,15 @@ export type ToWorker =
   | { type: "order"; axis: DepthAxis; time: number; recycled?: Uint32Array<ArrayBuffer> };
 
 export type FromWorker =
-  | { type: "decoded"; id: string; kind: "static" | "dynamic"; first: number; texels: Float32Array<ArrayBuffer> }
+  | {
+      type: "decoded";
+      id: string;
+      kind: "static" | "dynamic";
+      first: number;
+      texels: Float32Array<ArrayBuffer>;
+      /** Of dynamic splats whose motion goes on to the fifth order; empty if none does. */
+      fifth: Float32Array<ArrayBuffer>;
+    }
   | { type: "failed"; id: string; message: string }
   | {
       type: "ordered";

@@ -144,13 +144,23 @@ export class SplatOrderer {
     const { depths, ids } = list;
     let n = 0;
     for (const { count, first, motion, centers, reach } of chunks) {
+      const width = motion.length / count;
+      const fifth = width > 12;
       for (let i = 0; i < count; i++) {
         const d = t - centers[i];
         if (!(d * d <= reach[i])) continue;
-        const m = 12 * i;
-        const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * motion[m + 9]));
-        const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * motion[m + 10]));
-        const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * motion[m + 11]));
+        const m = width * i;
+        let cx = motion[m + 9];
+        let cy = motion[m + 10];
+        let cz = motion[m + 11];
+        if (fifth) {
+          cx += d * (motion[m + 12] + d * motion[m + 15]);
+          cy += d * (motion[m + 13] + d * motion[m + 16]);
+          cz += d * (motion[m + 14] + d * motion[m + 17]);
+        }
+        const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * cx));
+        const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * cy));
+        const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * cz));
         const depth = axis.x * x + axis.y * y + axis.z * z + axis.offset;
         if (!(depth >= axis.near)) continue;
         depths[n] = depth;

@@ -3,7 +3,7 @@
 import { decodeChunk } from "../codec/chunk";
 import { toHex } from "../protocol/messages";
 import type { FromWorker, ToWorker } from "./messages";
-import { packDynamics, packStatics } from "./pack";
+import { packDynamics, packFifth, packStatics } from "./pack";
 import { placeChunks } from "./placement";
 import { SplatOrderer } from "./splat_order";
 
@@ -29,8 +29,9 @@ async function addChunk(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<voi
     if (!orderer) return;
     orderer.add(id, chunk);
     const texels = chunk.kind === "static" ? packStatics(chunk) : packDynamics(chunk);
+    const fifth = chunk.kind === "static" ? new Float32Array(0) : packFifth(chunk);
     const first = orderer.placement.first.get(id) ?? 0;
-    scope.postMessage({ type: "decoded", id, kind: chunk.kind, first, texels }, [texels.buffer]);
+    scope.postMessage({ type: "decoded", id, kind: chunk.kind, first, texels, fifth }, [texels.buffer, fifth.buffer]);
   } catch (error) {
     scope.postMessage({ type: "failed", id, message: error instanceof Error ? error.message : String(error) });
   }

@@ -37,6 +37,12 @@ describe("SplatOrderer", () => {
     expect(drawn(o, 1)).toEqual([dynamic(0), 0]); // t = 0.5: at z = 3
   });
 
+  it("follows motion to the fifth order", () => {
+    const o = orderer([0, 0, 2], dynamicChunk([1, 1], [0, 0], [0, 0], -9, [0, 2]));
+    expect(drawn(o, 0)).toEqual([0, dynamic(1), dynamic(0)]); // both at z = 1
+    expect(drawn(o, 2)).toEqual([dynamic(1), 0, dynamic(0)]); // t = 1: one at z = 3
+  });
+
   it("leaves out dynamics that are not alive", () => {
     // sigma = 0.5, s = e^4: visible for |d| <= sqrt(ln(127.5) / e^4) = 0.298
     const o = orderer([], dynamicChunk([1, 1], [0, 0], [0, 0.5], 4));

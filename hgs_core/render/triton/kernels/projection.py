@@ -17,6 +17,7 @@ __all__ = [
     "screen_axes",
     "sigmoid",
     "unit_quaternion",
+    "velocity",
 ]
 
 
@@ -52,13 +53,22 @@ def fade(center, log_precision, time):
 
 
 @triton.jit
-def moved(array, at, d, mask):
-    """One coordinate of the motion polynomial [4, 3] whose constant lies at `at`."""
-    m0 = tl.load(array + at, mask=mask, other=0.0).to(tl.float64)
-    m1 = tl.load(array + at + 3, mask=mask, other=0.0).to(tl.float64)
-    m2 = tl.load(array + at + 6, mask=mask, other=0.0).to(tl.float64)
-    m3 = tl.load(array + at + 9, mask=mask, other=0.0).to(tl.float64)
-    return m0 + d * (m1 + d * (m2 + d * m3))
+def moved(array, at, d, mask, COEFFICIENTS: tl.constexpr):
+    """One coordinate of the motion polynomial [COEFFICIENTS, 3] whose constant lies at `at`."""
+    place = tl.load(array + at + 3 * (COEFFICIENTS - 1), mask=mask, other=0.0).to(tl.float64)
+    for k in tl.static_range(2, COEFFICIENTS + 1):
+        place = tl.load(array + at + 3 * (COEFFICIENTS - k), mask=mask, other=0.0).to(tl.float64) + d * place
+    return place
+
+
+@triton.jit
+def velocity(array, at, d, mask, COEFFICIENTS: tl.constexpr):
+    """The derivative by d of what `moved` returns."""
+    change = (COEFFICIENTS - 1.0) * tl.load(array + at + 3 * (COEFFICIENTS - 1), mask=mask, other=0.0).to(tl.float64)
+    for k in tl.static_range(2, COEFFICIENTS):
+        m = tl.load(array + at + 3 * (COEFFICIENTS - k), mask=mask, other=0.0).to(tl.float64)
+        change = (COEFFICIENTS - k) * m + d * change
+    return change
 
 
 @triton.jit

@@ -22,6 +22,7 @@ from hgs_core.render.triton.kernels.projection import (
     screen_axes,
     sigmoid,
     unit_quaternion,
+    velocity,
 )
 
 __all__ = ["differentiate_dynamics", "differentiate_statics"]
@@ -176,7 +177,7 @@ def differentiate_statics(
 def differentiate_dynamics(
     motion, rotation, log_scales, opacity_logits, time_centers, time_log_precisions, count, camera, depths, sums, norms,
     d_motion, d_rotation, d_log_scales, d_opacity_logits, d_time_centers, d_time_log_precisions, d_rgb,
-    ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
+    COEFFICIENTS: tl.constexpr, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
 ):  # fmt: skip
     """The same of dynamic splats: o = sigma exp(-s d^2), so d ln o / d d = -2 s d and d ln o / d ln s = -s d^2."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
@@ -185,10 +186,9 @@ def differentiate_dynamics(
     center = tl.load(time_centers + row, mask=drawn, other=0.0).to(tl.float64)
     log_precision = tl.load(time_log_precisions + row, mask=drawn, other=0.0).to(tl.float64)
     d, precision, _ = fade(center, log_precision, tl.load(camera + 23))
-    at = row * 12
-    X, Y, Z = camera_space(
-        camera, moved(motion, at, d, drawn), moved(motion, at + 1, d, drawn), moved(motion, at + 2, d, drawn)
-    )
+    at = row * (3 * COEFFICIENTS)
+    mx, my = moved(motion, at, d, drawn, COEFFICIENTS), moved(motion, at + 1, d, drawn, COEFFICIENTS)
+    X, Y, Z = camera_space(camera, mx, my, moved(motion, at + 2, d, drawn, COEFFICIENTS))
     s0, s1, s2 = load3(log_scales, row * 3, drawn)
     qw, qx, qy, qz = load4(rotation, row * 8, drawn)
     rw, rx, ry, rz = load4(rotation, row * 8 + 4, drawn)
@@ -196,20 +196,17 @@ def differentiate_dynamics(
         camera, sums, norms, row, mask, drawn, X, Y, Z, s0, s1, s2, qw + d * rw, qx + d * rx, qy + d * ry, qz + d * rz,
         ANTIALIASED,
     )  # fmt: skip
-    ax, ay, az = load3(motion, at + 3, drawn)
-    bx, by, bz = load3(motion, at + 6, drawn)
-    cx, cy, cz = load3(motion, at + 9, drawn)
     d_offset = -2.0 * g_log_opacity * precision * d
-    d_offset += gmx * (ax + d * (2.0 * bx + 3.0 * d * cx))
-    d_offset += gmy * (ay + d * (2.0 * by + 3.0 * d * cy))
-    d_offset += gmz * (az + d * (2.0 * bz + 3.0 * d * cz))
+    d_offset += gmx * velocity(motion, at, d, drawn, COEFFICIENTS)
+    d_offset += gmy * velocity(motion, at + 1, d, drawn, COEFFICIENTS)
+    d_offset += gmz * velocity(motion, at + 2, d, drawn, COEFFICIENTS)
     d_offset += dw * rw + dx * rx + dy * ry + dz * rz
     sigma = sigmoid(tl.load(opacity_logits + row, mask=drawn, other=0.0).to(tl.float64))
     by_precision = tl.where(log_precision <= TIME_LOG_PRECISION_MAX, -g_log_opacity * precision * d * d, 0.0)
     store3(d_motion, at, gmx, gmy, gmz, mask)
-    store3(d_motion, at + 3, d * gmx, d * gmy, d * gmz, mask)
-    store3(d_motion, at + 6, d * d * gmx, d * d * gmy, d * d * gmz, mask)
-    store3(d_motion, at + 9, d * d * d * gmx, d * d * d * gmy, d * d * d * gmz, mask)
+    for k in tl.static_range(1, COEFFICIENTS):
+        gmx, gmy, gmz = d * gmx, d * gmy, d * gmz
+        store3(d_motion, at + 3 * k, gmx, gmy, gmz, mask)
     store4(d_rotation, row * 8, dw, dx, dy, dz, mask)
     store4(d_rotation, row * 8 + 4, d * dw, d * dx, d * dy, d * dz, mask)
     store3(d_log_scales, row * 3, d0, d1, d2, mask)

@@ -130,7 +130,8 @@ def project_statics(
 @triton.jit
 def project_dynamics(
     motion, rotation, log_scales, opacity_logits, time_centers, time_log_precisions, rgb, count, first,
-    camera, splats, places, ellipses, boxes, depths, tally, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
+    camera, splats, places, ellipses, boxes, depths, tally,
+    COEFFICIENTS: tl.constexpr, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
 ):  # fmt: skip
     """Rows `first` to `first + count` of the outputs; of dead splats nothing but their lives is looked at."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
@@ -142,12 +143,15 @@ def project_dynamics(
     d, _, left = fade(center.to(tl.float64), log_precision.to(tl.float64), tl.load(camera + 23))
     opacity = sigmoid(logit.to(tl.float64)) * left
     alive = mask & (255.0 * opacity >= 1.0)
-    fine &= all_finite(motion, row, alive, 12, 16, FLOAT_MAX) & all_finite(rotation, row, alive, 8, 8, FLOAT_MAX)
+    width: tl.constexpr = 3 * COEFFICIENTS  # of a row of the motion
+    fine &= all_finite(motion, row, alive, width, 16 if width <= 16 else 32, FLOAT_MAX)
+    fine &= all_finite(rotation, row, alive, 8, 8, FLOAT_MAX)
     fine &= all_finite(log_scales, row, alive, 3, 4, FLOAT_MAX) & all_finite(rgb, row, alive, 3, 4, COLOUR_MAX)
     if tl.min(fine.to(tl.int32), axis=0) == 0:
         tl.atomic_add(tally, 1)
-    mx, my = moved(motion, row * 12, d, alive), moved(motion, row * 12 + 1, d, alive)
-    X, Y, Z = camera_space(camera, mx, my, moved(motion, row * 12 + 2, d, alive))
+    mx = moved(motion, row * width, d, alive, COEFFICIENTS)
+    my = moved(motion, row * width + 1, d, alive, COEFFICIENTS)
+    X, Y, Z = camera_space(camera, mx, my, moved(motion, row * width + 2, d, alive, COEFFICIENTS))
     wanted = alive & (tl.load(camera + 16) <= Z) & (Z <= DEPTH_MAX)
     s0, s1, s2 = load3(log_scales, row * 3, wanted)
     qw, qx, qy, qz = load4(rotation, row * 8, wanted)

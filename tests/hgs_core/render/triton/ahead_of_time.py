@@ -68,12 +68,12 @@ def compile_launches(capabilities: list[int]) -> None:
     os.environ["TRITON_INTERPRET"] = "1"  # CPU tensors are taken then; the kernels are there already
 
 
-def render(over: Camera, **options: Any) -> None:
+def render(over: Camera, coefficients: int = 4, **options: Any) -> None:
     """Go through all of rendering and its derivative, both sets, and contributions."""
     sets: tuple[Gradients, ...] = ("all", "static", "dynamic", "none")
     for gradients in sets:
         static = static_splats(8, dtype=torch.float32).map(torch.Tensor.requires_grad_)
-        dynamic = dynamic_splats(8, dtype=torch.float32).map(torch.Tensor.requires_grad_)
+        dynamic = dynamic_splats(8, dtype=torch.float32, coefficients=coefficients).map(torch.Tensor.requires_grad_)
         view = View(over, 0.4, gradients=gradients, statistics=ScreenStatistics.zeros(16), **options)
         picture = rasterize_triton(static, dynamic, view)
         if gradients != "none":
@@ -95,4 +95,5 @@ if __name__ == "__main__":
     tiles = (2, 3)
     render(camera(40, 24))
     render(camera(40, 24), depth=True, antialiased=True, tile_mask=torch.ones(tiles, dtype=torch.bool).numpy())
+    render(camera(40, 24), coefficients=6)
     render(camera(4000, 4000))  # whose tiles need 32 bits

@@ -26,10 +26,10 @@ def test_hard_cases(name: str) -> None:
     check_case(CASES[name](), "triton")
 
 
-@pytest.mark.parametrize("antialiased", [False, True])
-def test_both_sets(antialiased: bool) -> None:
+@pytest.mark.parametrize(("antialiased", "coefficients"), [(False, 4), (True, 4), (False, 6)])
+def test_both_sets(antialiased: bool, coefficients: int) -> None:
     shot = dataclasses.replace(view(antialiased=antialiased, depth=True), camera=camera(150, 101))
-    compare(static_splats(600), dynamic_splats(500), shot, "triton")
+    compare(static_splats(600), dynamic_splats(500, coefficients=coefficients), shot, "triton")
 
 
 def test_a_bench_scene_is_within_the_bounds() -> None:

@@ -36,6 +36,10 @@ def test_depth_and_antialiasing(seed: int) -> None:
     compare(static_splats(20, seed), dynamic_splats(20, seed + 1), view(**options), "triton")
 
 
+def test_motion_of_the_fifth_order() -> None:
+    compare(None, dynamic_splats(40, coefficients=6), view(), "triton")
+
+
 def test_thin_splats_through_antialiasing() -> None:
     splats = static_splats(40)
     splats.log_scales.sub_(3)

@@ -1,0 +1,47 @@
+"""Cubic motion for formats that hold no other: one of the fifth order becomes the cubic nearest to what is seen."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.codec.motion import least_squares
+from hgs_core.scene.motion import COEFFICIENTS, position
+from hgs_core.scene.splats import DynamicSplats
+from hgs_core.scene.temporal import lifetime
+
+__all__ = ["as_cubics"]
+
+MOMENTS = 33  # of a visible life at which paths are compared
+
+Floats = NDArray[np.float32]
+
+
+def as_cubics(dynamic: DynamicSplats[Floats]) -> tuple[DynamicSplats[Floats], int, float]:
+    """Return the splats with four coefficients of motion, how many had more, and by how much these are off.
+
+    The cubic is the least-squares fit over the part of the segment in which a splat can be seen, squares weighed as its
+    opacity's. The error is the largest displacement per axis times how much of the peak opacity is left then, world
+    units. Motions that are cubics keep their bits.
+    """
+    cubic = dataclasses.replace(dynamic, motion=dynamic.motion[:, : COEFFICIENTS[0]])
+    rows = np.flatnonzero(dynamic.motion[:, COEFFICIENTS[0] :].any(axis=(1, 2)))
+    if not len(rows):
+        return cubic, 0, 0.0
+    start, end = (np.clip(moment, 0.0, 1.0) for moment in lifetime(dynamic.take(rows)))
+    center = dynamic.time_centers[rows].astype(np.float64)
+    offsets = (start + (end - start) * np.linspace(0, 1, MOMENTS)[:, None]).T - center[:, None]  # [R, MOMENTS]
+    fade = np.exp(-np.exp(dynamic.time_log_precisions[rows].astype(np.float64))[:, None] * offsets**2)
+    unit = np.maximum(np.abs(offsets).max(axis=1), 1e-12)[:, None]
+    powers = np.stack([(offsets / unit) ** k for k in range(COEFFICIENTS[0])], axis=2)
+    goal = position(dynamic.motion[rows].astype(np.float64)[:, None], offsets[..., None])
+    middle = goal[:, MOMENTS // 2, None]  # so that nothing is lost far from the origin
+    found = least_squares(powers, goal - middle, fade**2 + 1e-12)
+    error = np.abs(powers @ found + middle - goal).max(axis=2) * fade
+    found = found / unit[..., None] ** np.arange(COEFFICIENTS[0])[:, None]
+    found[:, 0] += middle[:, 0]
+    motion = cubic.motion.copy()
+    motion[rows] = found
+    return dataclasses.replace(cubic, motion=motion), len(rows), float(error.max())
