@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -15,19 +16,23 @@ from hgs_core.codec.preview import quantised_scene
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import Utility
 from hgs_core.encode_views import EncodeViews
+from hgs_core.fine_tune import FineTune
 from hgs_core.render.contribution import contributions
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.scene.splats import HybridScene
-from hgs_core.train.config import BUDGETS
+from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.config import BUDGETS, TrainConfig
 
-__all__ = ["Loss", "fitting_settings", "measure_utility"]
+__all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit", "measure_utility"]
 
 CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
 STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 VIEWS = 12  # in which the loss is measured
 ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
+WON_BACK = 0.5  # dB that training further makes good of the default budget's coarseness
+FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
 NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.25, 8.0)
 FARTHEST = 4.0  # factor between two coarsenesses tried
@@ -36,6 +41,11 @@ IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to hav
 
 Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
+
+
+def fine_tune_cycles(config: TrainConfig) -> int:
+    """Return for how many cycles a scene is trained further before it is encoded, if nobody says otherwise."""
+    return round(config.cycles * FINE_TUNE_SHARE)
 
 
 def measure_utility(
@@ -126,34 +136,73 @@ class Loss:
         return pictures
 
 
-def fitting_settings(
-    scene: HybridScene[Floats], views: EncodeViews, utility: Utility, budget: str, *, antialiased: bool
-) -> EncodeSettings:
-    """Return the coarsest settings with which the training views lose no more than the budget.
+@dataclass(frozen=True)
+class Fitted:
+    """What is to be encoded, and how."""
+
+    scene: HybridScene[Floats]  # exact, trained further if that was asked for
+    utility: Utility  # of its splats
+    settings: EncodeSettings
+    loss: float  # dB, of the views that it was chosen on, against the scene as it was
+
+
+def fit(
+    scene: HybridScene[Floats],
+    views: EncodeViews,
+    utility: Utility,
+    budget: str,
+    config: TrainConfig,
+    *,
+    cycles: int = 0,
+    correction: ColourCorrection | None = None,
+    trained: Callable[[int], None] = lambda done: None,
+) -> Fitted:
+    """Find the coarsest settings with which the training views lose no more than the budget.
+
+    With `cycles` above 0 the scene is trained further against its coarse self (`fine_tune.py`), and the loss is what
+    remains after that; without a capture there is nothing to train with. `trained` hears of the cycles done.
 
     Raises:
         InputError: a frame cannot be read, or a splat cannot be encoded.
     """
     allowed = BUDGETS[budget]
-    loss = Loss(scene, views, views.trained, antialiased=antialiased)
+    loss = Loss(scene, views, views.trained, antialiased=config.antialiased)
 
-    def lost(coarseness: float) -> float:
-        settings = EncodeSettings(coarseness=coarseness)
-        return loss.of(quantised_scene(scene, views.cameras, views.times, utility, settings, antialiased=antialiased))
+    def coarsest(scene: HybridScene[Floats], utility: Utility, allowed: float, start: float) -> Fitted:
+        def lost(coarseness: float) -> float:
+            settings = EncodeSettings(coarseness=coarseness)
+            found = quantised_scene(
+                scene, views.cameras, views.times, utility, settings, antialiased=config.antialiased
+            )
+            return loss.of(found.decoded)
 
-    return EncodeSettings(coarseness=_coarsest(lost, allowed))
+        coarseness, decibels = _coarsest(lost, allowed, start)
+        return Fitted(scene, utility, EncodeSettings(coarseness=coarseness), decibels)
+
+    # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
+    start = 0.4 * math.sqrt(allowed / 0.1)
+    if cycles == 0 or views.capture is None:
+        return coarsest(scene, utility, allowed, start)
+    first = coarsest(scene, utility, allowed + WON_BACK * math.sqrt(allowed / 0.1), 2 * start)
+    tune = FineTune(scene, utility, views, config, correction)
+    tune.run(first.settings, cycles, trained)
+    return coarsest(tune.scene, tune.utility, allowed, first.settings.coarseness)
 
 
-def _coarsest(lost: Callable[[float], float], allowed: float) -> float:
-    """Return about the largest coarseness that loses no more than `allowed` dB; the finest if none does."""
-    # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 1.
+def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> tuple[float, float]:
+    """Return about the largest coarseness that loses no more than `allowed` dB, and what it loses.
+
+    The finest is returned if none does. `start` is tried first.
+    """
     tried: list[tuple[float, float]] = []  # ln of coarseness and of loss, the latest first
-    fitting, coarseness = COARSENESS[0], math.sqrt(allowed / 0.1)
+    fitting, loses = COARSENESS[0], math.nan
+    coarseness = min(max(start, COARSENESS[0]), COARSENESS[1])
     for _ in range(ROUNDS):
         decibels = lost(coarseness)
-        tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-9))))
+        tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-3 * allowed))))
+        if coarseness == COARSENESS[0] or (decibels <= allowed and coarseness >= fitting):
+            fitting, loses = coarseness, decibels
         if decibels <= allowed:
-            fitting = max(fitting, coarseness)
             if decibels >= NEAR_ENOUGH * allowed or coarseness == COARSENESS[1]:
                 break
         elif coarseness == COARSENESS[0]:
@@ -166,4 +215,4 @@ def _coarsest(lost: Callable[[float], float], allowed: float) -> float:
             slope = min(max((y2 - y) / (x2 - x), 0.5), 6.0)
         step = min(max((goal - y) / slope, -math.log(FARTHEST)), math.log(FARTHEST))
         coarseness = min(max(math.exp(x + step), COARSENESS[0]), COARSENESS[1])
-    return fitting
+    return fitting, lost(fitting) if math.isnan(loses) else loses

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from hgs_core.camera import Camera
+from hgs_core.capture.capture import Capture
 from hgs_core.capture.near_plane import with_near_planes
 from hgs_core.capture.points import PointCloud
 from hgs_core.run_folder import RunFolder, RunSpec
@@ -37,6 +38,7 @@ class EncodeViews:
     trained: Mapping[int, Camera]  # by index: those that may be looked at; never those held out
     times: NDArray[np.float64]  # [F] seconds
     truth: Callable[[int, int], Tensor] | None  # the picture [3, H, W] of a camera and a frame, if there are any
+    capture: Capture | None = None  # to train further with
 
 
 def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -> EncodeViews:
@@ -51,7 +53,12 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
     trained = {i: cameras[i] for i in training_cameras(capture, spec.config)}
     return EncodeViews(
-        capture.name, cameras, trained, capture.times, lambda i, frame: target_picture(capture, i, frame, cameras[i])
+        capture.name,
+        cameras,
+        trained,
+        capture.times,
+        lambda i, frame: target_picture(capture, i, frame, cameras[i]),
+        capture,
     )
 
 

@@ -103,6 +103,7 @@ class Encoded:
 
     manifest: Manifest
     coarseness: float
+    loss: float  # dB, of the training views
     static: int  # splats before; those that show next to nothing are dropped
     dynamic: int
 
@@ -114,15 +115,18 @@ def encode(run: Path, progress: ProgressCallback) -> None:
         encode_again(run, None, progress)
 
 
-def encode_again(run: Path, budget: str | None, progress: ProgressCallback) -> Encoded:
+def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
     """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
+
+    `fine_tune` is for how many cycles the scene is trained further as it decodes; None: a share of the training's.
 
     Raises:
         InputError: the run is not trained yet, or its capture is gone or has changed.
     """
     from hgs_core.codec import encode_scene
-    from hgs_core.encode_run import fitting_settings, measure_utility
+    from hgs_core.encode_run import fine_tune_cycles, fit, measure_utility
     from hgs_core.encode_views import views_of_run
+    from hgs_core.fine_tune import colour_maps
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.scene.files import load_scene
 
@@ -131,23 +135,29 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback) -> E
     antialiased = spec.config.antialiased
     scene = load_scene(folder.trained)
     views = views_of_run(folder, spec, scene)
-    progress(Progress("encode", 0, 4))
+    cycles = fine_tune_cycles(spec.config) if fine_tune is None else fine_tune
+    steps = 4 + cycles
+    progress(Progress("encode", 0, steps))
     utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
-    progress(Progress("encode", 1, 4))
-    chosen = fitting_settings(scene, views, utility, budget or spec.config.budget, antialiased=antialiased)
-    progress(Progress("encode", 2, 4))
-    picture = thumbnail(scene, views.cameras[0], antialiased=antialiased)
-    progress(Progress("encode", 3, 4))
+    progress(Progress("encode", 1, steps))
+    found = fit(
+        scene, views, utility, budget or spec.config.budget, spec.config, cycles=cycles,
+        correction=colour_maps(folder), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
+    )  # fmt: skip
+    progress(Progress("encode", steps - 2, steps))
+    picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)
+    progress(Progress("encode", steps - 1, steps))
     # Viewers get what a scene is, not what its maker's machine is.
     training = json.loads(folder.train_summary.read_text())
     training.pop("machine", None)
     manifest = encode_scene(
-        scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=chosen,
+        found.scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=found.settings,
         thumbnail=picture, training=training, antialiased=antialiased,
-        utility=utility,
+        utility=found.utility,
     )  # fmt: skip
-    progress(Progress("encode", 4, 4))
-    return Encoded(manifest, chosen.coarseness, len(scene.static), sum(len(part.dynamic) for part in scene.segments))
+    progress(Progress("encode", steps, steps))
+    moving = sum(len(part.dynamic) for part in scene.segments)
+    return Encoded(manifest, found.settings.coarseness, found.loss, len(scene.static), moving)
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

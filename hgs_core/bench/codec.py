@@ -18,9 +18,10 @@ from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.attributes import Kind
 from hgs_core.codec.folder import CHUNKS
-from hgs_core.encode_run import Loss, fitting_settings, measure_utility
+from hgs_core.encode_run import Fitted, Loss, fine_tune_cycles, fit, measure_utility
 from hgs_core.encode_views import EncodeViews, views_around, views_of_run
 from hgs_core.errors import InputError
+from hgs_core.fine_tune import colour_maps
 from hgs_core.interchange.formats import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
@@ -29,6 +30,8 @@ from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
+from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.config import TrainConfig
 from hgs_core.train.views import training_cameras
 
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
@@ -51,7 +54,7 @@ class CodecPoint:
     splats_dynamic: int
     loss: float  # dB, of training views, or of made-up ones
     loss_held_out: float | None  # dB, of cameras that nothing was chosen on
-    encode_seconds: float
+    encode_seconds: float  # of a budget with the search and the training further
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,8 @@ def bench_codec(
     Raises:
         InputError: the source is neither, or damaged; of a run also if its capture is gone.
     """
-    scene, views, antialiased, held_out = _opened(source)
+    scene, views, config, correction, held_out = _opened(source)
+    antialiased = config.antialiased
     steps, done = 2 + len(budgets) + len(sweep), 0
 
     def tell() -> None:
@@ -97,24 +101,30 @@ def bench_codec(
     seen = Loss(scene, views, views.trained, antialiased=antialiased)
     unseen = Loss(scene, views, held_out, antialiased=antialiased) if held_out else None
     points: list[CodecPoint] = []
-    chosen = [(name, fitting_settings(scene, views, utility, name, antialiased=antialiased)) for name in budgets]
+    cycles = fine_tune_cycles(config)
+    chosen = []
+    for name in budgets:
+        began = time.process_time()
+        found = fit(scene, views, utility, name, config, cycles=cycles, correction=correction)
+        chosen.append((name, found, time.process_time() - began))
+    plain = [("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), 0.0), 0.0) for coarseness in sweep]
     rates: dict[str, float] = {}
     prefix = (0.0, 0.0)
-    for name, settings in [*chosen, *(("", EncodeSettings(coarseness=coarseness)) for coarseness in sweep)]:
+    for name, found, fitting in [*chosen, *plain]:
         with tempfile.TemporaryDirectory() as out:
             began = time.process_time()
             manifest = encode_scene(
-                scene, Path(out), cameras=views.cameras, times=views.times, title=views.title, settings=settings,
-                antialiased=antialiased, utility=utility,
+                found.scene, Path(out), cameras=views.cameras, times=views.times, title=views.title,
+                settings=found.settings, antialiased=antialiased, utility=found.utility,
             )  # fmt: skip
-            seconds = time.process_time() - began
+            seconds = fitting + time.process_time() - began
             decoded = decode_scene(Path(out))
             if not rates:
                 rates, prefix = _decode_rates(Path(out)), prefix_losses(Path(out), seen)
         totals = manifest.totals
         points.append(
             CodecPoint(
-                name, settings.coarseness, totals.bytes_static, totals.bytes_dynamic, totals.splats_static,
+                name, found.settings.coarseness, totals.bytes_static, totals.bytes_dynamic, totals.splats_static,
                 totals.splats_dynamic, seen.of(decoded), None if unseen is None else unseen.of(decoded), seconds,
             )
         )  # fmt: skip
@@ -129,8 +139,10 @@ def bench_codec(
         versions = {f"spz {version}": spz_file(scene.static, version=version) for version in (2, 3)}
         spz = {name: len(data) for name, data in versions.items()}
         errors = {name: spz_errors(scene.static, data) for name, data in versions.items()}
-        for name, settings in chosen:
-            errors[name] = coded_errors(scene.static, views.cameras, utility, settings, antialiased=antialiased)
+        for name, found, _ in chosen:
+            errors[name] = coded_errors(
+                found.scene.static, views.cameras, found.utility, found.settings, antialiased=antialiased
+            )
     tell()
     return CodecReport(
         machine_facts(), source.name, len(scene.static), sum(map(len, moving)), tuple(points[: len(chosen)]),
@@ -138,11 +150,14 @@ def bench_codec(
     )  # fmt: skip
 
 
-def _opened(source: Path) -> tuple[HybridScene[Floats], EncodeViews, bool, dict[int, Any]]:
-    """Return the scene, its views, whether it is antialiased, and the cameras held out, by index."""
+def _opened(
+    source: Path,
+) -> tuple[HybridScene[Floats], EncodeViews, TrainConfig, ColourCorrection | None, dict[int, Any]]:
+    """Return the scene, its views, its config, its cameras' colour maps, and the cameras held out, by index."""
     if source.is_file():
         imported = import_scene(source, 50 / 30)
-        return imported.scene, views_around(imported.scene, source.stem), imported.antialiased, {}
+        config = TrainConfig(antialiased=imported.antialiased)
+        return imported.scene, views_around(imported.scene, source.stem), config, None, {}
     folder = RunFolder(source)
     spec = folder.read_spec()
     if not folder.trained.is_file():
@@ -152,7 +167,7 @@ def _opened(source: Path) -> tuple[HybridScene[Floats], EncodeViews, bool, dict[
     hidden = () if spec.without_capture else set(range(len(views.cameras))) - set(
         training_cameras(spec.open_capture(), spec.config)
     )  # fmt: skip
-    return scene, views, spec.config.antialiased, {i: views.cameras[i] for i in sorted(hidden)}
+    return scene, views, spec.config, colour_maps(folder), {i: views.cameras[i] for i in sorted(hidden)}
 
 
 def _decode_rates(folder: Path) -> dict[str, float]:

@@ -18,7 +18,16 @@ from hgs_core.codec.streams import Transform, decompress, from_planes, undo_tran
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["DecodedChunk", "arrays_of", "decode_chunk", "dynamic_splats", "rows_of", "static_splats", "time_exponents"]
+__all__ = [
+    "DecodedChunk",
+    "arrays_of",
+    "decode_chunk",
+    "dynamic_splats",
+    "logits",
+    "rows_of",
+    "static_splats",
+    "time_exponents",
+]
 
 TABLE = 80  # byte at which the attribute table begins
 
@@ -57,7 +66,7 @@ class DecodedChunk:
 def static_splats(arrays: Mapping[str, Floats]) -> StaticSplats[Floats]:
     """Return static splats of arrays named as in `DecodedChunk`."""
     a = arrays
-    return StaticSplats(a["means"], a["log_scales"], a["quats"], _logits(a["opacities"]), a["rgb"])
+    return StaticSplats(a["means"], a["log_scales"], a["quats"], logits(a["opacities"]), a["rgb"])
 
 
 def dynamic_splats(arrays: Mapping[str, Floats]) -> DynamicSplats[Floats]:
@@ -67,11 +76,17 @@ def dynamic_splats(arrays: Mapping[str, Floats]) -> DynamicSplats[Floats]:
         a["motion"],
         a["rotation"],
         a["log_scales"],
-        _logits(a["opacities"]),
+        logits(a["opacities"]),
         a["time_centers"],
         a["time_log_precisions"],
         a["rgb"],
     )
+
+
+def logits(opacities: NDArray[np.floating[Any]]) -> Floats:
+    """Return the logits [N] of opacities; those of 0 and 1 are about -14 and 17."""
+    clipped = np.clip(opacities.astype(np.float64), 1e-6, LARGEST_OPACITY)
+    return np.log(clipped / (1 - clipped)).astype(np.float32)
 
 
 def decode_chunk(data: bytes) -> DecodedChunk:
@@ -256,8 +271,3 @@ def _decode_stream(stream: Stream, attribute: Attribute, rows: int) -> Floats:
 
 def _first_bad(array: Floats) -> int:
     return int(np.argmin(np.isfinite(array).reshape(len(array), -1).all(axis=1)))
-
-
-def _logits(opacities: Floats) -> Floats:
-    clipped = np.clip(opacities.astype(np.float64), 1e-6, LARGEST_OPACITY)
-    return np.log(clipped / (1 - clipped)).astype(np.float32)

@@ -97,7 +97,8 @@ def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[
     path = Path.of(splats, start, end)
     offsets = (path.times - centers[:, None]) * np.exp2(exponents.astype(np.float64))[:, None]
     moving, orders = motion_numbers(path, offsets, steps, highest_order(splats))
-    turning, turns = turning_numbers(splats, path, centers[:, None] - splats.values["time_center"], exponents, steps)
+    shift = centers[:, None] - splats.values["time_center"]
+    turning, turns = turning_numbers(splats, path, offsets, shift, exponents, steps)
     look = appearance_numbers(splats, steps)
     numbers |= moving | turning
     numbers |= {name: (look[name], step) for name, step in (

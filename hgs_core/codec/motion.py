@@ -9,22 +9,25 @@ from numpy.typing import NDArray
 
 from hgs_core.codec.appearance import rotation_numbers, turning_cost
 from hgs_core.codec.attributes import MOTION_ORDERS
-from hgs_core.codec.choose import EXCHANGE
+from hgs_core.codec.choose import EXCHANGE, choose, neighbours
 from hgs_core.codec.prepare import Prepared
-from hgs_core.codec.rotations import canonical, product, turn_between
+from hgs_core.codec.quantise import float32_below
+from hgs_core.codec.rotations import canonical, product, turn_between, vector_to_quats
 from hgs_core.codec.steps import Steps
 from hgs_core.scene.motion import position as place
 
 __all__ = ["MOMENTS", "Path", "highest_order", "least_squares", "motion_numbers", "turning_numbers"]
 
 MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
-# Steps of the coefficients m1 to m5 in steps of the position. An error of a high order is mostly made good by the
-# lower ones, which are fitted after it, and counts most where the splat has faded.
-MOTION_STEPS = (3.0, 8.0, 16.0, 32.0, 64.0)
-TURNING_STEP = 2.0  # in steps of the rotation
-COST_OF_ORDERS = {0: 0.0, 1: 10.0, 2: 18.0, 3: 25.0, 5: 37.0}  # bits, about; these orders can be written
+COST_OF_ORDERS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
 COST_OF_TURNING = 24.0
 LARGEST_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
+COARSER = 6  # powers of two by which coefficients may be rounded more coarsely
+NEAR = 27 + 2  # of these roundings: those within a few steps
+LARGEST_MISFIT = 1.0  # squared steps by which a turn may miss its path
+LEAST_W = 0.2  # of a quaternion that is told by its vector part over its w
+LEAST_SHARE = 1e-6  # of a coefficient that lower ones do not make good: less is taken to be this
+CONJUGATE = (1.0, -1.0, -1.0, -1.0)
 
 Doubles = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -93,22 +96,47 @@ def motion_numbers(
         costs.append(cost + EXCHANGE * COST_OF_ORDERS[order] + np.where(excess & (order < highest), np.inf, 0.0))
     orders = np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)]
     numbers: dict[str, tuple[Whole, float]] = {}
-    left = goal
+    left = goal.copy()
     for order in range(highest, 0, -1):
         members = np.flatnonzero(orders >= order)
         if not len(members):
             continue
-        step = float(np.float32(MOTION_STEPS[order - 1] * steps.position))
-        basis = powers[members]
-        leading = np.rint(
-            least_squares(basis[..., : order + 1], left[members], path.weights[members])[:, order] / step
-        ).astype(np.int64)
-        numbers[MOTION_ORDERS[order - 1]] = leading, step
-        left = left.copy()
-        left[members] -= basis[..., order : order + 1] * (leading * step)[:, None]
+        basis, weights, fade = powers[members, :, : order + 1], path.weights[members], path.fade[members]
+        rest = basis[..., order] - _projected(basis, weights, order)
+        share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
+        reach = (np.abs(rest) * fade).max(axis=1) + LEAST_SHARE
+        step = _coefficient_step(own[members, 0] / share, LARGEST_SHIFT * steps.position / reach)
+        exact = least_squares(basis, left[members], weights)[:, order] / step
+        candidates = _roundings(exact)
+        off = (candidates - exact[:, None]) * step
+        cost = ((off * (share / own[members, 0])[:, None, None]) ** 2).sum(axis=2)
+        too_far = np.abs(off).max(axis=2) * reach[:, None] > LARGEST_SHIFT * steps.position
+        too_far[:, 0] = False
+        chosen = choose(candidates, np.where(too_far, np.inf, cost))
+        numbers[MOTION_ORDERS[order - 1]] = chosen, step
+        left[members] -= basis[..., order:] * (chosen * step)[:, None]
     constant = (left * path.weights[..., None]).sum(axis=1) + middle
     numbers["position"] = np.rint(constant / steps.position).astype(np.int64), steps.position
     return numbers, orders
+
+
+def _coefficient_step(own: Doubles, largest: Doubles) -> float:
+    """Return the step of a coefficient that splats alone would have as `own` [M] and at most as `largest` [M]."""
+    return float32_below(min(float((own**-2.0).mean() ** -0.5), float(largest.min())))
+
+
+def _roundings(exact: Doubles) -> Whole:
+    """Return whole numbers [M, K, 3] near `exact` [M, 3], the nearest first, then its neighbours and coarser ones."""
+    coarse = [np.rint(exact / 2**k) * 2**k for k in range(1, COARSER)]
+    return np.concatenate(
+        [neighbours(exact), np.stack([*coarse, np.zeros_like(exact)], axis=1).astype(np.int64)], axis=1
+    )
+
+
+def _projected(basis: Doubles, weights: Doubles, order: int) -> Doubles:
+    """Return what lower powers make good [M, J] of the power `order` of `basis` [M, J, order + 1]."""
+    lower = basis[..., :order]
+    return np.asarray((lower @ least_squares(lower, basis[..., order:], weights))[..., 0])
 
 
 def least_squares(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
@@ -123,31 +151,85 @@ def least_squares(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
 
 
 def turning_numbers(
-    splats: Prepared, path: Path, shift: Doubles, exponents: NDArray[np.int32], steps: Steps
+    splats: Prepared, path: Path, offsets: Doubles, shift: Doubles, exponents: NDArray[np.int32], steps: Steps
 ) -> tuple[dict[str, tuple[Whole, float]], NDArray[np.bool_]]:
     """Decide which splats turn by more than is worth leaving out; `shift` [N, 1] moves the centre in time.
+
+    A turn is fitted with a coefficient r1 whose w is 0: the vector part over w is then linear in `offsets` (as of
+    `motion_numbers`), and what r1 has along r0 would only change how fast a splat turns within its life. Splats that
+    turn too far for that keep their own coefficients.
 
     Returns:
         rotation [N, 3] and, if any splat turns, its turning [M, 4] in scaled time, with steps; and which do, [N].
     """
+    still, quats = _still(splats, path)
+    powers = np.stack([np.ones_like(offsets), offsets], axis=2)
+    slopes = quats[..., 1:] / np.maximum(quats[..., :1], LEAST_W)
+    fitted = least_squares(powers, slopes, path.weights)  # [N, 2, 3]
+    cost = _turned_cost(splats, quats, still[:, None], path.weights, steps)
+    turned = _turned_cost(splats, quats, _unit(powers @ fitted), path.weights, steps)
+    far = (turned > LARGEST_MISFIT) & (cost > LARGEST_MISFIT + EXCHANGE * COST_OF_TURNING)
+    turns = far | (turned + EXCHANGE * COST_OF_TURNING < cost)
+    rotation = rotation_numbers(splats, still, steps)
+    numbers: dict[str, tuple[Whole, float]] = {"rotation": (rotation, steps.rotation)}
+    if not turns.any():
+        return numbers, turns
+    some, weights, own_shape = splats.take(turns), path.weights[turns], steps.own_shape[turns]
+    offset = powers[turns, :, 1:]
+    w = 1 / np.sqrt(1 + (fitted[turns, 0] ** 2).sum(axis=1))[:, None]
+    rest = offset[..., 0] - _projected(powers[turns], weights, 1)
+    share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
+    step = float32_below(steps.rotation * float((share**2).mean() ** -0.5))
+    exact = fitted[turns, 1] * w / step
+    candidates = _roundings(exact)
+    off = np.zeros((*candidates.shape[:2], 4))
+    off[..., 1:] = (candidates - exact[:, None]) * (step * share)[:, None, None]
+    angles = 2 * product((still[turns] * CONJUGATE)[:, None], off)[..., 1:]
+    chosen = choose(candidates, turning_cost(some, angles, own_shape))
+    left = slopes[turns] - offset * (chosen * step / w)[:, None]
+    constant = _unit((left * weights[..., None]).sum(axis=1))
+    rows = np.concatenate([np.zeros((len(chosen), 1), np.int64), chosen], axis=1)
+    if far.any():
+        constant[far[turns]], turning = _own_turn(splats.take(far), shift[far], exponents[far])
+        rows[far[turns]] = np.rint(turning / step).astype(np.int64)
+    # What does not show of a rotation must yet be near it, since the turn goes on from there.
+    exact = constant[:, 1:] / steps.rotation
+    candidates = _roundings(exact)[:, :NEAR]
+    vectors = candidates * steps.rotation
+    inside = (vectors**2).sum(axis=2) < 1 - 1e-6
+    angles = turn_between(constant[:, None], vector_to_quats(np.where(inside[..., None], vectors, 0.0)))
+    rotation[turns] = choose(candidates, np.where(inside, turning_cost(some, angles, own_shape), np.inf))
+    return numbers | {"turning": (rows, step)}, turns
+
+
+def _still(splats: Prepared, path: Path) -> tuple[Doubles, Doubles]:
+    """Return how splats are turned when they are brightest [N, 4], and at all moments [N, MOMENTS, 4]: near to that."""
+    brightest = path.quats[np.arange(len(path.quats)), path.fade.argmax(axis=1)]
+    turn, _ = canonical(brightest, splats.values["log_scale"])
+    still = product(brightest, turn)
+    still = still * np.where(still[:, :1] < 0, -1.0, 1.0)
+    quats = product(path.quats, turn[:, None])
+    return still, quats * np.where((quats * still[:, None]).sum(axis=2, keepdims=True) < 0, -1.0, 1.0)
+
+
+def _own_turn(splats: Prepared, shift: Doubles, exponents: NDArray[np.int32]) -> tuple[Doubles, Doubles]:
+    """Return unit r0 and r1 ([M, 4], [M, 4]) in scaled time as the splats have them."""
     rotation = splats.values["rotation"] + shift * splats.values["turning"]
     turning = splats.values["turning"] * np.exp2(-exponents.astype(np.float64))[:, None]
-    length = np.linalg.norm(rotation, axis=1, keepdims=True)
-    whole = length[:, 0] > 1e-3
-    length = np.where(whole[:, None], length, 1.0)
-    brightest = path.quats[np.arange(len(rotation)), path.fade.argmax(axis=1)]
-    turns = turn_between(brightest[:, None], path.quats)
-    cost = (turning_cost(splats, turns, steps.own_shape) * path.weights).sum(axis=1)
-    turning_splats = whole & (cost > EXCHANGE * COST_OF_TURNING)
-    constant = np.where(turning_splats[:, None], rotation / length, brightest)
-    turn, _ = canonical(constant, splats.values["log_scale"])
-    constant = product(constant, turn)
-    sign = np.where(constant[:, :1] < 0, -1.0, 1.0)
-    constant, turning = constant * sign, product(turning / length, turn) * sign
-    numbers: dict[str, tuple[Whole, float]] = {"rotation": (rotation_numbers(splats, constant, steps), steps.rotation)}
-    if turning_splats.any():
-        plain = np.rint(constant[turning_splats, 1:] / steps.rotation).astype(np.int64)
-        numbers["rotation"][0][turning_splats] = plain
-        step = float(np.float32(TURNING_STEP * steps.rotation))
-        numbers["turning"] = np.rint(turning[turning_splats] / step).astype(np.int64), step
-    return numbers, turning_splats
+    length = np.maximum(np.linalg.norm(rotation, axis=1, keepdims=True), 1e-3)
+    turn, _ = canonical(rotation / length, splats.values["log_scale"])
+    rotation, turning = product(rotation / length, turn), product(turning / length, turn)
+    sign = np.where(rotation[:, :1] < 0, -1.0, 1.0)
+    return rotation * sign, turning * sign
+
+
+def _unit(slopes: Doubles) -> Doubles:
+    """Return the unit quaternions [..., 4] of which the vector part over w is `slopes` [..., 3]."""
+    quats = np.concatenate([np.ones_like(slopes[..., :1]), slopes], axis=-1)
+    return np.asarray(quats / np.linalg.norm(quats, axis=-1, keepdims=True))
+
+
+def _turned_cost(splats: Prepared, quats: Doubles, others: Doubles, weights: Doubles, steps: Steps) -> Doubles:
+    """Return the squared errors [N], in squared steps, of turning as `others` say instead of `quats` [N, J, 4]."""
+    turns = turn_between(quats, others)
+    return np.asarray((turning_cost(splats, turns, steps.own_shape) * weights).sum(axis=1))

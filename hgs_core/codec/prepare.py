@@ -43,10 +43,11 @@ Doubles = NDArray[np.float64]
 class Prepared:
     """Splats as float64 arrays by attribute name ("position" [N, 3], "opacity" [N, 1], ...), with unit rotations.
 
-    Beside what is stored there are "utility" [N, 1] and "scale" [N, 1], pixels per world unit (`weights.py`), and
-    "strength_by_scale" and "strength_by_turn" [N, 3] (`antialiasing.py`), zeros where nothing is antialiased. A dynamic
-    set also has the motion polynomial's "velocity", "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised
-    time; a set of the fifth order "snap" and "crackle" [N, 3], too.
+    Beside what is stored there are "row" [N, 1], the splat's place among those that were prepared, "utility" [N, 1] and
+    "scale" [N, 1], pixels per world unit (`weights.py`), and "strength_by_scale" and "strength_by_turn" [N, 3]
+    (`antialiasing.py`), zeros where nothing is antialiased. A dynamic set also has the motion polynomial's "velocity",
+    "acceleration", "jerk" [N, 3] and "turning" [N, 4], in normalised time; a set of the fifth
+    order "snap" and "crackle" [N, 3], too.
     """
 
     values: Mapping[str, Doubles]
@@ -168,6 +169,7 @@ def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -
         "log_scale": np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE),
         "opacity": np.exp(-np.logaddexp(0.0, -np.asarray(logits, np.float64)))[:, None],
         "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_RGB, LARGEST_RGB),
+        "row": np.arange(len(rgb), dtype=np.float64)[:, None],
     }
 
 

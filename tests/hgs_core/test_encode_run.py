@@ -9,12 +9,12 @@ import torch
 
 from hgs_core.capture.open import open_capture
 from hgs_core.codec.preview import quantised_scene
-from hgs_core.encode_run import NEAR_ENOUGH, Loss, _coarsest, fitting_settings, measure_utility
+from hgs_core.encode_run import NEAR_ENOUGH, Loss, _coarsest, fit, measure_utility
 from hgs_core.encode_views import EncodeViews, views_around
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import HybridScene, Segment
-from hgs_core.train.config import BUDGETS
+from hgs_core.train.config import BUDGETS, TrainConfig
 from hgs_core.train.targets import target_picture
 from tests.synthetic import synthetic_scene, write_capture
 
@@ -54,14 +54,15 @@ def test_the_coarsest_that_fits_is_found_whatever_the_curve(allowed: float, curv
         tried.append(coarseness)
         return 0.3 * coarseness**curve
 
-    found = _coarsest(lost, allowed)
-    assert NEAR_ENOUGH * allowed <= lost(found) <= allowed
-    assert len(tried) <= 1 + 4
+    found, loss = _coarsest(lost, allowed, 0.4)
+    assert NEAR_ENOUGH * allowed <= loss <= allowed
+    assert len(tried) <= 5
+    assert loss == lost(found)
 
 
 @pytest.mark.parametrize(("loss", "expected"), [(0.0, 8.0), (3.0, 0.25)])
 def test_the_coarsest_stays_within_its_range(loss: float, expected: float) -> None:
-    assert _coarsest(lambda coarseness: loss, 0.1) == expected
+    assert _coarsest(lambda coarseness: loss, 0.1, 1.0) == (expected, loss)
 
 
 def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> None:
@@ -72,8 +73,9 @@ def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> N
         lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
     )  # fmt: skip
     utility = measure_utility(given, cameras, capture.times, antialiased=False)
-    found = fitting_settings(given, views, utility, "default", antialiased=False)
-    quantised = quantised_scene(given, cameras, capture.times, utility, found, antialiased=False)
+    found = fit(given, views, utility, "default", TrainConfig(antialiased=False))
+    assert found.scene is given
+    quantised = quantised_scene(given, cameras, capture.times, utility, found.settings, antialiased=False).decoded
     drawn = {name: [] for name in ("before", "after")}
     for camera in range(5):
         for frame, seconds in enumerate(capture.times):

@@ -1,0 +1,151 @@
+"""Training a scene a little further while it is drawn as it decodes, so that splats make good what quantisation costs.
+
+The exact numbers learn, but what is drawn is them plus the offset that quantisation gives them: held for some cycles,
+in which the gradients of the decoded scene move both, then found anew (a straight-through estimator in blocks).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, TypeVar
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from hgs_core.codec.preview import Quantised, quantised_scene
+from hgs_core.codec.settings import EncodeSettings
+from hgs_core.codec.weights import Utility
+from hgs_core.encode_views import EncodeViews
+from hgs_core.errors import InputError
+from hgs_core.render.backends import training_device
+from hgs_core.render.threads import one_torch_thread
+from hgs_core.run_folder import RunFolder
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.train.adam import Adam
+from hgs_core.train.checkpoint import load_state
+from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.initialise import scene_extent
+from hgs_core.train.schedule import Schedule
+from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.step import take_step
+from hgs_core.train.training_views import TrainingViews
+
+__all__ = ["FineTune", "colour_maps"]
+
+BLOCK = 50  # cycles for which the offset is held
+SHARE = 0.5  # of the step sizes; falls to nothing along a cosine
+
+Floats = NDArray[np.float32]
+S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
+
+
+class FineTune:
+    """The scene that learns, what its splats show, and the optimisers."""
+
+    def __init__(
+        self,
+        scene: HybridScene[Floats],
+        utility: Utility,
+        views: EncodeViews,
+        config: TrainConfig,
+        correction: ColourCorrection | None,
+    ) -> None:
+        """Begin with a trained scene; `correction` holds the training cameras' colour maps, which stay as they are."""
+        assert views.capture is not None
+        self.scene, self.utility = scene, utility
+        self._views = views
+        # Of the step sizes those are wanted that positions have at the end of training, and others at its beginning.
+        rates = dataclasses.replace(config.learning_rates, position=config.learning_rates.position_final)
+        self._config = dataclasses.replace(config, stages="together", learning_rates=rates)
+        self._correction = correction
+        self._device = training_device(config.backend)
+        self._segments = cut_into_segments(views.capture.times, config.segment_frames)
+        self._training = [
+            TrainingViews(views.capture, views.cameras, self._config, segment, None, self._device)
+            for segment in self._segments
+        ]
+        extent = scene_extent(np.array([camera.position for camera in views.trained.values()]))
+        self._schedules = [Schedule(self._config, extent, segment.frames) for segment in self._segments]
+        self._static: Adam[StaticSplats[Tensor]] = Adam.of(scene.static.map(self._tensor))
+        self._dynamic: list[Adam[DynamicSplats[Tensor]]] = [
+            Adam.of(segment.dynamic.map(self._tensor)) for segment in scene.segments
+        ]
+
+    def run(self, settings: EncodeSettings, cycles: int, trained: Callable[[int], None]) -> None:
+        """Train for some cycles against the scene as `settings` code it; what they drop is gone.
+
+        `trained` hears of the cycles done after each; what it raises ends the training.
+        """
+        with one_torch_thread():
+            for start in range(0, cycles, BLOCK):
+                self._block(settings, range(start, min(start + BLOCK, cycles)), cycles, trained)
+
+    def _block(
+        self, settings: EncodeSettings, cycles: Sequence[int], total: int, trained: Callable[[int], None]
+    ) -> None:
+        views = self._views
+        coded = quantised_scene(
+            self.scene, views.cameras, views.times, self.utility, settings, antialiased=self._config.antialiased
+        )
+        self._select(coded)
+        drawn = coded.decoded.map(self._tensor)
+        for cycle in cycles:
+            self._cycle(drawn, cycle, SHARE * 0.5 * (1 + math.cos(math.pi * cycle / total)))
+            trained(cycle + 1)
+        self.scene = HybridScene(
+            _moved(coded.exact.static, coded.decoded.static, drawn.static),
+            tuple(
+                Segment(exact.start, exact.end, _moved(exact.dynamic, decoded.dynamic, now.dynamic))
+                for exact, decoded, now in zip(
+                    coded.exact.segments, coded.decoded.segments, drawn.segments, strict=True
+                )
+            ),
+        )
+
+    def _select(self, coded: Quantised) -> None:
+        """Let utilities and moments follow the splats that are kept."""
+        self._static.select(torch.from_numpy(coded.static_rows).to(self._device), 0)
+        for adam, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
+            adam.select(torch.from_numpy(rows).to(self._device), 0)
+        self.utility = Utility(
+            self.utility.static[coded.static_rows],
+            tuple(of[rows] for of, rows in zip(self.utility.dynamic, coded.dynamic_rows, strict=True)),
+        )
+
+    def _cycle(self, drawn: HybridScene[Tensor], cycle: int, share: float) -> None:
+        number, turn = cycle % len(self._segments), cycle // len(self._segments)
+        view = self._training[number].of_cycle(turn, 1.0)
+        dynamic, schedule = drawn.segments[number].dynamic, self._schedules[number]
+        take_step(drawn.static, dynamic, view, self._config, gradients="all", correction=self._correction)
+        self._static.step(drawn.static, _scaled(schedule.static_rates(0), share))
+        self._dynamic[number].step(dynamic, _scaled(schedule.dynamic_rates(0, dynamic), share))
+
+    def _tensor(self, array: Floats) -> Tensor:
+        return torch.from_numpy(array.copy()).to(self._device)
+
+
+def colour_maps(run: RunFolder) -> ColourCorrection | None:
+    """Return the colour maps of a run's training cameras; None if its training learned none or left no state."""
+    try:
+        return load_state(run.checkpoint(0)).correction
+    except (FileNotFoundError, InputError):  # of a run without one, or of an older version: it is trained already
+        return None
+
+
+def _scaled(rates: dict[str, float | Tensor], share: float) -> dict[str, float | Tensor]:
+    return {name: share * rate for name, rate in rates.items()}
+
+
+def _moved(exact: S, decoded: S, now: Any) -> S:
+    """Return the exact numbers moved as the drawn ones were since they were decoded."""
+    return type(exact)(
+        *(
+            (a.astype(np.float64) + (np.asarray(c.cpu()) - b.astype(np.float64))).astype(np.float32)
+            for (_, a), (_, b), (_, c) in zip(exact.items(), decoded.items(), now.items(), strict=True)
+        )
+    )
