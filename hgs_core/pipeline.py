@@ -71,7 +71,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
         masks.save(folder.masks)
     points = initial_points(
         capture, cameras, masks, every=capture.frames_in(config.init_interval), static_target=config.static_points,
-        dynamic_target=config.dynamic_points, seed=config.seed, progress=progress,
+        dynamic_target=config.first_dynamic_points(capture.seconds), seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
 
@@ -81,6 +81,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
     from hgs_core.capture.near_plane import with_near_planes
     from hgs_core.capture.points import PointCloud
     from hgs_core.decompose.masks import MotionMasks
+    from hgs_core.machine import machine_facts
     from hgs_core.scene.files import save_scene
     from hgs_core.train.capture_training import train_capture
 
@@ -93,7 +94,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
     every = capture.frames_in(config.init_interval)
     scene, summary = train_capture(capture, cameras, config, points, every, folder.checkpoint, progress, masks)
     save_scene(folder.trained, scene)
-    write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
+    write_bytes(folder.train_summary, json.dumps(summary | {"machine": machine_facts()}, indent=1).encode())
 
 
 @dataclass(frozen=True)
@@ -146,9 +147,12 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)
     progress(Progress("encode", steps - 1, steps))
+    # Viewers get what a scene is, not what its maker's machine is.
+    training = json.loads(folder.train_summary.read_text())
+    training.pop("machine", None)
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=found.settings,
-        thumbnail=picture, training=json.loads(folder.train_summary.read_text()), antialiased=antialiased,
+        thumbnail=picture, training=training, antialiased=antialiased,
         utility=found.utility,
     )  # fmt: skip
     progress(Progress("encode", steps, steps))

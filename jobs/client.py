@@ -37,6 +37,7 @@ class JobRequest:
     capture: Path
     config: TrainConfig
     title: str = ""
+    masks: Path | None = None  # a folder of masks to use instead of the capture's own
 
 
 class JobClient:
@@ -53,7 +54,7 @@ class JobClient:
         self._queue = open_client(home, self._engine)
 
     def submit(self, request: JobRequest) -> str:
-        """Check the capture, create its run folder, queue the job and return the job's id.
+        """Check the capture and the masks, create its run folder, queue the job and return the job's id.
 
         Raises:
             InputError: the capture or the config is unusable; nothing was written.
@@ -62,7 +63,8 @@ class JobClient:
         title = request.title.strip() or capture.name
         job_id = _new_id(title)
         run = self.home.run(job_id)
-        importlib.import_module(self.home.pipeline).create_run(run, capture, request.config)
+        pipeline = importlib.import_module(self.home.pipeline)
+        pipeline.create_run(run, capture, request.config, masks=request.masks)
         job = Job(id=job_id, title=title, capture=str(capture), config=request.config.to_json())
         try:
             # One transaction: a job is in the table if and only if it is in the queue.

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.errors import InputError
+from hgs_core.version import software_version
 from server.commands import (
     ablate,
     bench,
@@ -26,7 +27,6 @@ from server.commands import (
     train,
     worker,
 )
-from server.version import software_version
 
 __all__ = ["main"]
 

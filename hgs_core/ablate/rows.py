@@ -27,17 +27,13 @@ class Row:
     name: str
     asks: str  # the question, in a sentence
     fields: Mapping[str, Any] = field(default_factory=dict)  # of the config, replaced
-    whole_budget: str = ""  # the field that gets max_static and max_dynamic together, for rows with a single set
     masks: MaskChange | None = None  # done to every training mask, before the first points are found
     masks_vary: bool = False  # with the seed
     statics_at_rest: bool = False  # not trained: the statics of the full run are stored as dynamics at rest
 
     def config(self, base: TrainConfig, seed: int) -> TrainConfig:
         """Return the config of this row's run with a seed."""
-        changes = dict(self.fields)
-        if self.whole_budget:
-            changes[self.whole_budget] = base.max_static + base.max_dynamic
-        return dataclasses.replace(base, seed=seed, **changes)
+        return dataclasses.replace(base, seed=seed, **self.fields)
 
 
 def _grown(share: float) -> MaskChange:
@@ -57,11 +53,11 @@ ROWS: Mapping[str, Row] = {
         Row("order-2", "Is motion with constant acceleration enough?", {"motion_order": 2}),
         Row(
             "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
-            {"labels": "dynamic", "adaptive_labels": False, "stages": "together"}, whole_budget="max_dynamic",
+            {"labels": "dynamic", "adaptive_labels": False, "stages": "together"},
         ),
         Row(
             "all-static", "What is time worth: a single set of static splats with the whole budget?",
-            {"labels": "static", "adaptive_labels": False, "birth_rounds": 0}, whole_budget="max_static",
+            {"labels": "static", "adaptive_labels": False, "birth_rounds": 0},
         ),
         Row(
             "no-parameter-sharing", "What would the full scene weigh if its statics were dynamic splats at rest?",
@@ -69,6 +65,9 @@ ROWS: Mapping[str, Row] = {
         ),
         Row("no-colour-correction", "Do the cameras' colour maps help?", {"colour_correction": False}),
         Row("no-births", "Do splats that are born where moving pixels are wrong help?", {"birth_rounds": 0}),
+        Row("no-infill", "Do statics that are added where still pixels stay wrong help?", {"infill": 0.0}),
+        Row("no-settling", "Do steps that become small at the end help?", {"settled": 1.0}),
+        Row("relocation", "Is copying by opacity better than refining what is pulled at?", {"density": "relocation"}),
         Row("fixed-labels", "Does it help that labels follow the evidence?", {"adaptive_labels": False}),
         *(
             Row(

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from hgs_core.bench.codec_errors import StaticErrors, coded_errors, spz_errors
 from hgs_core.bench.codec_prefix import prefix_losses
-from hgs_core.bench.machine import machine_facts
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.attributes import Kind
 from hgs_core.codec.folder import CHUNKS
@@ -26,6 +25,7 @@ from hgs_core.fine_tune import colour_maps
 from hgs_core.interchange.formats import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
+from hgs_core.machine import machine_facts
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder
 from hgs_core.scene.files import load_scene

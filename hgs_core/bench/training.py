@@ -11,9 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from hgs_core.bench.machine import machine_facts
 from hgs_core.errors import InputError
 from hgs_core.evaluate.run import evaluate_run
+from hgs_core.machine import machine_facts
 from hgs_core.pipeline import STAGES, create_run
 from hgs_core.progress import ProgressCallback
 from hgs_core.render.backends import training_device

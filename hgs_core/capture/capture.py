@@ -72,13 +72,17 @@ class Capture:
         largest = max(camera.width * camera.height * 3 for camera in cameras)
         self._neighbours = max(0, cache_bytes // largest // len(cameras) - 1)
 
+    @property
+    def seconds(self) -> float:
+        """How long it is, from the first frame to the last."""
+        return float(self.times[-1] - self.times[0])
+
     def frames_in(self, seconds: float) -> int:
         """Return how many frames `seconds` take, rounded: at least one, at most all."""
         frames = len(self.times)
         if frames == 1:
             return 1
-        spacing = float(self.times[-1] - self.times[0]) / (frames - 1)
-        return int(np.clip(round(seconds / spacing), 1, frames))
+        return int(np.clip(round(seconds / self.seconds * (frames - 1)), 1, frames))
 
     def frame(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
         """Return one picture [H, W, 3], sRGB, read-only.

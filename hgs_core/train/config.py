@@ -55,10 +55,10 @@ class TrainConfig:
     seed: int = 0
     cycles: int = 12_000
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
-    dynamic_points: int = 10_000
+    dynamic_points: int = 5_000  # the same of what moves, for every second of the capture
     init_interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     max_static: int = 80_000  # splat budgets
-    max_dynamic: int = 20_000
+    max_dynamic: int = 10_000  # for every second of a segment
     density: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     densify_from: float = 0.04  # shares of `cycles`
     densify_until: float = 0.6
@@ -68,6 +68,8 @@ class TrainConfig:
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # splats of less weight in every pixel of every training view are removed; 0: none
     dssim: float = 0.2  # lambda of the loss
+    settle_from: float = 0.6  # share of `cycles` after which steps of all but positions become smaller
+    settled: float = 0.02  # what is left of them at the end
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     labels: str = "auto"  # auto: from masks; dynamic, static: all splats alike
@@ -108,6 +110,8 @@ class TrainConfig:
             "dssim",
             "coarse_until",
             "infill",
+            "settle_from",
+            "settled",
         ):
             value = getattr(self, name)
             if not 0 <= value <= 1:
@@ -122,6 +126,20 @@ class TrainConfig:
             raise InputError("config.still_pixels, config.restless_error", "a threshold is negative", "give 0 or more")
         if len(set(self.hold_out)) != len(self.hold_out):
             raise InputError("config.hold_out", f"a camera is named twice in {','.join(self.hold_out)}")
+
+    def first_dynamic_points(self, seconds: float) -> int:
+        """Return the points of what moves that a capture of so many seconds starts with; of one second at least."""
+        return round(self.dynamic_points * max(1.0, seconds))
+
+    def splat_budgets(self, seconds: float) -> tuple[int, int]:
+        """Return how many static and dynamic splats a segment of so many seconds may have; of one second at least.
+
+        What moves is made of splats that live for a part of the time, so that longer segments need more. A set that all
+        splats start in has the budget of both.
+        """
+        moving = round(self.max_dynamic * max(1.0, seconds))
+        both = self.max_static + moving
+        return both if self.labels == "static" else self.max_static, both if self.labels == "dynamic" else moving
 
     @classmethod
     def for_preset(cls, preset: str, **overrides: Any) -> TrainConfig:
@@ -193,13 +211,13 @@ def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "cycles": 2_500, "dynamic_points": 6_000,
-        "max_static": 35_000, "max_dynamic": 10_000, "coarse_until": 0.4,
+        "cycles": 2_500, "dynamic_points": 3_000,
+        "max_static": 35_000, "max_dynamic": 5_000, "coarse_until": 0.4,
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 15_000,
-        "max_static": 120_000, "max_dynamic": 40_000, "coarse_until": 0.15,
+        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 7_500,
+        "max_static": 120_000, "max_dynamic": 20_000, "coarse_until": 0.15,
     },
 }  # fmt: skip
 """What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""

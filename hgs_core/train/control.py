@@ -54,6 +54,7 @@ def control_density(
 ) -> None:
     """Prune, clone and split both sets, each within its own budget; children inherit their parent's label."""
     config, statics = schedule.config, len(state.static)
+    most_static, most_dynamic = schedule.splat_budgets
     generator = torch.Generator().manual_seed(int(np.random.default_rng((config.seed, 3, cycle)).integers(2**62)))
 
     def plan(first: int, most: int) -> DensityRound:
@@ -64,12 +65,10 @@ def control_density(
     seen = state.statistics
     if statics_learn and statics:
         static_seen = seen.rows(slice(0, statics))
-        state.static = refine(state.static, state.static_adam, static_seen, plan(first_counts[0], config.max_static))
+        state.static = refine(state.static, state.static_adam, static_seen, plan(first_counts[0], most_static))
     if len(state.dynamic):
         dynamic_seen = seen.rows(slice(statics, None))
-        state.dynamic = refine(
-            state.dynamic, state.dynamic_adam, dynamic_seen, plan(first_counts[1], config.max_dynamic)
-        )
+        state.dynamic = refine(state.dynamic, state.dynamic_adam, dynamic_seen, plan(first_counts[1], most_dynamic))
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 
@@ -98,15 +97,16 @@ def control_contributions(
 
 
 def control_births(
-    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, cycle: int
+    state: TrainState, schedule: Schedule, views: TrainingViews, segment: CaptureSegment, cycle: int
 ) -> None:
     """Add dynamic splats where moving pixels are wrong, at moments all over the segment, in half of the room left.
 
     Before, the lives of those there are end where still pixels are wrong.
     """
+    config = schedule.config
     generator = np.random.default_rng((config.seed, 5, cycle))
     instants = min(_BIRTH_INSTANTS, segment.frames)
-    most = max(0, config.max_dynamic - len(state.dynamic)) // 2
+    most = max(0, schedule.splat_budgets[1] - len(state.dynamic)) // 2
     known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
     ranges = depth_ranges(views.cameras, known)
     fixed = [
@@ -138,11 +138,12 @@ def control_births(
 
 
 def control_infill(
-    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, cycle: int
+    state: TrainState, schedule: Schedule, views: TrainingViews, segment: CaptureSegment, cycle: int
 ) -> None:
     """Add static splats where still pixels are wrong, at most the share `infill` of the budget."""
+    config, budget = schedule.config, schedule.splat_budgets[0]
     generator = np.random.default_rng((config.seed, 6, cycle))
-    most = min(round(config.infill * config.max_static), config.max_static - len(state.static))
+    most = min(round(config.infill * budget), budget - len(state.static))
     if most <= 0:
         return
     ranges = depth_ranges(views.cameras, state.static.means.numpy())
@@ -156,18 +157,19 @@ def control_infill(
 
 
 def control_labels(
-    state: TrainState, config: TrainConfig, cameras: Sequence[Camera], samples: Iterable[Iterable[TrainingView]]
+    state: TrainState, schedule: Schedule, cameras: Sequence[Camera], samples: Iterable[Iterable[TrainingView]]
 ) -> None:
     """Make dynamic splats that stand still static, and statics under which the error varies with time dynamic.
 
     Args:
         state: changed; statistics of density control start anew.
-        config: of the run: `still_pixels` and `restless_error` are the two thresholds.
+        schedule: its config's `still_pixels` and `restless_error` are the two thresholds.
         cameras: of the training views.
         samples: for a few cameras, views of several moments.
     """
+    config = schedule.config
     restless = np.zeros(len(state.static), np.bool_)
-    room = config.max_dynamic - len(state.dynamic)
+    room = schedule.splat_budgets[1] - len(state.dynamic)
     if config.restless_error > 0 and room > 1 and len(state.static):
         varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
         most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)

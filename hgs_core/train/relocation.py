@@ -45,13 +45,13 @@ def control_relocation(
     The budget is that of the round, as for cloning and splitting. The paper's 5 % a round would leave the statics of a
     short schedule far below theirs, and fill that of the dynamics before births can use it.
     """
-    config = schedule.config
+    config, most = schedule.config, schedule.splat_budgets
     generator = np.random.default_rng((config.seed, 3, cycle))
     if statics_learn and len(state.static):
-        budget = schedule.budget(cycle, first_counts[0], config.max_static)
+        budget = schedule.budget(cycle, first_counts[0], most[0])
         state.static = relocate(state.static, state.static_adam, budget, config.prune_opacity, generator)
     if len(state.dynamic):
-        budget = schedule.budget(cycle, first_counts[1], config.max_dynamic)
+        budget = schedule.budget(cycle, first_counts[1], most[1])
         state.dynamic = relocate(state.dynamic, state.dynamic_adam, budget, config.prune_opacity, generator)
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import torch
@@ -25,6 +26,7 @@ class Schedule:
     config: TrainConfig
     extent: float  # world units; positions move in multiples of it
     frames: int  # of the segment
+    seconds: float = 0.0  # of the segment
 
     def resolution(self, cycle: int) -> float:
         """Return the factor by which pictures are resized: coarse first, then full."""
@@ -54,6 +56,11 @@ class Schedule:
         rounds = {round(share * self.config.cycles) for share in _BIRTHS[: self.config.birth_rounds]}
         return cycle + 1 in rounds
 
+    @property
+    def splat_budgets(self) -> tuple[int, int]:
+        """Return how many static and dynamic splats the segment may have in the end."""
+        return self.config.splat_budgets(self.seconds)
+
     def budget(self, cycle: int, initial: int, final: int) -> int:
         """Return the splats allowed after the round that follows `cycle`: from `initial` to `final`, linearly."""
         progress = (cycle + 1) / max(1.0, self.config.densify_until * self.config.cycles)
@@ -61,13 +68,13 @@ class Schedule:
 
     def static_rates(self, cycle: int) -> dict[str, float | Tensor]:
         """Return the step size of every field of the static set."""
-        rates = self.config.learning_rates
+        rates, share = self.config.learning_rates, self.settling(cycle)
         return {
             "means": self.position_rate(cycle),
-            "log_scales": rates.log_scale,
-            "quats": rates.rotation,
-            "opacity_logits": rates.opacity,
-            "rgb": rates.rgb,
+            "log_scales": share * rates.log_scale,
+            "quats": share * rates.rotation,
+            "opacity_logits": share * rates.opacity,
+            "rgb": share * rates.rgb,
         }
 
     def dynamic_rates(self, cycle: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
@@ -77,7 +84,7 @@ class Schedule:
         is divided by that: at the ends of a life, a step of any coefficient moves the splat equally far. Otherwise what
         lives shortly could never learn to move fast.
         """
-        rates = self.config.learning_rates
+        rates, share = self.config.learning_rates, self.settling(cycle)
         position = self.position_rate(cycle)
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
         inverse = (1 / life)[:, None]
@@ -89,13 +96,24 @@ class Schedule:
         turning = torch.tensor([rates.rotation, rates.turning], device=life.device)
         return {
             "motion": (position * factors * inverse**powers)[:, :, None],
-            "rotation": (turning * inverse ** powers[:2])[:, :, None],
-            "log_scales": rates.log_scale,
-            "opacity_logits": rates.opacity,
-            "time_centers": rates.time_center,
-            "time_log_precisions": rates.time_log_precision,
-            "rgb": rates.rgb,
+            "rotation": (share * turning * inverse ** powers[:2])[:, :, None],
+            "log_scales": share * rates.log_scale,
+            "opacity_logits": share * rates.opacity,
+            "time_centers": share * rates.time_center,
+            "time_log_precisions": share * rates.time_log_precision,
+            "rgb": share * rates.rgb,
         }
+
+    def settling(self, cycle: int) -> float:
+        """Return the share that is left of all step sizes but the positions': 1 until `settle_from`, then a cosine.
+
+        A step looks at one view at one moment, so that parameters whose steps stay as large never come to rest.
+        """
+        first, end = self.config.settle_from * self.config.cycles, self.config.cycles
+        if cycle <= first:
+            return 1.0
+        fall = 0.5 * (1 - math.cos(math.pi * (cycle - first) / (end - first)))
+        return 1.0 + (self.config.settled - 1.0) * fall
 
     def _one_of_ten(self, cycle: int) -> bool:
         first, last = (share * self.config.cycles for share in (_ROUNDS_FROM, self.config.densify_until))

@@ -23,6 +23,11 @@ class CaptureSegment:
     frames: int
     clock: Segment[npt.NDArray[np.float32]]  # its stretch of time, without splats
 
+    @property
+    def seconds(self) -> float:
+        """How long it is."""
+        return self.clock.end - self.clock.start
+
     def points(self, cloud: PointCloud) -> PointCloud:
         """Return the points that were seen in this segment; static points are in all of them."""
         inside = (cloud.times >= np.float32(self.clock.start)) & (cloud.times <= np.float32(self.clock.end))

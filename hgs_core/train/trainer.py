@@ -77,7 +77,7 @@ class Trainer:
         self.device = training_device(config.backend)
         self.views = TrainingViews(capture, cameras, config, segment, masks, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
-        self.schedule = Schedule(config, extent, segment.frames)
+        self.schedule = Schedule(config, extent, segment.frames, segment.seconds)
         if after is not None:
             start = (after.static, start[1])
         self.first_counts = (len(start[0]), len(start[1]))
@@ -157,10 +157,10 @@ class Trainer:
                 control_contributions(state, config, self.views, self.segment, self.statics_learn)
         if self.views.masked and self.schedule.births_after(cycle):
             with timed("births"), self._on(_HOST):
-                control_births(state, config, self.views, self.segment, cycle)
+                control_births(state, self.schedule, self.views, self.segment, cycle)
         if self.statics_learn and self.schedule.infills_after(cycle):
             with timed("infill"), self._on(_HOST):
-                control_infill(state, config, self.views, self.segment, cycle)
+                control_infill(state, self.schedule, self.views, self.segment, cycle)
         if self.schedule.densifies_after(cycle):
             with timed("density"), self._on(_HOST):
                 if config.density == "relocation":
@@ -169,7 +169,7 @@ class Trainer:
                     control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
         if self.statics_learn and self.schedule.relabels_after(cycle):
             with timed("labels"), self._on(_HOST):
-                control_labels(state, config, self.views.cameras, self.views.samples(cycle))
+                control_labels(state, self.schedule, self.views.cameras, self.views.samples(cycle))
 
     def _learn(
         self,

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from server.progress_bars import ProgressBars
-from server.version import software_version
 
 __all__ = ["add_parser"]
 
@@ -36,6 +35,6 @@ def _run(options: argparse.Namespace) -> int:
 
     out = options.out or options.run_folder / "report.html"
     with ProgressBars() as bars:
-        write_report(options.run_folder, out, options.against, software_version(), bars)
+        write_report(options.run_folder, out, options.against, bars)
     print(out)
     return 0

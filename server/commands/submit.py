@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.progress import Progress
-from server.commands.training_options import add_training_options, training_config
+from server.commands.training_options import add_masks_option, add_training_options, training_config
 from server.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -27,6 +27,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--wait", action="store_true", help="follow the job to its end; the exit status tells how it went"
     )
+    add_masks_option(parser)
     add_training_options(parser)
     parser.set_defaults(run=_run)
 
@@ -37,7 +38,7 @@ def _run(options: argparse.Namespace) -> int:
     from jobs.home import Home
 
     with JobClient(Home.from_environment()) as client:
-        job_id = client.submit(JobRequest(options.capture, config, options.title))
+        job_id = client.submit(JobRequest(options.capture, config, options.title, options.masks))
         print(job_id, flush=True)
         return _follow(client, job_id) if options.wait else 0
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.progress import StageStopped
-from server.commands.training_options import add_training_options, training_config
+from server.commands.training_options import add_masks_option, add_training_options, training_config
 from server.interrupts import Interrupts
 from server.progress_bars import ProgressBars
 
@@ -22,10 +22,7 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
-    parser.add_argument(
-        "--masks", metavar="FOLDER", type=Path,
-        help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
-    )  # fmt: skip
+    add_masks_option(parser)
     add_training_options(parser)
     parser.set_defaults(run=_run)
 

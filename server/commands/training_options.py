@@ -1,16 +1,17 @@
-"""The options that choose a training config, shared by `hgs train` and `hgs submit`."""
+"""The options that choose what a training does, shared by `hgs train` and `hgs submit`."""
 
 from __future__ import annotations
 
 import argparse
 import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from hgs_core.errors import InputError
 from hgs_core.train.config import PRESETS, TrainConfig
 
-__all__ = ["add_training_options", "training_config"]
+__all__ = ["add_masks_option", "add_training_options", "training_config"]
 
 
 def add_training_options(parser: argparse.ArgumentParser) -> None:
@@ -23,6 +24,14 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
         help="replace fields of the training config, e.g. cycles=2000 learning_rates.opacity=0.04",
+    )  # fmt: skip
+
+
+def add_masks_option(parser: argparse.ArgumentParser) -> None:
+    """Add --masks."""
+    parser.add_argument(
+        "--masks", metavar="FOLDER", type=Path,
+        help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
     )  # fmt: skip
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from fastapi import APIRouter
 
+from hgs_core.version import software_version
 from server.protocol import PROTOCOL_VERSION
-from server.version import software_version
 
 __all__ = ["router"]
 

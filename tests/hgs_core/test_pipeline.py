@@ -18,6 +18,7 @@ from hgs_core.progress import Progress, silent
 from hgs_core.run_folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.train.config import TrainConfig
+from hgs_core.version import software_version
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig.from_json({
@@ -199,3 +200,10 @@ def test_two_processes_never_work_on_one_run(tmp_path: Path) -> None:
         pass
     with RunFolder(tmp_path).exclusive():
         pass
+
+
+def test_the_machine_is_kept_beside_the_run_and_not_published(finished: Path) -> None:
+    recorded = json.loads((finished / "train.json").read_text())["machine"]
+    assert recorded["hgs"] == software_version()
+    assert recorded["cores"] >= 1
+    assert "machine" not in load_manifest(finished / "scene" / "manifest.json").training

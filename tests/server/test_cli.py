@@ -13,6 +13,7 @@ import pytest
 from PIL import Image
 
 from hgs_core.pipeline import create_run
+from hgs_core.run_folder import RunFolder
 from hgs_core.train.config import TrainConfig
 from server.cli import main
 from server.commands.training_options import add_training_options, training_config
@@ -203,6 +204,18 @@ def test_submit_queues_a_job(n3dv: Path, home: Path, capsys: pytest.CaptureFixtu
     assert main(["submit", str(n3dv), "--preset", "preview", "--title", "Three"]) == 0
     job_id = capsys.readouterr().out.strip()
     assert (home / "runs" / job_id / "run.json").is_file()
+
+
+def test_a_submitted_run_keeps_its_masks(
+    n3dv: Path, home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "given" / "cam00"
+    folder.mkdir(parents=True)
+    for frame in range(FRAMES):
+        Image.fromarray(np.full((48, 64), 255, np.uint8)).save(folder / f"{frame:04d}.png")
+    assert main(["submit", str(n3dv), "--masks", str(folder.parent)]) == 0
+    job_id = capsys.readouterr().out.strip()
+    assert RunFolder(home / "runs" / job_id).read_spec().masks == folder.parent.resolve()
 
 
 def test_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,8 +48,7 @@ class PageContent:
     no_pictures: str  # why there are none
     times: Sequence[float]  # of the capture's frames, seconds; empty where the capture is gone
     chunks: Sequence[ChunkSize]
-    software: str  # version
-    machine: Mapping[str, object]
+    machine: Mapping[str, object]  # that makes this page, with the version of this software
 
 
 def report_page(content: PageContent) -> str:
@@ -97,7 +96,8 @@ def _header(content: PageContent) -> str:
         + f", {run.manifest.end - run.manifest.start:.2f} s; held out: {held_out}.",
         f"Preset {run.spec.config.preset}"
         + (f", {changed} setting{'s' * (changed > 1)} changed." if changed else ", unchanged."),
-        f"This page: HGS {content.software} on {content.machine['cpu']}, {content.machine['cores']} cores.",
+        *([f"Trained by {_summary(run.machine)}."] if run.machine else []),
+        f"This page: {_summary(content.machine)}.",
     ]
     tiles = "".join(
         f'<div data-figure="{figure.key}"><dt>{escape(figure.label)}</dt>'
@@ -120,17 +120,24 @@ def _header(content: PageContent) -> str:
     )
 
 
+def _summary(machine: Mapping[str, object]) -> str:
+    """Return a machine in words; fields that a damaged file lacks are unknown."""
+    version, cpu, cores = (machine.get(name, "unknown") for name in ("hgs", "cpu", "cores"))
+    return f"HGS {version} on {cpu}, {cores} cores"
+
+
 def _settings(content: PageContent) -> str:
     run = content.run
     changes = config_changes(run.spec.config)
     facts: dict[str, object] = {"capture": run.spec.capture, "fingerprint": run.spec.fingerprint}
-    facts |= {"software that made this page": f"HGS {content.software}"}
-    facts |= {f"machine, {name.replace('_', ' ')}": value for name, value in content.machine.items() if value}
+    for what, machine in (("trained by", run.machine), ("this page by", content.machine)):
+        facts |= {f"{what}, {name.replace('_', ' ')}": value for name, value in machine.items() if value}
     parts = [pairs({name: str(value) for name, value in facts.items()})]
     if changes:
         head = ("setting", f"preset {run.spec.config.preset}", "this run")
         parts.append(table("Settings that differ from the preset", head, changes))
     else:
         parts.append(note(f"All settings are those of the preset {run.spec.config.preset}."))
-    parts.append(note("A run does not record the machine it was trained on: the one named here made this page."))
+    if not run.machine:
+        parts.append(note("This run did not record the machine it was trained on."))
     return section("settings", "Settings", parts)

@@ -40,6 +40,7 @@ class FinishedRun:
     cycles: int  # of all segments
     history: History | None
     profile: Mapping[str, float]  # seconds by activity, empty if not recorded
+    machine: Mapping[str, Any]  # that trained it, empty if not recorded
     scores: Mapping[str, Any]  # eval.json, empty if it could not be made
     unscored: str  # why there are no scores
 
@@ -84,7 +85,7 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
     seconds, cycles = finite_number(summary.get("seconds")), finite_number(summary.get("cycles"))
     if seconds is None or cycles is None:
         raise InputError(folder.train_summary, "lacks the seconds or the cycles of training", "train the run again")
-    profile = summary.get("profile")
+    profile, machine = summary.get("profile"), summary.get("machine")
     stages = {str(name): finite_number(value) for name, value in profile.items()} if isinstance(profile, dict) else {}
     return FinishedRun(
         name=path.resolve().name,
@@ -95,6 +96,7 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
         cycles=int(cycles),
         history=_history(summary.get("history")),
         profile={name: value for name, value in stages.items() if value is not None and value > 0},
+        machine=machine if isinstance(machine, dict) else {},
         scores=scores,
         unscored=unscored,
     )

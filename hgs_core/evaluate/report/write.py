@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hgs_core.atomic import write_bytes
-from hgs_core.bench.machine import machine_facts
 from hgs_core.errors import InputError
 from hgs_core.evaluate.report.page import PageContent, report_page
 from hgs_core.evaluate.report.pictures import CameraPictures, draw_pictures
 from hgs_core.evaluate.report.sizes import chunk_sizes
 from hgs_core.evaluate.report.sources import read_run
+from hgs_core.machine import machine_facts
 from hgs_core.progress import ProgressCallback
 
 __all__ = ["write_report"]
 
 
-def write_report(run: Path, out: Path, against: Sequence[Path], software: str, progress: ProgressCallback) -> None:
+def write_report(run: Path, out: Path, against: Sequence[Path], progress: ProgressCallback) -> None:
     """Write the page of a finished run to the file `out`; without its capture the page has no pictures.
 
     Runs that were not measured yet are measured first.
@@ -26,7 +26,6 @@ def write_report(run: Path, out: Path, against: Sequence[Path], software: str, p
         run: the run's folder.
         out: the HTML file; replaced if it is there.
         against: folders of finished runs to compare with.
-        software: version to print.
         progress: told of measuring and drawing.
 
     Raises:
@@ -46,7 +45,5 @@ def write_report(run: Path, out: Path, against: Sequence[Path], software: str, p
     else:
         times = [float(seconds) for seconds in capture.times]
         cameras = draw_pictures(finished, capture, progress)
-    page = report_page(
-        PageContent(finished, others, cameras, reason, times, chunks, software, machine_facts())
-    )  # fmt: skip
+    page = report_page(PageContent(finished, others, cameras, reason, times, chunks, machine_facts()))
     write_bytes(out, page.encode())

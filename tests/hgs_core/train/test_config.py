@@ -37,6 +37,14 @@ def test_an_unknown_preset_lists_the_known_ones() -> None:
         TrainConfig.for_preset("ultra")
 
 
+@pytest.mark.parametrize(("labels", "budgets"), [("auto", (100, 75)), ("dynamic", (100, 175)), ("static", (175, 75))])
+def test_budgets_grow_with_time_and_a_single_set_has_both(labels: str, budgets: tuple[int, int]) -> None:
+    config = TrainConfig(max_static=100, max_dynamic=30, dynamic_points=8, labels=labels)
+    assert config.splat_budgets(2.5) == budgets
+    assert config.splat_budgets(0.1) == TrainConfig(max_static=100, max_dynamic=30, labels=labels).splat_budgets(1.0)
+    assert (config.first_dynamic_points(2.5), config.first_dynamic_points(0.0)) == (20, 8)
+
+
 def test_config_and_pipeline_do_not_load_torch() -> None:
     code = "import sys, hgs_core.pipeline, hgs_core.train.config; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

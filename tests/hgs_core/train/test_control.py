@@ -14,11 +14,16 @@ from hgs_core.train.checkpoint import TrainState, fresh_state
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control import control_births, control_contributions, control_infill, control_labels
 from hgs_core.train.density import joined
+from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment, cut_into_segments
 from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import synthetic_scene, write_capture
 
 CONFIG = TrainConfig(max_dynamic=100, colour_correction=False)
+
+
+def schedule_of(config: TrainConfig = CONFIG) -> Schedule:
+    return Schedule(config, extent=1.0, frames=6)
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +88,7 @@ def test_births_stay_within_the_room_and_stand_where_something_moves(
 ) -> None:
     static, dynamic = synthetic_scene()
     state = state_of(static, dynamic.take(slice(0, 0)))
-    control_births(state, CONFIG, views, segment, cycle=0)
+    control_births(state, schedule_of(), views, segment, cycle=0)
     assert state.history.births == len(state.dynamic) <= CONFIG.max_dynamic // 2
     check_consistent(state)
 
@@ -96,7 +101,7 @@ def test_labels_move_splats_between_the_sets(views: TrainingViews) -> None:
     still.motion[0, 1:] = 0
     still.time_log_precisions[0] = -9.0
     state = state_of(static, still)
-    control_labels(state, CONFIG, views.cameras, [])
+    control_labels(state, schedule_of(), views.cameras, [])
     assert (len(state.static), len(state.dynamic)) == (len(static) + 1, len(dynamic) - 1)
     torch.testing.assert_close(state.static.means[-1], still.motion[0, 0])
     assert state.history.labels_changed == {"to_static": 1, "to_dynamic": 0}
@@ -106,7 +111,8 @@ def test_labels_move_splats_between_the_sets(views: TrainingViews) -> None:
 def test_a_static_splat_in_the_way_of_motion_becomes_dynamic(capture: Capture, views: TrainingViews) -> None:
     static, dynamic = synthetic_scene()
     state = state_of(static, dynamic.take(slice(0, 0)))  # what moves is missing: statics must stand in
-    control_labels(state, TrainConfig(max_dynamic=100, restless_error=0.005), views.cameras, views.samples(0))
+    schedule = schedule_of(TrainConfig(max_dynamic=100, restless_error=0.005))
+    control_labels(state, schedule, views.cameras, views.samples(0))
     changed = state.history.labels_changed["to_dynamic"]
     assert 0 < changed <= 0.02 * len(static)
     assert len(state.dynamic) == 2 * changed
@@ -126,7 +132,8 @@ def test_statics_are_added_where_still_pixels_are_wrong_within_the_budget(
 ) -> None:
     static, dynamic = synthetic_scene()
     state = state_of(static.take(slice(0, 60)), dynamic)
-    control_infill(state, TrainConfig(infill=0.1, max_static=100, colour_correction=False), views, segment, cycle=0)
+    schedule = schedule_of(TrainConfig(infill=0.1, max_static=100, colour_correction=False))
+    control_infill(state, schedule, views, segment, cycle=0)
     assert 60 < len(state.static) <= 70
     assert state.history.infilled == len(state.static) - 60
     check_consistent(state)

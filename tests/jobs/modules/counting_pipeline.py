@@ -1,7 +1,7 @@
 """A pipeline whose training counts to `config.cycles`: it checkpoints, resumes, stops and fails like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input",
-"die once" (SIGKILL at half-time, the first time), "die" or "deaf" (ignores SIGTERM).
+"die once" (SIGKILL at half-time, the first time), "die" or "deaf" (ignores SIGTERM and keeps no checkpoint).
 Every cycle appends its process id and number to `cycles.log` in the run folder.
 """
 
@@ -23,7 +23,7 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_CYCLE = 0.02
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)
@@ -54,7 +54,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
         time.sleep(SECONDS_PER_CYCLE)
         with (run / "cycles.log").open("a") as log:
             log.write(f"{os.getpid()} {cycle}\n")
-        if (cycle + 1) % CHECKPOINT_EVERY == 0:
+        if (cycle + 1) % CHECKPOINT_EVERY == 0 and behaviour != "deaf":
             _replace(checkpoint, str(cycle + 1))
         if cycle == cycles // 2:
             _misbehave(behaviour, run)

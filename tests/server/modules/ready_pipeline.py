@@ -11,7 +11,7 @@ from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.train.config import TrainConfig
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig) -> None:
+def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)

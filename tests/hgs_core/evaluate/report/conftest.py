@@ -30,5 +30,5 @@ def other(run: Path) -> Path:
 @pytest.fixture(scope="session")
 def report(run: Path, other: Path) -> Path:
     out = run.parent / "report.html"
-    write_report(run, out, [other], "1.2.3", silent)
+    write_report(run, out, [other], silent)
     return out

@@ -55,7 +55,7 @@ class Page(HTMLParser):
 
 
 def written(run: Path, out: Path, *against: Path) -> str:
-    write_report(run, out, against, "1.2.3", silent)
+    write_report(run, out, against, silent)
     return out.read_text()
 
 
@@ -72,6 +72,12 @@ def test_elements_nest_and_references_resolve(report: Path) -> None:
     assert set(ids.values()) == {1}
     assert {value.removeprefix("#") for value in page.values("href") if value.startswith("#")} <= set(ids)
     assert set(page.values("aria-labelledby")) <= set(ids)
+
+
+def test_the_page_names_the_machine_that_trained_the_run(tmp_path: Path) -> None:
+    machine = {"hgs": "1.2.3", "cpu": "a <processor>", "cores": 4}
+    page = written(write_finished_run(tmp_path, machine=machine), tmp_path / "page.html")
+    assert "Trained by HGS 1.2.3 on a &lt;processor&gt;, 4 cores." in page
 
 
 def test_pictures_charts_and_sliders_have_names(report: Path) -> None:

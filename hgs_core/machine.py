@@ -10,6 +10,7 @@ import numpy as np
 import torch
 
 from hgs_core.native import library
+from hgs_core.version import software_version
 
 __all__ = ["machine_facts"]
 
@@ -25,6 +26,7 @@ def machine_facts() -> dict[str, str | int | float | None]:
         "python": platform.python_version(),
         "torch": torch.__version__,
         "numpy": np.__version__,
+        "hgs": software_version(),
     }
 
 
