@@ -38,7 +38,7 @@ from hgs_core.train.training_views import TrainingViews
 __all__ = ["FineTune", "colour_maps"]
 
 BLOCK = 50  # cycles for which the offset is held
-SHARE = 0.5  # of the step sizes; falls to nothing along a cosine
+SHARE = 0.15  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
 
 Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
