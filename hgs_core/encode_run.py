@@ -31,7 +31,9 @@ CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next
 STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 VIEWS = 12  # in which the loss is measured
 ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
-WON_BACK = 0.5  # dB that training further makes good of the default budget's coarseness
+WON_BACK = 1 / 3  # what is left of a loss after training further, about
+ROUNDS_OF_TUNING = 3  # each with the coarseness that the loss after the one before suggests
+LARGEST_CHANGE = 1.4  # factor from one to the next
 FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
 NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.25, 8.0)
@@ -159,8 +161,8 @@ def fit(
 ) -> Fitted:
     """Find the coarsest settings with which the training views lose no more than the budget.
 
-    With `cycles` above 0 the scene is trained further against its coarse self (`fine_tune.py`), and the loss is what
-    remains after that; without a capture there is nothing to train with. `trained` hears of the cycles done.
+    With `cycles` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
+    after that; without a capture there is nothing to train with. `trained` hears of the cycles done.
 
     Raises:
         InputError: a frame cannot be read, or a splat cannot be encoded.
@@ -168,25 +170,35 @@ def fit(
     allowed = BUDGETS[budget]
     loss = Loss(scene, views, views.trained, antialiased=config.antialiased)
 
-    def coarsest(scene: HybridScene[Floats], utility: Utility, allowed: float, start: float) -> Fitted:
-        def lost(coarseness: float) -> float:
-            settings = EncodeSettings(coarseness=coarseness)
-            found = quantised_scene(
-                scene, views.cameras, views.times, utility, settings, antialiased=config.antialiased
-            )
-            return loss.of(found.decoded)
+    def lost(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> float:
+        found = quantised_scene(scene, views.cameras, views.times, utility, settings, antialiased=config.antialiased)
+        return loss.of(found.decoded)
 
-        coarseness, decibels = _coarsest(lost, allowed, start)
+    def coarsest(allowed: float, start: float) -> Fitted:
+        coarseness, decibels = _coarsest(
+            lambda coarseness: lost(scene, utility, EncodeSettings(coarseness=coarseness)), allowed, start
+        )
         return Fitted(scene, utility, EncodeSettings(coarseness=coarseness), decibels)
 
     # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
     start = 0.4 * math.sqrt(allowed / 0.1)
-    if cycles == 0 or views.capture is None:
-        return coarsest(scene, utility, allowed, start)
-    first = coarsest(scene, utility, allowed + WON_BACK * math.sqrt(allowed / 0.1), 2 * start)
+    if cycles < ROUNDS_OF_TUNING or views.capture is None:
+        return coarsest(allowed, start)
+    coarseness = coarsest(allowed / WON_BACK, 2 * start).settings.coarseness
     tune = FineTune(scene, utility, views, config, correction)
-    tune.run(first.settings, cycles, trained)
-    return coarsest(tune.scene, tune.utility, allowed, first.settings.coarseness)
+    best: Fitted | None = None
+    # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
+    for done in range(ROUNDS_OF_TUNING):
+        first, last = (cycles * part // ROUNDS_OF_TUNING for part in (done, done + 1))
+        settings = EncodeSettings(coarseness=coarseness)
+        tune.run(settings, range(first, last), trained)
+        decibels = lost(tune.scene, tune.utility, settings)
+        if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
+            best = Fitted(tune.scene, tune.utility, settings, decibels)
+        change = math.sqrt(NEAR_ENOUGH * allowed / max(decibels, 1e-3 * allowed))
+        coarseness *= min(max(change, 1 / LARGEST_CHANGE), LARGEST_CHANGE)
+        coarseness = min(max(coarseness, COARSENESS[0]), COARSENESS[1])
+    return best or coarsest(allowed, start)
 
 
 def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
@@ -38,7 +38,7 @@ from hgs_core.train.training_views import TrainingViews
 __all__ = ["FineTune", "colour_maps"]
 
 BLOCK = 50  # cycles for which the offset is held
-SHARE = 0.5  # of the step sizes; falls to nothing along a cosine
+SHARE = 0.15  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
 
 Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
@@ -76,45 +76,45 @@ class FineTune:
             Adam.of(segment.dynamic.map(self._tensor)) for segment in scene.segments
         ]
 
-    def run(self, settings: EncodeSettings, cycles: int, trained: Callable[[int], None]) -> None:
+    def run(self, settings: EncodeSettings, cycles: range, trained: Callable[[int], None]) -> None:
         """Train for some cycles against the scene as `settings` code it; what they drop is gone.
 
-        `trained` hears of the cycles done after each; what it raises ends the training.
+        Step sizes fall to nothing within these cycles, whose numbers decide which views are seen. `trained` hears of
+        the cycles done after each; what it raises ends the training.
         """
+        blocks = -(-len(cycles) // BLOCK)
         with one_torch_thread():
-            for start in range(0, cycles, BLOCK):
-                self._block(settings, range(start, min(start + BLOCK, cycles)), cycles, trained)
+            for i in range(blocks):
+                coded = self._coded(settings)
+                drawn = coded.decoded.map(self._tensor)
+                for place in range(len(cycles) * i // blocks, len(cycles) * (i + 1) // blocks):
+                    self._cycle(drawn, cycles[place], SHARE * 0.5 * (1 + math.cos(math.pi * place / len(cycles))))
+                    trained(cycles[place] + 1)
+                self._move(coded, drawn)
 
-    def _block(
-        self, settings: EncodeSettings, cycles: Sequence[int], total: int, trained: Callable[[int], None]
-    ) -> None:
-        views = self._views
+    def _coded(self, settings: EncodeSettings) -> Quantised:
+        """Quantise the scene; utilities and moments follow the splats that are kept."""
         coded = quantised_scene(
-            self.scene, views.cameras, views.times, self.utility, settings, antialiased=self._config.antialiased
-        )
-        self._select(coded)
-        drawn = coded.decoded.map(self._tensor)
-        for cycle in cycles:
-            self._cycle(drawn, cycle, SHARE * 0.5 * (1 + math.cos(math.pi * cycle / total)))
-            trained(cycle + 1)
-        self.scene = HybridScene(
-            _moved(coded.exact.static, coded.decoded.static, drawn.static),
-            tuple(
-                Segment(exact.start, exact.end, _moved(exact.dynamic, decoded.dynamic, now.dynamic))
-                for exact, decoded, now in zip(
-                    coded.exact.segments, coded.decoded.segments, drawn.segments, strict=True
-                )
-            ),
-        )
-
-    def _select(self, coded: Quantised) -> None:
-        """Let utilities and moments follow the splats that are kept."""
+            self.scene, self._views.cameras, self._views.times, self.utility, settings,
+            antialiased=self._config.antialiased,
+        )  # fmt: skip
         self._static.select(torch.from_numpy(coded.static_rows).to(self._device), 0)
         for adam, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
             adam.select(torch.from_numpy(rows).to(self._device), 0)
         self.utility = Utility(
             self.utility.static[coded.static_rows],
             tuple(of[rows] for of, rows in zip(self.utility.dynamic, coded.dynamic_rows, strict=True)),
+        )
+        return coded
+
+    def _move(self, coded: Quantised, drawn: HybridScene[Tensor]) -> None:
+        exact, decoded = coded.exact, coded.decoded
+        self.scene = HybridScene(
+            _moved(exact.static, decoded.static, drawn.static),
+            tuple(
+                Segment(before.start, before.end, _moved(before.dynamic, shown.dynamic, now.dynamic))
+                for before, shown, now in zip(exact.segments, decoded.segments, drawn.segments, strict=True)
+            ),
         )
 
     def _cycle(self, drawn: HybridScene[Tensor], cycle: int, share: float) -> None:

@@ -51,7 +51,7 @@ def test_it_wins_back_what_quantisation_costs(given: Given) -> None:
     before = lost(scene, utility)
     tune = FineTune(scene, utility, views, CONFIG, None)
     done: list[int] = []
-    tune.run(COARSE, 120, done.append)
+    tune.run(COARSE, range(120), done.append)
     assert done == list(range(1, 121))
     assert before > 1
     assert lost(tune.scene, tune.utility) < 0.7 * before
@@ -63,7 +63,7 @@ def test_equal_arguments_give_equal_scenes_and_leave_the_given_one_alone(given: 
     tuned = []
     for _ in range(2):
         tune = FineTune(scene, utility, views, CONFIG, None)
-        tune.run(COARSE, 60, lambda done: None)
+        tune.run(COARSE, range(60), lambda done: None)
         tuned.append(tune)
     first, second = tuned
     for one, other in ((first.scene, second.scene), (scene, copy)):
