@@ -100,6 +100,6 @@ def test_motion_of_the_fifth_order_learns_in_all_its_coefficients_whatever_order
     tune = FineTune(
         HybridScene(scene.static, (fifth,)), utility, views, dataclasses.replace(CONFIG, motion_order=5), None
     )
-    tune.run(COARSE, 3, lambda done: None)
+    tune.run(COARSE, range(3), lambda done: None)
     assert tune.scene.segments[0].dynamic.motion.shape[1:] == (6, 3)
     assert tune.scene.segments[0].dynamic.motion[:, 5].any()
