@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from hgs_core.codec.appearance import rotation_numbers, turning_cost
 from hgs_core.codec.attributes import MOTION_ORDERS
 from hgs_core.codec.choose import EXCHANGE, choose, neighbours
+from hgs_core.codec.polynomials import polynomial_fit, powers
 from hgs_core.codec.prepare import Prepared
 from hgs_core.codec.quantise import float32_below
 from hgs_core.codec.rotations import canonical, product, turn_between, vector_to_quats
 from hgs_core.codec.steps import Steps
 from hgs_core.scene.motion import position as place
 
-__all__ = ["MOMENTS", "Path", "highest_order", "least_squares", "motion_numbers", "turning_numbers"]
+__all__ = ["MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
 
 MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
 COST_OF_ORDERS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
@@ -84,13 +85,13 @@ def motion_numbers(
     # Relative to the path's middle, so that nothing is lost far from the origin.
     middle = path.positions[:, MOMENTS // 2]
     goal = path.positions - middle[:, None]
-    powers = np.stack([offsets**k for k in range(highest + 1)], axis=2)
+    basis = powers(offsets, highest)
     tried = [order for order in COST_OF_ORDERS if order <= highest]
     own = steps.own_position[:, None]
     costs = []
     for order in tried:
-        fitted = least_squares(powers[..., : order + 1], goal, path.weights)
-        error = np.abs(goal - powers[..., : order + 1] @ fitted)
+        fitted = polynomial_fit(offsets, order, goal, path.weights)
+        error = np.abs(goal - basis[..., : order + 1] @ fitted)
         cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
         excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_SHIFT * steps.position
         costs.append(cost + EXCHANGE * COST_OF_ORDERS[order] + np.where(excess & (order < highest), np.inf, 0.0))
@@ -101,12 +102,12 @@ def motion_numbers(
         members = np.flatnonzero(orders >= order)
         if not len(members):
             continue
-        basis, weights, fade = powers[members, :, : order + 1], path.weights[members], path.fade[members]
-        rest = basis[..., order] - _projected(basis, weights, order)
+        some, weights, fade = offsets[members], path.weights[members], path.fade[members]
+        rest = _own_part(some, order, weights)
         share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
         reach = (np.abs(rest) * fade).max(axis=1) + LEAST_SHARE
         step = _coefficient_step(own[members, 0] / share, LARGEST_SHIFT * steps.position / reach)
-        exact = least_squares(basis, left[members], weights)[:, order] / step
+        exact = polynomial_fit(some, order, left[members], weights)[:, order] / step
         candidates = _roundings(exact)
         off = (candidates - exact[:, None]) * step
         cost = ((off * (share / own[members, 0])[:, None, None]) ** 2).sum(axis=2)
@@ -114,7 +115,7 @@ def motion_numbers(
         too_far[:, 0] = False
         chosen = choose(candidates, np.where(too_far, np.inf, cost))
         numbers[MOTION_ORDERS[order - 1]] = chosen, step
-        left[members] -= basis[..., order:] * (chosen * step)[:, None]
+        left[members] -= basis[members, :, order, None] * (chosen * step)[:, None]
     constant = (left * path.weights[..., None]).sum(axis=1) + middle
     numbers["position"] = np.rint(constant / steps.position).astype(np.int64), steps.position
     return numbers, orders
@@ -133,21 +134,12 @@ def _roundings(exact: Doubles) -> Whole:
     )
 
 
-def _projected(basis: Doubles, weights: Doubles, order: int) -> Doubles:
-    """Return what lower powers make good [M, J] of the power `order` of `basis` [M, J, order + 1]."""
-    lower = basis[..., :order]
-    return np.asarray((lower @ least_squares(lower, basis[..., order:], weights))[..., 0])
-
-
-def least_squares(basis: Doubles, goal: Doubles, weights: Doubles) -> Doubles:
-    """Return the coefficients [N, K, 3] of weighted least squares of `basis` [N, J, K] to `goal` [N, J, 3].
-
-    Lives so short that the moments cannot tell the orders apart get the least coefficients.
-    """
-    weighted = np.swapaxes(basis * weights[..., None], 1, 2)
-    matrix = weighted @ basis
-    ridge = 1e-9 * np.trace(matrix, axis1=1, axis2=2)[:, None, None] * np.eye(basis.shape[2])
-    return np.asarray(np.linalg.solve(matrix + ridge, weighted @ goal))
+def _own_part(offsets: Doubles, order: int, weights: Doubles) -> Doubles:
+    """Return what no lower powers make good [M, J] of a power of `offsets` [M, J]."""
+    # Relative to their middle: there the power differs by lower ones alone, and nothing is lost far from the centre.
+    near = offsets - offsets.mean(axis=1, keepdims=True)
+    power = near[..., None] ** order
+    return np.asarray((power - powers(near, order - 1) @ polynomial_fit(near, order - 1, power, weights))[..., 0])
 
 
 def turning_numbers(
@@ -163,11 +155,10 @@ def turning_numbers(
         rotation [N, 3] and, if any splat turns, its turning [M, 4] in scaled time, with steps; and which do, [N].
     """
     still, quats = _still(splats, path)
-    powers = np.stack([np.ones_like(offsets), offsets], axis=2)
     slopes = quats[..., 1:] / np.maximum(quats[..., :1], LEAST_W)
-    fitted = least_squares(powers, slopes, path.weights)  # [N, 2, 3]
+    fitted = polynomial_fit(offsets, 1, slopes, path.weights)  # [N, 2, 3]
     cost = _turned_cost(splats, quats, still[:, None], path.weights, steps)
-    turned = _turned_cost(splats, quats, _unit(powers @ fitted), path.weights, steps)
+    turned = _turned_cost(splats, quats, _unit(powers(offsets, 1) @ fitted), path.weights, steps)
     far = (turned > LARGEST_MISFIT) & (cost > LARGEST_MISFIT + EXCHANGE * COST_OF_TURNING)
     turns = far | (turned + EXCHANGE * COST_OF_TURNING < cost)
     rotation = rotation_numbers(splats, still, steps)
@@ -175,9 +166,9 @@ def turning_numbers(
     if not turns.any():
         return numbers, turns
     some, weights, own_shape = splats.take(turns), path.weights[turns], steps.own_shape[turns]
-    offset = powers[turns, :, 1:]
+    offset = offsets[turns]
     w = 1 / np.sqrt(1 + (fitted[turns, 0] ** 2).sum(axis=1))[:, None]
-    rest = offset[..., 0] - _projected(powers[turns], weights, 1)
+    rest = _own_part(offset, 1, weights)
     share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
     step = float32_below(steps.rotation * float((share**2).mean() ** -0.5))
     exact = fitted[turns, 1] * w / step
@@ -186,7 +177,7 @@ def turning_numbers(
     off[..., 1:] = (candidates - exact[:, None]) * (step * share)[:, None, None]
     angles = 2 * product((still[turns] * CONJUGATE)[:, None], off)[..., 1:]
     chosen = choose(candidates, turning_cost(some, angles, own_shape))
-    left = slopes[turns] - offset * (chosen * step / w)[:, None]
+    left = slopes[turns] - offset[..., None] * (chosen * step / w)[:, None]
     constant = _unit((left * weights[..., None]).sum(axis=1))
     rows = np.concatenate([np.zeros((len(chosen), 1), np.int64), chosen], axis=1)
     if far.any():

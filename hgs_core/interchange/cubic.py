@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.codec.motion import least_squares
+from hgs_core.codec.polynomials import polynomial_fit, powers
 from hgs_core.scene.motion import COEFFICIENTS, position
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import lifetime
@@ -34,13 +34,11 @@ def as_cubics(dynamic: DynamicSplats[Floats]) -> tuple[DynamicSplats[Floats], in
     center = dynamic.time_centers[rows].astype(np.float64)
     offsets = (start + (end - start) * np.linspace(0, 1, MOMENTS)[:, None]).T - center[:, None]  # [R, MOMENTS]
     fade = np.exp(-np.exp(dynamic.time_log_precisions[rows].astype(np.float64))[:, None] * offsets**2)
-    unit = np.maximum(np.abs(offsets).max(axis=1), 1e-12)[:, None]
-    powers = np.stack([(offsets / unit) ** k for k in range(COEFFICIENTS[0])], axis=2)
     goal = position(dynamic.motion[rows].astype(np.float64)[:, None], offsets[..., None])
     middle = goal[:, MOMENTS // 2, None]  # so that nothing is lost far from the origin
-    found = least_squares(powers, goal - middle, fade**2 + 1e-12)
-    error = np.abs(powers @ found + middle - goal).max(axis=2) * fade
-    found = found / unit[..., None] ** np.arange(COEFFICIENTS[0])[:, None]
+    order = COEFFICIENTS[0] - 1
+    found = polynomial_fit(offsets, order, goal - middle, fade**2 + 1e-12)
+    error = np.abs(powers(offsets, order) @ found + middle - goal).max(axis=2) * fade
     found[:, 0] += middle[:, 0]
     motion = cubic.motion.copy()
     motion[rows] = found

@@ -250,6 +250,26 @@ def test_motion_of_the_fifth_order_makes_version_3_and_only_where_it_is_needed(
     check_dynamics(given.segments[0].dynamic, tmp_path, 0, 30 / 29, 1 / 29)
 
 
+def test_a_path_far_from_its_centre_in_time_is_kept(tmp_path: Path, cameras: list[Camera]) -> None:
+    count, base = 40, scene(dynamic=20)
+    far = dataclasses.replace(
+        dynamics(count, 4), opacity_logits=np.full(count, 6, np.float32),
+        time_centers=np.linspace(-4, -2, count, dtype=np.float32), time_log_precisions=np.full(count, -3.2, np.float32),
+        rotation=np.tile(np.eye(4, dtype=np.float32)[:1], (count, 1, 1)).repeat(2, 1) * (np.arange(2) == 0)[:, None],
+    )  # fmt: skip
+    from_first = np.polynomial.polynomial.polyfromroots([3.2, 3.7, 4.3])[:, None] * (
+        20.0,
+        -3.0,
+        1.0,
+    )  # as if from t = 0
+    far = dataclasses.replace(
+        far, motion=(from_first + (np.arange(4) == 0)[:, None]).astype(np.float32)[None].repeat(count, 0)
+    )
+    given = dataclasses.replace(base, segments=(dataclasses.replace(base.segments[0], dynamic=far), base.segments[1]))
+    encode(given, tmp_path, cameras, utility=important(given))
+    check_dynamics(far, tmp_path, 0, 30 / 29, 1 / 29)
+
+
 def test_coefficients_of_zero_cost_nothing(tmp_path: Path, cameras: list[Camera]) -> None:
     given = scene()
     fifth = DynamicSplats.empty(6)
