@@ -104,7 +104,7 @@ def with_planes(data: bytes, attribute: int, planes: list[bytes]) -> bytes:
     """Replace the planes of an attribute, given before compression."""
     container = unpack(data)
     frames = tuple(memoryview(compress(plane, 3)) for plane in planes)
-    streams = [dataclasses.replace(s, planes=frames) if s.attribute == attribute else s for s in container.streams]
+    streams = [s._replace(planes=frames) if s.attribute == attribute else s for s in container.streams]
     return pack(dataclasses.replace(container, streams=tuple(streams)))
 
 

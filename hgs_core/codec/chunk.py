@@ -6,6 +6,7 @@ import math
 import struct
 import zlib
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 from hgs_core.codec.attributes import Kind
@@ -49,8 +50,7 @@ class Bounds(NamedTuple):
     rgb: float
 
 
-@dataclass(frozen=True)
-class Stream:
+class Stream(NamedTuple):
     """One row of the attribute table and the compressed planes it points to."""
 
     attribute: int
@@ -137,9 +137,9 @@ def varint(number: int) -> bytes:
 def _table(data: bytes, attributes: int) -> tuple[Stream, ...]:
     limit = len(data) - CHECKSUM.size
     at = HEADER.size
-    entries: list[tuple[Stream, list[int]]] = []
+    entries: list[tuple[int, int, int, Grid, list[int], int]] = []
     seen: set[int] = set()
-    # Many chunks are small: no word of an error is put together before there is one.
+    # Many chunks are small: no word of an error is put together before there is one, and no object made twice.
     for i in range(attributes):
         begin = at
         if at + ENTRY.size > limit:
@@ -154,36 +154,36 @@ def _table(data: bytes, attributes: int) -> tuple[Stream, ...]:
             where = at
             coded, at = _read_varint(data, at, limit, identity, "zero")
             zero = coded >> 1 if coded & 1 == 0 else -(coded + 1 >> 1)
-            if abs(zero) > MAX_ZERO:
+            if not -MAX_ZERO <= zero <= MAX_ZERO:
                 raise ChunkError(where, f"attribute {identity} zero", zero, f"at most {MAX_ZERO} from 0")
             zeros.append(zero)
         lengths: list[int] = []
         for _ in range(planes):
             length, at = _read_varint(data, at, limit, identity, "length")
             lengths.append(length)
-        entries.append((Stream(identity, components, kind, Grid(step, tuple(zeros), bits), (), begin), lengths))
+        entries.append((identity, components, kind, Grid(step, tuple(zeros), bits), lengths, begin))
     view = memoryview(data)
     streams: list[Stream] = []
-    for stream, lengths in entries:
-        frames: list[memoryview] = []
-        places: list[int] = []
-        for length in lengths:
-            if length > limit - at:
-                record = f"attribute {stream.attribute} length"
-                raise ChunkError(stream.at, record, length, f"at most {limit - at}, what is left")
-            frames.append(view[at : at + length])
-            places.append(at)
-            at += length
-        streams.append(
-            Stream(stream.attribute, stream.components, stream.transform, stream.grid, tuple(frames), stream.at,
-                   tuple(places))
-        )  # fmt: skip
+    for identity, components, kind, grid, lengths, begin in entries:
+        places = list(accumulate(lengths, initial=at))
+        if places[-1] > limit:
+            p = next(p for p, end in enumerate(places[1:]) if end > limit)
+            expected = f"at most {limit - places[p]}, what is left"
+            raise ChunkError(begin, f"attribute {identity} length", lengths[p], expected)
+        frames = tuple([view[start:end] for start, end in pairwise(places)])
+        at = places.pop()
+        streams.append(Stream(identity, components, kind, grid, frames, begin, tuple(places)))
     _expect(at == limit, at, "end of the last stream", at, f"{limit}, where the checksum begins")
     return tuple(streams)
 
 
 def _read_varint(data: bytes, at: int, limit: int, identity: int, field: str) -> tuple[int, int]:
     """Return a whole number below 2^32 and the byte after it."""
+    # Nearly all have one byte or two. The checksum follows the limit, so reading on needs no check before.
+    if data[at] < 128 and at < limit:
+        return data[at], at + 1
+    if data[at + 1] < 128 and at + 1 < limit:
+        return data[at] & 127 | data[at + 1] << 7, at + 2
     number = 0
     for i in range(VARINT_BYTES):
         if at + i >= limit:

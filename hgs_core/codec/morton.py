@@ -7,8 +7,6 @@ are small. Decoding takes a shorter way where codes fit into 63 bits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +31,7 @@ _GATHER = np.bitwise_or.reduce(
         for axis in range(3)
     ]
 )
+_AXES = np.array([[WORD_BITS * axis] for axis in range(3)], np.uint64)
 
 
 def interleave(grid: NDArray[np.uint32]) -> Limbs:
@@ -63,8 +62,8 @@ def to_planes(steps: Limbs, bits: int) -> list[bytes]:
     return [(steps[:, p // 3] >> np.uint64(8 * (p % 3))).astype(np.uint8).tobytes() for p in range((3 * bits + 7) // 8)]
 
 
-def grid_points(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
-    """Add up differences in byte planes; return the coordinates x, y and z, each [N].
+def grid_points(planes: NDArray[np.uint8], bits: int) -> NDArray[np.uint32]:
+    """Add up differences in byte planes [P, N]; return the coordinates x, y and z, [3, N].
 
     Raises:
         ValueError: a code reaches 2^(3 bits).
@@ -72,24 +71,27 @@ def grid_points(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[
     return _points_of_words(planes, bits) if bits <= WORD_BITS else _points_of_limbs(planes, bits)
 
 
-def _points_of_words(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
-    codes = planes[0].astype(np.uint64)
-    for p, plane in enumerate(planes[1:], start=1):
-        codes |= plane.astype(np.uint64) << np.uint64(8 * p)
-    codes = np.cumsum(codes, dtype=np.uint64)
-    # One difference is below 2^64, so a sum that does not fit is smaller than the one before.
-    if int(codes[-1]) >> 3 * bits or (codes[1:] < codes[:-1]).any():
+def _points_of_words(planes: NDArray[np.uint8], bits: int) -> NDArray[np.uint32]:
+    used, count = planes.shape
+    words = np.zeros((count, 8), np.uint8)
+    words[:, :used] = planes.T
+    codes = np.cumsum(words.view("<u8")[:, 0], dtype=np.uint64)
+    # One difference is below 2^(8 used): the sum of few fits, and one that does not is smaller than the one before.
+    fits = 8 * used + count.bit_length() <= 64
+    if int(codes[-1]) >> 3 * bits or (not fits and (codes[1:] < codes[:-1]).any()):
         raise ValueError("beyond the grid")
-    low = np.uint64((1 << DIGIT) - 1)
-    packed = _GATHER[codes & low]
+    places = codes.view(np.int64)  # of 63 bits at most; what indices are, so that none is converted
+    low = (1 << DIGIT) - 1
+    packed = _GATHER.take(places & low)
     for digit in range(1, -(-3 * bits // DIGIT)):
-        packed |= _GATHER[codes >> np.uint64(DIGIT * digit) & low] << np.uint64(DIGIT // 3 * digit)
-    mask = np.uint64((1 << WORD_BITS) - 1)
-    return [(packed >> np.uint64(WORD_BITS * axis) & mask).astype(np.uint32) for axis in range(3)]
+        packed |= _GATHER.take(places >> DIGIT * digit & low) << np.uint64(DIGIT // 3 * digit)
+    points: NDArray[np.uint64] = packed >> _AXES
+    points &= np.uint64((1 << WORD_BITS) - 1)
+    return points.astype(np.uint32)
 
 
-def _points_of_limbs(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDArray[np.uint32]]:
-    steps = np.zeros((len(planes[0]), LIMBS), np.uint64)
+def _points_of_limbs(planes: NDArray[np.uint8], bits: int) -> NDArray[np.uint32]:
+    steps = np.zeros((planes.shape[1], LIMBS), np.uint64)
     for p, plane in enumerate(planes):
         steps[:, p // 3] |= plane.astype(np.uint64) << np.uint64(8 * (p % 3))
     limbs = np.cumsum(steps, axis=0, dtype=np.uint64)
@@ -99,7 +101,7 @@ def _points_of_limbs(planes: Sequence[NDArray[np.uint8]], bits: int) -> list[NDA
     # The codes ascend, so the last one shows whether any is too large.
     if sum(int(x) << LIMB_BITS * i for i, x in enumerate(limbs[-1])) >> 3 * bits:
         raise ValueError("beyond the grid")
-    points = [np.zeros(len(limbs), np.uint32) for _ in range(3)]
+    points = np.zeros((3, len(limbs)), np.uint32)
     for limb in range(LIMBS):
         for axis in range(3):
             for bit in range(8):

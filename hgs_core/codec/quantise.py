@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,30 +22,34 @@ __all__ = [
 MAX_BITS = 24
 MAX_ZERO = 1 << 28  # with it (code - zero) * step is exact in binary64, so that it is rounded once
 
-_BYTES = np.arange(256, dtype=np.float64)
+_EXACT = 1 << 24  # whole numbers up to it are exact in binary32
 
 Doubles = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Codes = NDArray[np.uint32]
 
 
-@dataclass(frozen=True)
-class Grid:
+class Grid(NamedTuple):
     """One step for all components, one zero per component: value = (code - zero) * step, codes below 2^bits."""
 
     step: float  # exact in float32, above 0
     zeros: tuple[int, ...]
     bits: int
 
-    def decode(self, codes: NDArray[np.unsignedinteger[Any]], component: int) -> Floats:
-        """Return the values [N] of one component's codes; infinite, with a warning, where a damaged grid overflows."""
-        if self.bits <= 8 and len(codes) > 256:
-            return self.table(component).take(codes)
-        return ((codes - float(self.zeros[component])) * self.step).astype(np.float32)
+    def largest(self) -> int:
+        """Return what no |code - zero| exceeds."""
+        return max(max(self.zeros), -min(self.zeros)) + (1 << self.bits)
 
-    def table(self, component: int) -> Floats:
-        """Return the values of all codes below 2^bits."""
-        return ((_BYTES[: 1 << self.bits] - self.zeros[component]) * self.step).astype(np.float32)
+    def decode(self, codes: NDArray[np.unsignedinteger[Any]]) -> Floats:
+        """Return the values [N, C] of codes [C, N]; infinite, with a warning, where a damaged grid overflows."""
+        values = np.empty(codes.shape[::-1], np.float32)
+        if self.largest() <= _EXACT:
+            # Both factors are exact in binary32, so its product is the exact one rounded once: the same bits for less.
+            whole = np.subtract(codes, np.array(self.zeros, np.float32)[:, None], dtype=np.float32)
+            np.multiply(whole, np.float32(self.step), out=values.T)
+        else:
+            values.T[...] = (codes - np.array(self.zeros, np.float64)[:, None]) * self.step
+        return values
 
 
 def fitting_grid(numbers: NDArray[np.int64], step: float, *, common: bool = False) -> tuple[Grid, Codes]:
@@ -67,11 +70,18 @@ def fitting_grid(numbers: NDArray[np.int64], step: float, *, common: bool = Fals
     return Grid(step, tuple(-int(x) for x in low), bits), codes.astype(np.uint32)
 
 
-def unit_quats(vector: Floats) -> Floats:
-    """Return quaternions [N, 4] of vector parts x, y, z [N, 3]: w = sqrt(max(0, 1 - (x x + y y + z z)))."""
-    x, y, z = vector.astype(np.float64).T
-    quats = np.empty((len(vector), 4), np.float32)
-    quats[:, 0] = np.sqrt(np.maximum(0.0, 1.0 - (x * x + y * y + z * z)))
+def unit_quats(vector: Floats, out: Floats | None = None) -> Floats:
+    """Return quaternions [N, 4] of vector parts x, y, z [N, 3]: w = sqrt(max(0, 1 - (x x + y y + z z))).
+
+    They are written to `out` if it is given.
+    """
+    quats = np.empty((len(vector), 4), np.float32) if out is None else out
+    squares = vector.T.astype(np.float64, order="C")
+    squares *= squares
+    w = squares[0] + squares[1]
+    w += squares[2]
+    np.subtract(1.0, w, out=w)
+    quats[:, 0] = np.sqrt(np.maximum(w, 0.0, out=w), out=w)
     quats[:, 1:] = vector
     return quats
 
@@ -81,7 +91,7 @@ def eased(x: NDArray[np.floating[Any]]) -> Doubles:
 
     Equal steps of x are finer steps of opacity near 0, where its ratio counts, and near 1.
     """
-    limited = np.clip(x.astype(np.float64), 0.0, 1.0)
+    limited = np.minimum(np.maximum(x.astype(np.float64), 0.0), 1.0)
     return limited * limited * (3.0 - 2.0 * limited)
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 __all__ = ["Transform", "compress", "decompress", "from_planes", "to_planes", "transform", "undo_transform"]
 
 Codes = NDArray[np.uint32]  # [N, C]
-AnyCodes = NDArray[Any]  # [N] uint8 or uint32
+AnyCodes = NDArray[Any]  # [C, N] uint8, uint16 or uint32: the least that holds the bits
 
 _threads = local()
 
@@ -39,17 +39,20 @@ def transform(codes: Codes, bits: int, kind: Transform) -> Codes:
     return codes
 
 
-def undo_transform(codes: list[AnyCodes], bits: int, kind: Transform) -> list[AnyCodes]:
-    """Undo `transform` on one array [N] per component, in its own type: sums wrap at 2^8 or 2^32, then at 2^bits."""
+def undo_transform(codes: AnyCodes, bits: int, kind: int) -> AnyCodes:
+    """Undo `transform` on codes [C, N], in their own type: sums wrap at its size, then at 2^bits."""
     if kind == Transform.NONE:
         return codes
-    number = codes[0].dtype.type
-    mask = number((1 << bits) - 1)
+    number = codes.dtype.type
     if kind == Transform.DELTA:
-        return [np.cumsum(_unzigzag(c), dtype=number) & mask for c in codes]
-    done = codes[:1]
-    for c in codes[1:]:
-        done.append((done[-1] + _unzigzag(c)) & mask)
+        done = np.cumsum(_unzigzag(codes), axis=1, dtype=number)
+    else:
+        signed = _unzigzag(codes[1:])
+        done = np.empty_like(codes)
+        done[0] = codes[0]
+        for c, difference in enumerate(signed):
+            np.add(done[c], difference, out=done[c + 1])
+    done &= number((1 << bits) - 1)
     return done
 
 
@@ -59,17 +62,17 @@ def to_planes(codes: Codes, bits: int) -> list[bytes]:
     return [(codes[:, c] >> s).astype(np.uint8).tobytes() for c in range(codes.shape[1]) for s in shifts]
 
 
-def from_planes(planes: list[NDArray[np.uint8]], bits: int) -> list[AnyCodes]:
-    """Join byte planes into codes, one array [N] per component; codes of a byte stay the bytes they are."""
+def from_planes(planes: NDArray[np.uint8], bits: int) -> AnyCodes:
+    """Join byte planes [P, N] into codes [C, N]; codes of a byte stay the bytes they are."""
     each = (bits + 7) // 8
     if each == 1:
-        return list(planes)
-    codes = []
-    for c in range(0, len(planes), each):
-        joined = planes[c].astype(np.uint32)
-        for p in range(1, each):
-            joined |= planes[c + p].astype(np.uint32) << np.uint32(8 * p)
-        codes.append(joined)
+        return planes
+    number: type[np.unsignedinteger[Any]] = np.uint16 if each == 2 else np.uint32
+    parts = planes.reshape(-1, each, planes.shape[1])
+    codes: AnyCodes = parts[:, each - 1].astype(number)
+    for p in range(each - 2, -1, -1):
+        codes <<= number(8)
+        codes |= parts[:, p]
     return codes
 
 
@@ -78,7 +81,7 @@ def compress(raw: bytes, level: int) -> bytes:
     return zstandard.ZstdCompressor(level=level, write_checksum=False, write_content_size=True).compress(raw)
 
 
-def decompress(frame: memoryview, length: int) -> NDArray[np.uint8]:
+def decompress(frame: memoryview, length: int) -> bytes:
     """Return the content of one zstd frame of exactly `length` bytes; no more than that is ever allocated.
 
     Raises:
@@ -96,7 +99,7 @@ def decompress(frame: memoryview, length: int) -> NDArray[np.uint8]:
         raise ValueError(f"damaged ({error})") from error
     if len(raw) != length:
         raise ValueError(f"a frame of {len(raw)} bytes")
-    return np.frombuffer(raw, np.uint8)
+    return raw
 
 
 def _zigzag(codes: Codes, bits: int) -> Codes:
@@ -110,6 +113,9 @@ def _zigzag(codes: Codes, bits: int) -> Codes:
 
 
 def _unzigzag(codes: AnyCodes) -> AnyCodes:
-    """Undo `_zigzag`, modulo 2^8 or 2^32."""
+    """Undo `_zigzag`, modulo the size of the type."""
     one = codes.dtype.type(1)
-    return np.asarray(codes >> one ^ -(codes & one))
+    signs: AnyCodes = codes & one
+    np.negative(signs, out=signs)
+    signs ^= codes >> one
+    return signs

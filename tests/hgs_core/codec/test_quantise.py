@@ -23,14 +23,18 @@ def test_numbers_come_back_as_multiples_of_the_step_rounded_once(
     assert (codes < 1 << grid.bits).all()
     if common:
         assert len(set(grid.zeros)) == 1
-    decoded = np.stack([grid.decode(codes[:, c], c) for c in range(3)], axis=1)
+    decoded = grid.decode(codes.T)
     np.testing.assert_array_equal(decoded, (values * step).astype(np.float32))
 
 
-def test_the_table_of_a_small_grid_gives_the_bits_of_the_formula() -> None:
-    grid = Grid(float(np.float32(0.1)), (77,), 8)
-    codes = np.tile(np.arange(256, dtype=np.uint32), 2)
-    np.testing.assert_array_equal(grid.decode(codes, 0)[:256], grid.decode(codes[:256], 0))
+@pytest.mark.parametrize("step", [0.1, 1e-44, 3e38])
+@pytest.mark.parametrize("zero", [77, (1 << 24) - 256, (1 << 24) - 255, -(1 << 28)])
+def test_a_grid_near_zero_and_one_far_from_it_give_the_bits_of_the_formula(step: float, zero: int) -> None:
+    grid = Grid(float(np.float32(step)), (zero, -zero), 8)
+    codes = np.tile(np.arange(256, dtype=np.uint8), (2, 1))
+    with np.errstate(over="ignore"):
+        exact = ((codes.T - np.array([zero, -zero], np.float64)) * grid.step).astype(np.float32)
+        np.testing.assert_array_equal(grid.decode(codes), exact)
 
 
 def test_numbers_too_far_apart_are_refused() -> None:

@@ -11,6 +11,8 @@ import { decompress, zstdReady } from "./zstd";
 
 const MAX_BITS = 24;
 const MAX_EXPONENT = 20;
+/** 2^-100 at 0 to 2^100 at 200: what the largest exponent asks of the fifth order, and less; ** is slow in a loop. */
+const POWERS = Float64Array.from({ length: 201 }, (_, i) => 2 ** (i - 100));
 const ORDERS = ["velocity", "acceleration", "jerk", "snap", "crackle"] as const;
 
 type Floats = Float32Array<ArrayBuffer>;
@@ -48,7 +50,9 @@ export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
   } else {
     chunk = { kind, ...common, ...polynomials(reader, positions, rotations) };
   }
-  for (const [name, array] of Object.entries(chunk)) {
+  // Of grids that cannot give it, infinity is not looked for.
+  const arrays = surelyFinite(streams) ? [] : Object.entries(chunk);
+  for (const [name, array] of arrays) {
     if (!(array instanceof Float32Array)) continue;
     const bad = firstNotFinite(array);
     if (bad >= 0)
@@ -63,6 +67,15 @@ export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
 }
 
 const snake = (name: string): string => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
+
+/** Whether every value is below 2^27 by its grid, so that times 2^100, the most it can be scaled by, it is finite. */
+function surelyFinite(streams: Streams): boolean {
+  for (const { grid } of streams.values()) {
+    const largest = 2 ** grid.bits + Math.max(...grid.zeros.map(Math.abs));
+    if (largest * grid.step >= 2 ** 27) return false;
+  }
+  return true;
+}
 
 /** Index of the first number that is not finite, or -1. */
 function firstNotFinite(array: Float32Array): number {
@@ -106,8 +119,9 @@ function rowsOf({ version, kind, count }: Container, streams: Streams): Rows {
   if (!stream || kind === "static") return rows;
   const [forms] = codesOf(stream, attributeOf("form"), count);
   const largest = TURNS + 3 + (version > 2 ? FIFTH : 0);
-  const wrong = forms.findIndex((form) => form > largest || (form >= FIFTH && (form & 3) < 3));
-  if (wrong >= 0)
+  let wrong = 0;
+  while (wrong < count && (forms[wrong] < FIFTH || (forms[wrong] <= largest && (forms[wrong] & 3) === 3))) wrong++;
+  if (wrong < count)
     throw new ChunkError(
       stream.planes[0].at,
       `form of splat ${wrong}`,
@@ -116,9 +130,10 @@ function rowsOf({ version, kind, count }: Container, streams: Streams): Rows {
     );
   for (const attribute of ATTRIBUTES) {
     if (attribute.rowsOf === 0) continue;
-    const members: number[] = [];
-    for (let i = 0; i < count; i++) if (hasRow(attribute, forms[i])) members.push(i);
-    if (members.length) rows.set(attribute.name, Uint32Array.from(members));
+    const members = new Uint32Array(count);
+    let found = 0;
+    for (let i = 0; i < count; i++) if (hasRow(attribute, forms[i])) members[found++] = i;
+    if (found) rows.set(attribute.name, members.subarray(0, found));
   }
   return rows;
 }
@@ -165,15 +180,26 @@ function codesOf(stream: Stream, attribute: Attribute, rows: number): (Uint8Arra
   const codes = fromPlanes(planes, bits);
   if (bits % 8 !== 0) {
     codes.forEach((component, c) => {
+      const each = Math.ceil(bits / 8);
+      if (allBits(planes[c * each + each - 1]) < 2 ** (bits % 8)) return; // what is too large shows in the last plane
       let splat = 0;
       for (let i = 1; i < component.length; i++) if (component[i] > component[splat]) splat = i;
-      if (component[splat] < 2 ** bits) return;
-      const { at } = stream.planes[c * Math.ceil(bits / 8)];
+      const { at } = stream.planes[c * each];
       throw new ChunkError(at, `${record} code of row ${splat}`, component[splat], `below 2^${bits}`);
     });
   }
   undoTransform(codes, bits, stream.transform);
   return codes;
+}
+
+/** Every bit that a byte of the plane has. */
+function allBits(plane: Uint8Array): number {
+  let seen = 0;
+  const whole = plane.byteOffset % 4 === 0 ? plane.length >> 2 : 0;
+  const words = new Uint32Array(plane.buffer, whole ? plane.byteOffset : 0, whole);
+  for (let i = 0; i < whole; i++) seen |= words[i]; // four bytes at once
+  for (let i = 4 * whole; i < plane.length; i++) seen |= plane[i];
+  return (seen | (seen >>> 8) | (seen >>> 16) | (seen >>> 24)) & 255;
 }
 
 /** Puts the polynomials of a dynamic chunk together, and undoes their scaling by powers of two. */
@@ -187,10 +213,12 @@ function polynomials(reader: Reader, positions: Floats, rotations: Floats) {
   if (bad >= 0)
     throw new ChunkError(TABLE, `time_log_precision of splat ${bad}`, timeLogPrecisions[bad], "a finite number");
   // About the reciprocal of the time for which a splat can be seen is 2^e.
-  const exponents = Uint8Array.from(timeLogPrecisions, (precision) =>
-    Math.min(MAX_EXPONENT, Math.max(0, Math.floor((precision - 1.75) * 0.7213475204444817))),
-  );
-  for (let i = 0; i < count; i++) timeCenters[i] *= 2 ** -exponents[i];
+  const exponents = new Uint8Array(count);
+  for (let i = 0; i < count; i++) {
+    const exact = Math.floor((timeLogPrecisions[i] - 1.75) * 0.7213475204444817);
+    exponents[i] = Math.min(MAX_EXPONENT, Math.max(0, exact));
+    timeCenters[i] *= POWERS[100 - exponents[i]];
+  }
   const width = reader.rows.has("crackle") ? 18 : 12;
   const motion = new Float32Array(count * width);
   const rotation = new Float32Array(count * 8);
@@ -211,7 +239,7 @@ function polynomials(reader: Reader, positions: Floats, rotations: Floats) {
     const members = reader.rows.get(name);
     if (!members || members === "all") return;
     for (let row = 0; row < members.length; row++) {
-      const power = 2 ** (order * exponents[members[row]]);
+      const power = POWERS[100 + order * exponents[members[row]]];
       const at = members[row] * stride + order * components;
       for (let c = 0; c < components; c++) to[at + c] = values[row * components + c] * power;
     }

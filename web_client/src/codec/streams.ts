@@ -8,11 +8,10 @@ export function fromPlanes(planes: readonly Uint8Array[], bits: number): (Uint8A
   if (each === 1) return [...planes];
   const codes: Uint32Array[] = [];
   for (let c = 0; c < planes.length; c += each) {
-    const joined = Uint32Array.from(planes[c]);
-    for (let p = 1; p < each; p++) {
-      const plane = planes[c + p];
-      for (let i = 0; i < joined.length; i++) joined[i] |= plane[i] << (8 * p);
-    }
+    const [low, middle, high] = planes.slice(c, c + each);
+    const joined = new Uint32Array(low.length);
+    for (let i = 0; i < joined.length; i++) joined[i] = low[i] | (middle[i] << 8);
+    if (each === 3) for (let i = 0; i < joined.length; i++) joined[i] |= high[i] << 16;
     codes.push(joined);
   }
   return codes;
