@@ -145,7 +145,7 @@ class Fitted:
     scene: HybridScene[Floats]  # exact, trained further if that was asked for
     utility: Utility  # of its splats
     settings: EncodeSettings
-    loss: float  # dB, of the views that it was chosen on, against the scene as it was
+    loss: float  # dB, of the views that it was chosen on, against the better of the scene as it was and as it is
 
 
 def fit(
@@ -192,7 +192,8 @@ def fit(
         first, last = (cycles * part // ROUNDS_OF_TUNING for part in (done, done + 1))
         settings = EncodeSettings(coarseness=coarseness)
         tune.run(settings, range(first, last), trained)
-        decibels = lost(tune.scene, tune.utility, settings)
+        # What training further gains is for the viewer: the codes may not spend it.
+        decibels = lost(tune.scene, tune.utility, settings) - min(0.0, loss.of(tune.scene))
         if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
             best = Fitted(tune.scene, tune.utility, settings, decibels)
         change = math.sqrt(NEAR_ENOUGH * allowed / max(decibels, 1e-3 * allowed))

@@ -19,8 +19,7 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.births import Births, chosen_births, find_births, picture_error
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.density import DensityRound, joined, refine
+from hgs_core.train.density import DensityRound, is_fog, joined, refine
 from hgs_core.train.hull import strayed
 from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
@@ -60,7 +59,9 @@ def control_density(
     def plan(first: int, most: int) -> DensityRound:
         budget = schedule.budget(cycle, first, most)
         half_width = 0.5 * max(camera.width, camera.height)
-        return DensityRound(budget, config.clone_scale * schedule.extent, half_width, config, generator)
+        return DensityRound(
+            budget, config.clone_scale * schedule.extent, schedule.extent, half_width, config, generator
+        )
 
     seen = state.statistics
     if statics_learn and statics:
@@ -73,13 +74,13 @@ def control_density(
 
 
 def control_contributions(
-    state: TrainState, config: TrainConfig, views: TrainingViews, segment: CaptureSegment, statics_learn: bool
+    state: TrainState, schedule: Schedule, views: TrainingViews, segment: CaptureSegment, statics_learn: bool
 ) -> None:
-    """Remove the splats that no training view needs, and dynamic ones that have left the hull of what moves.
+    """Remove the splats that no training view needs, and dynamic ones that are fog or have left the hull of what moves.
 
     No view needs those whose largest weight T alpha in any pixel is too small.
     """
-    statics = len(state.static)
+    config, statics = schedule.config, len(state.static)
     peak = np.zeros(statics + len(state.dynamic), np.float32)
     moments_asked = min(_CONTRIBUTION_MOMENTS, -(-segment.frames // _CONTRIBUTION_FRAMES))
     for camera, moments in views.poses(moments_asked):
@@ -87,6 +88,7 @@ def control_contributions(
         for moment in moments:
             np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
     needed = peak >= config.prune_contribution
+    needed[statics:] &= ~is_fog(state.dynamic, schedule.extent, config).numpy()
     if views.masked:
         needed[statics:] &= ~strayed(state.dynamic, views.cameras, segment.frames, views.moving)
     if statics_learn:

@@ -20,10 +20,11 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["DensityRound", "joined", "peak_opacity", "refine"]
+__all__ = ["DensityRound", "is_fog", "joined", "peak_opacity", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
+_FOG = 0.3  # of the extent (3DGS removes any splat above 0.1; parts of what moves can be as large as that)
 _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 
@@ -33,6 +34,7 @@ class DensityRound:
 
     budget: int  # splats allowed afterwards
     split_scale: float  # world units; larger splats are split, smaller ones cloned
+    extent: float  # world units
     half_width: float  # pixels; half the image's longer side, turns gradients per pixel into gradients per half image
     config: TrainConfig
     generator: torch.Generator
@@ -51,7 +53,7 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
         The new set: survivors that were not split, in order, then clones, then the halves of split splats.
     """
     with torch.no_grad():
-        keep = peak_opacity(splats) >= plan.config.prune_opacity
+        keep = (peak_opacity(splats) >= plan.config.prune_opacity) & ~is_fog(splats, plan.extent, plan.config)
         pull = torch.from_numpy(statistics.grad_norm_sum / statistics.count.clip(1)) * plan.half_width
         pull = torch.where(keep, pull, torch.zeros_like(pull))
         room = max(0, plan.budget - int(keep.sum()))
@@ -83,6 +85,16 @@ def peak_opacity(splats: StaticSplats[Tensor] | DynamicSplats[Tensor]) -> Tensor
     for _, array in splats.items():
         finite &= torch.isfinite(array).flatten(1).all(1) if array.dim() > 1 else torch.isfinite(array)
     return torch.where(finite, peak, -torch.ones_like(peak))
+
+
+def is_fog(splats: StaticSplats[Tensor] | DynamicSplats[Tensor], extent: float, config: TrainConfig) -> Tensor:
+    """Return which splats [N] are dynamic and too large to be a thing that moves: one of them can veil every view.
+
+    Where all splats are dynamic, walls are too, and none is.
+    """
+    if isinstance(splats, StaticSplats) or config.labels == "dynamic":
+        return torch.zeros(len(splats), dtype=torch.bool)
+    return splats.log_scales.amax(1) > math.log(_FOG * extent)
 
 
 def _halved(logits: Tensor) -> Tensor:

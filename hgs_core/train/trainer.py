@@ -154,7 +154,7 @@ class Trainer:
         self._constrain()
         if self.schedule.prunes_after(cycle):
             with timed("pruning"), self._on(_HOST):
-                control_contributions(state, config, self.views, self.segment, self.statics_learn)
+                control_contributions(state, self.schedule, self.views, self.segment, self.statics_learn)
         if self.views.masked and self.schedule.births_after(cycle):
             with timed("births"), self._on(_HOST):
                 control_births(state, self.schedule, self.views, self.segment, cycle)

@@ -66,7 +66,7 @@ def test_splats_that_no_view_needs_are_removed_and_the_others_kept(
     hidden = static.take(slice(0, 5))
     behind = StaticSplats(hidden.means + 100, hidden.log_scales, hidden.quats, hidden.opacity_logits, hidden.rgb)
     state = state_of(joined(static, behind), dynamic)
-    control_contributions(state, CONFIG, views, segment, statics_learn=True)
+    control_contributions(state, schedule_of(), views, segment, statics_learn=True)
     assert len(static) * 0.9 < len(state.static) <= len(static)
     assert float(state.static.means.abs().max()) < 50
     assert len(state.dynamic) == len(dynamic)
@@ -78,7 +78,7 @@ def test_statics_that_do_not_learn_are_not_pruned(views: TrainingViews, segment:
     static, dynamic = synthetic_scene()
     far = StaticSplats(static.means + 100, static.log_scales, static.quats, static.opacity_logits, static.rgb)
     state = state_of(far, dynamic)
-    control_contributions(state, CONFIG, views, segment, statics_learn=False)
+    control_contributions(state, schedule_of(), views, segment, statics_learn=False)
     assert len(state.static) == len(far)
     check_consistent(state)
 

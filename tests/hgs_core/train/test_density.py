@@ -19,7 +19,7 @@ from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
 
 def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityRound:
-    return DensityRound(budget, split_scale, 1.0, TrainConfig(), torch.Generator().manual_seed(0))
+    return DensityRound(budget, split_scale, 100.0, 1.0, TrainConfig(), torch.Generator().manual_seed(0))
 
 
 def pulls(values: list[float]) -> ScreenStatistics:
@@ -39,6 +39,19 @@ def test_transparent_splats_are_pruned_and_moments_follow() -> None:
     result = refine(splats, adam, pulls([0, 0, 0, 0]), plan())
     torch.testing.assert_close(result.means, splats.means[[0, 2, 3]])
     assert adam.first.means[:, 0].tolist() == [0, 2, 3]
+
+
+def test_a_dynamic_splat_that_is_fog_is_pruned_unless_all_splats_are_dynamic() -> None:
+    splats = dataclasses.replace(dynamic_splats(3, dtype=torch.float32), opacity_logits=torch.zeros(3))
+    splats.log_scales[:] = math.log(0.01)
+    splats.log_scales[1, 2] = math.log(31.0)  # the extent is 100
+    splats.time_log_precisions[:] = 0.0
+    for labels, kept in (("auto", [0, 2]), ("dynamic", [0, 1, 2])):
+        config = dataclasses.replace(plan(), config=TrainConfig(labels=labels))
+        result = refine(splats, Adam.of(splats), pulls([0.0] * 3), config)
+        torch.testing.assert_close(result.motion, splats.motion[kept])
+    statics = dataclasses.replace(visible_statics(1), log_scales=torch.full((1, 3), math.log(31.0)))
+    assert len(refine(statics, Adam.of(statics), pulls([0.0]), plan())) == 1
 
 
 def test_a_small_pulled_splat_is_cloned_and_the_pair_covers_as_much() -> None:
