@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -20,7 +19,7 @@ from hgs_core.train.adam import Adam
 from hgs_core.train.births import Births, chosen_births, find_births, picture_error
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.density import DensityRound, is_fog, joined, refine
-from hgs_core.train.hull import strayed
+from hgs_core.train.hull import ever_inside, strayed
 from hgs_core.train.infill import find_infill
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.lives import haunting, trimmed
@@ -28,7 +27,7 @@ from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
 from hgs_core.train.residuals import temporal_residuals
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
-from hgs_core.train.training_views import TrainingView, TrainingViews
+from hgs_core.train.training_views import TrainingViews
 
 __all__ = ["control_births", "control_contributions", "control_density", "control_infill", "control_labels"]
 
@@ -161,26 +160,24 @@ def control_infill(
     state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
 
 
-def control_labels(
-    state: TrainState, schedule: Schedule, cameras: Sequence[Camera], samples: Iterable[Iterable[TrainingView]]
-) -> None:
+def control_labels(state: TrainState, schedule: Schedule, views: TrainingViews, cycle: int) -> None:
     """Make dynamic splats that stand still static, and statics under which the error varies with time dynamic.
 
-    Args:
-        state: changed; statistics of density control start anew.
-        schedule: its config's `still_pixels` and `restless_error` are the two thresholds.
-        cameras: of the training views.
-        samples: for a few cameras, views of several moments.
+    The config's `still_pixels` and `restless_error` are the two thresholds. Where it is known what moves, a static must
+    lie in the hull of it at a moment: the error under a false point in the air varies, too, with what passes behind it.
     """
     config = schedule.config
     restless = np.zeros(len(state.static), np.bool_)
     room = schedule.splat_budgets[1] - len(state.dynamic)
     if config.restless_error > 0 and room > 1 and len(state.static):
-        varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
+        varies = temporal_residuals(state.static, state.dynamic, views.samples(cycle), config, state.shown)
         most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)
         worst = np.argsort(-varies, kind="stable")[:most]
-        restless[worst] = varies[worst] > config.restless_error
-    still = standing_still(state.dynamic, cameras, config.still_pixels)
+        worst = worst[varies[worst] > config.restless_error]
+        if views.masked:
+            worst = worst[ever_inside(state.static.means.numpy()[worst], views.cameras, schedule.frames, views.moving)]
+        restless[worst] = True
+    still = standing_still(state.dynamic, views.cameras, config.still_pixels)
     to_static = as_statics(state.dynamic.take(_rows(still)))
     to_dynamic = as_dynamics(state.static.take(_rows(restless)), state.dynamic.motion.shape[1])
     state.static = _kept(state.static, state.static_adam, ~restless, to_static)

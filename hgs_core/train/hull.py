@@ -1,4 +1,4 @@
-"""Dynamic splats that have left what moves.
+"""The hull of what moves: what lies in it, and the dynamic splats that have left it.
 
 They start in the visual hull of the moving pixels, where most views see something move. Those that training has pushed
 out of it since, or whose motion carries them out, show nothing that moves: at best they repair what stands still, a few
@@ -15,14 +15,36 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.decompose.labels import label_points
+from hgs_core.decompose.temporal import sample_frames
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate
 
-__all__ = ["strayed"]
+__all__ = ["ever_inside", "strayed"]
 
 _INSIDE = 0.5  # mean share of the views that must see something move there
+_LOOKS = 16  # moments of the segment at which something still is looked for in the hull
 _BRIEF = 0.25  # normalised time to half the opacity; what lives longer may be a restless static, outside of masks
 _MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
+
+
+def ever_inside(
+    xyz: npt.NDArray[np.float32],
+    cameras: Sequence[Camera],
+    frames: int,
+    moving: Callable[[int], Sequence[npt.NDArray[np.bool_]]],
+) -> npt.NDArray[np.bool_]:
+    """Return [P] at which places [P, 3] half of the views see something move at one of a few moments.
+
+    Args:
+        xyz: the places.
+        cameras: whose masks `moving` gives.
+        frames: of the segment.
+        moving: gives the masks [H, W] of all cameras at a frame of the segment.
+    """
+    inside = np.zeros(len(xyz), np.bool_)
+    for frame in sample_frames(frames, _LOOKS):
+        inside |= label_points(cameras, moving(frame), xyz) >= _INSIDE
+    return inside
 
 
 def strayed(

@@ -169,7 +169,7 @@ class Trainer:
                     control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
         if self.statics_learn and self.schedule.relabels_after(cycle):
             with timed("labels"), self._on(_HOST):
-                control_labels(state, self.schedule, self.views.cameras, self.views.samples(cycle))
+                control_labels(state, self.schedule, self.views, cycle)
 
     def _learn(
         self,

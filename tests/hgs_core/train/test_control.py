@@ -101,7 +101,7 @@ def test_labels_move_splats_between_the_sets(views: TrainingViews) -> None:
     still.motion[0, 1:] = 0
     still.time_log_precisions[0] = -9.0
     state = state_of(static, still)
-    control_labels(state, schedule_of(), views.cameras, [])
+    control_labels(state, schedule_of(TrainConfig(max_dynamic=100, restless_error=0.0)), views, cycle=0)
     assert (len(state.static), len(state.dynamic)) == (len(static) + 1, len(dynamic) - 1)
     torch.testing.assert_close(state.static.means[-1], still.motion[0, 0])
     assert state.history.labels_changed == {"to_static": 1, "to_dynamic": 0}
@@ -112,7 +112,7 @@ def test_a_static_splat_in_the_way_of_motion_becomes_dynamic(capture: Capture, v
     static, dynamic = synthetic_scene()
     state = state_of(static, dynamic.take(slice(0, 0)))  # what moves is missing: statics must stand in
     schedule = schedule_of(TrainConfig(max_dynamic=100, restless_error=0.005))
-    control_labels(state, schedule, views.cameras, views.samples(0))
+    control_labels(state, schedule, views, cycle=0)
     changed = state.history.labels_changed["to_dynamic"]
     assert 0 < changed <= 0.02 * len(static)
     assert len(state.dynamic) == 2 * changed
