@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from hgs_core.scene.splats import DynamicSplats
-from hgs_core.train.hull import strayed
+from hgs_core.train.hull import ever_inside, strayed
 from tests.balls import BALL, CAMERAS, balls, truths
 
 FRAMES = 11
@@ -44,6 +44,21 @@ def test_what_flies_out_has_strayed() -> None:
 
 def test_what_lives_long_may_be_elsewhere() -> None:
     assert not splat(AWAY, log_precision=LONG)
+
+
+def test_a_place_is_inside_if_something_moves_there_at_one_of_the_moments() -> None:
+    moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in truths(balls(BALL))]
+    still = [np.zeros_like(mask) for mask in moving]
+    places = np.stack([BALL, AWAY]).astype(np.float32)
+    asked: list[int] = []
+
+    def late(frame: int) -> list[np.ndarray]:
+        asked.append(frame)
+        return moving if frame == FRAMES - 1 else still
+
+    assert ever_inside(places, CAMERAS, FRAMES, late).tolist() == [True, False]
+    assert asked == list(range(FRAMES))
+    assert not ever_inside(places, CAMERAS, FRAMES, lambda frame: still).any()
 
 
 def test_what_lives_outside_of_the_segment_is_not_looked_at() -> None:
