@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train"]
 
 _MIN_CAMERAS = 2
+_NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
 
 log = logging.getLogger(__name__)
 
@@ -147,9 +148,8 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)
     progress(Progress("encode", steps - 1, steps))
-    # Viewers get what a scene is, not what its maker's machine is.
-    training = json.loads(folder.train_summary.read_text())
-    training.pop("machine", None)
+    summary = json.loads(folder.train_summary.read_text())
+    training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=found.settings,
         thumbnail=picture, training=training, antialiased=antialiased,

@@ -202,8 +202,11 @@ def test_two_processes_never_work_on_one_run(tmp_path: Path) -> None:
         pass
 
 
-def test_the_machine_is_kept_beside_the_run_and_not_published(finished: Path) -> None:
-    recorded = json.loads((finished / "train.json").read_text())["machine"]
-    assert recorded["hgs"] == software_version()
-    assert recorded["cores"] >= 1
-    assert "machine" not in load_manifest(finished / "scene" / "manifest.json").training
+def test_machine_and_curves_are_kept_beside_the_run_and_not_published(finished: Path) -> None:
+    recorded = json.loads((finished / "train.json").read_text())
+    assert recorded["machine"]["hgs"] == software_version()
+    assert recorded["machine"]["cores"] >= 1
+    assert recorded["history"]["psnr"]
+    published = load_manifest(finished / "scene" / "manifest.json").training
+    assert not {"machine", "history", "profile"} & set(published)
+    assert published["cycles"] == recorded["cycles"]
