@@ -32,7 +32,6 @@ from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.colour_correction import ColourCorrection
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.views import training_cameras
 
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
 
@@ -164,10 +163,8 @@ def _opened(
         raise InputError(source, "is not trained yet", "finish it with hgs train")
     scene = load_scene(folder.trained)
     views = views_of_run(folder, spec, scene)
-    hidden = () if spec.without_capture else set(range(len(views.cameras))) - set(
-        training_cameras(spec.open_capture(), spec.config)
-    )  # fmt: skip
-    return scene, views, spec.config, colour_maps(folder), {i: views.cameras[i] for i in sorted(hidden)}
+    hidden = {i: camera for i, camera in enumerate(views.cameras) if i not in views.trained}
+    return scene, views, spec.config, colour_maps(folder), hidden
 
 
 def _decode_rates(folder: Path) -> dict[str, float]:

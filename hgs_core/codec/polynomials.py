@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
+
+from hgs_core.scene.motion import recentred
 
 __all__ = ["polynomial_fit", "powers"]
 
@@ -34,8 +34,4 @@ def polynomial_fit(offsets: Doubles, order: int, goal: Doubles, weights: Doubles
     matrix = weighted @ basis
     ridge = RIDGE * np.trace(matrix, axis1=1, axis2=2)[:, None, None] * np.eye(order + 1)
     near = np.linalg.solve(matrix + ridge, weighted @ goal) / unit[:, None, None] ** np.arange(order + 1)[:, None]
-    found = np.zeros_like(near)
-    for j in range(order + 1):
-        for k in range(j, order + 1):
-            found[:, j] += math.comb(k, j) * (-middle[:, None]) ** (k - j) * near[:, k]
-    return np.asarray(found)
+    return np.stack(recentred(near, -middle[:, None]), axis=1)

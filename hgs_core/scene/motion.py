@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, TypeVar
 
-__all__ = ["COEFFICIENTS", "coefficients_of_order", "position"]
+__all__ = ["COEFFICIENTS", "coefficients_of_order", "position", "recentred"]
 
 A = TypeVar("A")
 
@@ -36,3 +37,15 @@ def position(motion: A, offset: Any) -> A:
     for coefficient in reversed(lower):
         result = coefficient + offset * result
     return result  # type: ignore[no-any-return]
+
+
+def recentred(motion: A, by: Any) -> list[A]:
+    """Return the coefficients, K times [..., D], of the same path about a centre that is later by `by`.
+
+    Args:
+        motion: [..., K, D] coefficients, constant first.
+        by: a number, or an array that broadcasts with [..., D].
+    """
+    m: Any = motion
+    count = m.shape[-2]
+    return [sum(math.comb(j, k) * by ** (j - k) * m[..., j, :] for j in range(k, count)) for k in range(count)]

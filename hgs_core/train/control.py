@@ -58,9 +58,7 @@ def control_density(
     def plan(first: int, most: int) -> DensityRound:
         budget = schedule.budget(cycle, first, most)
         half_width = 0.5 * max(camera.width, camera.height)
-        return DensityRound(
-            budget, config.clone_scale * schedule.extent, schedule.extent, half_width, config, generator
-        )
+        return DensityRound(budget, schedule.extent, half_width, config, generator)
 
     seen = state.statistics
     if statics_learn and statics:

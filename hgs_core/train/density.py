@@ -33,11 +33,15 @@ class DensityRound:
     """What one round may do to one set of splats."""
 
     budget: int  # splats allowed afterwards
-    split_scale: float  # world units; larger splats are split, smaller ones cloned
     extent: float  # world units
     half_width: float  # pixels; half the image's longer side, turns gradients per pixel into gradients per half image
     config: TrainConfig
     generator: torch.Generator
+
+    @property
+    def split_scale(self) -> float:
+        """Return the standard deviation, world units, above which splats are split, and below which cloned."""
+        return self.config.clone_scale * self.extent
 
 
 def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityRound) -> S:

@@ -18,6 +18,7 @@ from torch import Tensor
 
 from hgs_core.camera import Camera
 from hgs_core.decompose.labels import label_points
+from hgs_core.scene.motion import recentred
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate
 
@@ -85,15 +86,9 @@ def trimmed(
 def _shifted(dynamic: DynamicSplats[Tensor], by: Tensor) -> DynamicSplats[Tensor]:
     """Return the same paths and turns around centres that are later by [M] normalised time."""
     motion, rotation, d = dynamic.motion.double(), dynamic.rotation.double(), by[:, None]
-    count = motion.shape[1]
-    moved = [
-        sum((math.comb(j, k) * d ** (j - k) * motion[:, j] for j in range(k, count)), torch.zeros_like(motion[:, 0]))
-        for k in range(count)
-    ]
-    turned = [rotation[:, 0] + d * rotation[:, 1], rotation[:, 1]]
     return dataclasses.replace(
         dynamic,
-        motion=torch.stack(moved, 1).float(),
-        rotation=torch.stack(turned, 1).float(),
+        motion=torch.stack(recentred(motion, d), 1).float(),
+        rotation=torch.stack(recentred(rotation, d), 1).float(),
         time_centers=(dynamic.time_centers.double() + by).float(),
     )

@@ -27,19 +27,7 @@ def adam_step(
     beta2: float,
     epsilon: float,
 ) -> None:
-    """Take one step of Adam with bias correction (Kingma and Ba 2015, algorithm 1), in place.
-
-    Args:
-        parameters: any shape, float32, contiguous; changed.
-        gradients: same shape.
-        first_moments: same shape, zero before the first step; changed.
-        second_moments: same shape, zero before the first step; changed.
-        learning_rate: step size.
-        step: number of this step, 1 for the first.
-        beta1: decay of the first moments.
-        beta2: decay of the second moments.
-        epsilon: added to the root of the corrected second moment.
-    """
+    """Take one step of Adam as `hgs_core.native.adam.adam_step` does, on float32 tensors of one CUDA device."""
     count = parameters.numel()
     rate, inverse_root = learning_rate / (1 - beta1**step), 1 / math.sqrt(1 - beta2**step)
     with launching_on(parameters.device):

@@ -13,6 +13,7 @@ from hgs_core.errors import InputError
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
 from tests.hgs_core.render.comparison import BACKENDS, every_backend
+from tests.hgs_core.render.dead_splats import check_the_dead_are_not_looked_at
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 STATIC = [field.name for field in dataclasses.fields(StaticSplats)]
@@ -90,19 +91,7 @@ def test_a_colour_beyond_the_limit_is_named(backend: str, value: float) -> None:
 def test_dead_splats_are_not_looked_at(backend: str) -> None:
     splats = dynamic_splats(40, dtype=torch.float32)
     splats.time_log_precisions[:] = 3
-    splats.time_centers[::2] = 9
-    for field in ("motion", "rotation", "log_scales", "rgb"):
-        getattr(splats, field)[::2] = math.nan
-    splats.rgb[::4] = 1e30
-    splats = splats.map(lambda array: array.requires_grad_())
-    render = BACKENDS[backend](None, splats, View(camera(), 0.4))
-    render.rgb.sum().backward()  # type: ignore[no-untyped-call]
-    assert torch.isfinite(render.rgb).all()
-    assert render.alpha.any()
-    for name, array in splats.items():
-        assert array.grad is not None, name
-        assert torch.isfinite(array.grad).all(), name
-        assert not array.grad[::2].any(), name
+    check_the_dead_are_not_looked_at(splats, lambda splats: BACKENDS[backend](None, splats, View(camera(), 0.4)))
 
 
 @pytest.mark.parametrize("time", [math.nan, math.inf])

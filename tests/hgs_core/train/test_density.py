@@ -17,9 +17,12 @@ from hgs_core.train.config import TrainConfig
 from hgs_core.train.density import DensityRound, refine
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
+EXTENT = 100.0
+
 
 def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityRound:
-    return DensityRound(budget, split_scale, 100.0, 1.0, TrainConfig(), torch.Generator().manual_seed(0))
+    config = TrainConfig(clone_scale=split_scale / EXTENT)
+    return DensityRound(budget, EXTENT, 1.0, config, torch.Generator().manual_seed(0))
 
 
 def pulls(values: list[float]) -> ScreenStatistics:
@@ -44,13 +47,13 @@ def test_transparent_splats_are_pruned_and_moments_follow() -> None:
 def test_a_dynamic_splat_that_is_fog_is_pruned_unless_all_splats_are_dynamic() -> None:
     splats = dataclasses.replace(dynamic_splats(3, dtype=torch.float32), opacity_logits=torch.zeros(3))
     splats.log_scales[:] = math.log(0.01)
-    splats.log_scales[1, 2] = math.log(31.0)  # the extent is 100
+    splats.log_scales[1, 2] = math.log(0.31 * EXTENT)
     splats.time_log_precisions[:] = 0.0
     for labels, kept in (("auto", [0, 2]), ("dynamic", [0, 1, 2])):
         config = dataclasses.replace(plan(), config=TrainConfig(labels=labels))
         result = refine(splats, Adam.of(splats), pulls([0.0] * 3), config)
         torch.testing.assert_close(result.motion, splats.motion[kept])
-    statics = dataclasses.replace(visible_statics(1), log_scales=torch.full((1, 3), math.log(31.0)))
+    statics = dataclasses.replace(visible_statics(1), log_scales=torch.full((1, 3), math.log(0.31 * EXTENT)))
     assert len(refine(statics, Adam.of(statics), pulls([0.0]), plan())) == 1
 
 

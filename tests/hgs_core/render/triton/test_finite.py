@@ -12,6 +12,7 @@ from hgs_core.errors import InputError
 from hgs_core.render.triton.rasterize import rasterize_triton
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from tests.hgs_core.render.dead_splats import check_the_dead_are_not_looked_at
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 VIEW = View(camera(16, 16), 0.4)
@@ -45,15 +46,4 @@ def test_a_dynamic_parameter_is_named(field: str) -> None:
 def test_dead_splats_are_not_looked_at() -> None:
     splats = living()
     splats.time_log_precisions[::2] = 3
-    splats.time_centers[::2] = 9
-    for field in ("motion", "rotation", "log_scales", "rgb"):
-        getattr(splats, field)[::2] = math.nan
-    splats = splats.map(lambda array: array.requires_grad_())
-    render = rasterize_triton(None, splats, VIEW)
-    render.rgb.sum().backward()  # type: ignore[no-untyped-call]
-    assert torch.isfinite(render.rgb).all()
-    assert render.alpha.any()
-    for name, array in splats.items():
-        assert array.grad is not None, name
-        assert torch.isfinite(array.grad).all(), name
-        assert not array.grad[::2].any(), name
+    check_the_dead_are_not_looked_at(splats, lambda splats: rasterize_triton(None, splats, VIEW))
