@@ -71,6 +71,10 @@ export const ATTRIBUTES: readonly Attribute[] = [
   attribute(24, "crackle", 3, TRANSFORM.delta, FIFTH),
 ];
 
+export function attributeOf(name: AttributeName): Attribute {
+  return ATTRIBUTES.find((attribute) => attribute.name === name) as Attribute;
+}
+
 /** Bytes per row of an attribute of `bits` before compression. */
 export function planesOf(attribute: Attribute, bits: number): number {
   return attribute.morton ? Math.ceil((3 * bits) / 8) : attribute.components * Math.ceil(bits / 8);

@@ -98,53 +98,59 @@ export function unpack(bytes: Uint8Array): Container {
 function readTable(bytes: Uint8Array, view: DataView, attributes: number): Stream[] {
   const limit = bytes.length - CHECKSUM;
   let at = TABLE;
-  const varint = (record: string): number => {
+  const varint = (attribute: number, field: "zero" | "length"): number => {
     let number = 0;
     for (let i = 0; i < VARINT_BYTES; i++) {
-      expect(at + i < limit, at, record, "cut off", `a whole number before byte ${limit}`);
+      if (at + i >= limit)
+        fail(at, `attribute ${attribute} ${field}`, "cut off", `a whole number before byte ${limit}`);
       const byte = bytes[at + i];
       number += (byte & 127) * 2 ** (7 * i);
       if (byte >= 128) continue;
-      expect(number < 2 ** 32, at, record, number, "below 2^32");
+      if (number >= 2 ** 32) fail(at, `attribute ${attribute} ${field}`, number, "below 2^32");
       at += i + 1;
       return number;
     }
-    throw new ChunkError(at, record, `longer than ${VARINT_BYTES} bytes`, "below 2^32");
+    return fail(at, `attribute ${attribute} ${field}`, `longer than ${VARINT_BYTES} bytes`, "below 2^32");
   };
   const entries: { stream: Stream; lengths: number[] }[] = [];
   for (let i = 0; i < attributes; i++) {
     const begin = at;
-    expect(at + ENTRY <= limit, at, `entry ${i}`, "cut off", `${ENTRY} bytes before byte ${limit}`);
+    if (at + ENTRY > limit) fail(at, `entry ${i}`, "cut off", `${ENTRY} bytes before byte ${limit}`);
     const [attribute, components, bits, transform, planes] = bytes.subarray(at, at + 5);
-    const record = `attribute ${attribute}`;
-    const repeated = entries.some(({ stream }) => stream.attribute === attribute);
-    expect(!repeated, at, record, "a repetition", "each attribute once");
+    if (entries.some(({ stream }) => stream.attribute === attribute))
+      fail(at, `attribute ${attribute}`, "a repetition", "each attribute once");
     const step = view.getFloat32(at + 5, true);
     at += ENTRY;
-    const zeros = Array.from({ length: components }, () => {
+    const zeros: number[] = [];
+    for (let c = 0; c < components; c++) {
       const where = at;
-      const coded = varint(`${record} zero`);
+      const coded = varint(attribute, "zero");
       const zero = coded % 2 === 0 ? coded / 2 : -(coded + 1) / 2;
-      expect(Math.abs(zero) <= MAX_ZERO, where, `${record} zero`, zero, `at most ${MAX_ZERO} from 0`);
-      return zero;
-    });
-    const lengths = Array.from({ length: planes }, () => varint(`${record} length`));
+      if (Math.abs(zero) > MAX_ZERO) fail(where, `attribute ${attribute} zero`, zero, `at most ${MAX_ZERO} from 0`);
+      zeros.push(zero);
+    }
+    const lengths: number[] = [];
+    for (let p = 0; p < planes; p++) lengths.push(varint(attribute, "length"));
     const grid = { bits, step, zeros };
     entries.push({ stream: { attribute, transform, components, grid, planes: [], at: begin }, lengths });
   }
   const streams = entries.map(({ stream, lengths }): Stream => {
     const planes = lengths.map((length): Plane => {
-      const record = `attribute ${stream.attribute} length`;
-      expect(length <= limit - at, stream.at, record, length, `at most ${limit - at}, what is left`);
+      if (length > limit - at)
+        fail(stream.at, `attribute ${stream.attribute} length`, length, `at most ${limit - at}, what is left`);
       at += length;
       return { data: bytes.subarray(at - length, at), at: at - length };
     });
     return { ...stream, planes };
   });
-  expect(at === limit, at, "end of the last stream", at, `${limit}, where the checksum begins`);
+  if (at !== limit) fail(at, "end of the last stream", at, `${limit}, where the checksum begins`);
   return streams;
 }
 
+function fail(byte: number, record: string, found: unknown, expected: unknown): never {
+  throw new ChunkError(byte, record, found, expected);
+}
+
 function expect(condition: boolean, byte: number, record: string, found: unknown, expected: unknown): void {
-  if (!condition) throw new ChunkError(byte, record, found, expected);
+  if (!condition) fail(byte, record, found, expected);
 }

@@ -1,24 +1,28 @@
-/** From codes to numbers, each operation rounded to binary32 where docs/format.md says so, else in binary64. */
+/** What is done to numbers after their codes; each result rounded to binary32, all before it in binary64. */
 
-import type { Grid } from "./container";
+/** Where the numbers of an attribute go: row i begins at `first` + i `stride`. */
+export interface Layout {
+  readonly values: Float32Array;
+  readonly first: number;
+  readonly stride: number;
+}
 
-/** Writes (code - zero) * step of one component to `values` from `offset`, `stride` apart. */
-export function dequantise(
-  codes: Uint8Array | Uint32Array,
-  grid: Grid,
-  component: number,
-  values: Float32Array,
-  offset: number,
-  stride: number,
+/** Writes rows of `components` numbers, 3 or 4, times the factor of the splat that each belongs to, to the rows of those splats. */
+export function scatter(
+  numbers: Float32Array,
+  components: number,
+  members: Uint32Array,
+  factors: Float64Array,
+  { values, first, stride }: Layout,
 ): void {
-  const { step, bits } = grid;
-  const zero = grid.zeros[component];
-  if (bits <= 8) {
-    const table = new Float32Array(256);
-    for (let code = 0; code < 256; code++) table[code] = (code - zero) * step;
-    for (let i = 0, at = offset; i < codes.length; i++, at += stride) values[at] = table[codes[i]];
-  } else {
-    for (let i = 0, at = offset; i < codes.length; i++, at += stride) values[at] = (codes[i] - zero) * step;
+  for (let row = 0, from = 0; row < members.length; row++, from += components) {
+    const splat = members[row];
+    const factor = factors[splat];
+    const at = first + splat * stride;
+    values[at] = numbers[from] * factor;
+    values[at + 1] = numbers[from + 1] * factor;
+    values[at + 2] = numbers[from + 2] * factor;
+    if (components > 3) values[at + 3] = numbers[from + 3] * factor;
   }
 }
 

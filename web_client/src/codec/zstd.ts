@@ -1,6 +1,11 @@
-/** One zstd frame at a time, through WebAssembly. */
+/** The zstd frames of an attribute, decompressed together through WebAssembly. */
 
 import { ZSTDDecoder } from "zstddec";
+
+const MAGIC = 0xfd2fb528;
+const LAST = 1; // bit of a block's header
+const RLE = 1; // types of blocks
+const RESERVED = 3;
 
 const decoder = new ZSTDDecoder();
 const ready = decoder.init();
@@ -10,24 +15,54 @@ export function zstdReady(): Promise<void> {
   return ready;
 }
 
-/** Returns the content of a frame, or undefined unless it is one frame whose header states exactly `length` bytes. */
-export function decompress(frame: Uint8Array, length: number): Uint8Array | undefined {
-  if (contentSize(frame) !== length) return undefined;
-  const raw = decoder.decode(frame, length);
+/**
+ * Returns the contents of frames, one after the other, or the place in the list of the first that is not one frame whose
+ * header states exactly `length` bytes and which holds them. The frames must follow each other in one buffer without
+ * gaps: a call costs about as much as decompressing a thousand bytes.
+ */
+export function decompress(frames: readonly Uint8Array[], length: number): Uint8Array | number {
+  // Every frame ends where the next one begins, so that zstd, which reads them as one input, meets the same frames.
+  let bytes = 0;
+  for (let i = 0; i < frames.length; i++) {
+    if (!isWhole(frames[i], length)) return firstDamaged(frames.slice(0, i), length) ?? i;
+    bytes += frames[i].length;
+  }
+  const raw = contentOf(new Uint8Array(frames[0].buffer, frames[0].byteOffset, bytes), frames.length * length);
+  return raw ?? firstDamaged(frames, length) ?? 0;
+}
+
+/** Place of the first of whole frames that zstd refuses. */
+function firstDamaged(frames: readonly Uint8Array[], length: number): number | undefined {
+  const place = frames.findIndex((frame) => !contentOf(frame, length));
+  return place < 0 ? undefined : place;
+}
+
+function contentOf(frames: Uint8Array, length: number): Uint8Array | undefined {
+  const raw = decoder.decode(frames, length);
   return raw.length === length ? raw : undefined;
 }
 
-/** Reads the content size from a frame header (RFC 8878, section 3.1.1); undefined if it is absent or damaged. */
-function contentSize(frame: Uint8Array): number | undefined {
-  const view = new DataView(frame.buffer, frame.byteOffset, frame.byteLength);
-  if (frame.length < 5 || view.getUint32(0, true) !== 0xfd2fb528) return undefined;
+/** Whether the bytes are one frame (RFC 8878, section 3.1.1) that states `length` and ends with the bytes; content unread. */
+function isWhole(frame: Uint8Array, length: number): boolean {
+  const size = frame.length;
+  if (size < 5 || (frame[0] | (frame[1] << 8) | (frame[2] << 16) | (frame[3] << 24)) >>> 0 !== MAGIC) return false;
   const descriptor = frame[4];
   const single = (descriptor >> 5) & 1;
-  const dictionary = [0, 1, 2, 4][descriptor & 3];
-  const at = 5 + (single ? 0 : 1) + dictionary;
-  const size = [single, 2, 4, 8][descriptor >> 6];
-  if (size === 0 || frame.length < at + size) return undefined;
-  if (size === 1) return frame[at];
-  if (size === 2) return view.getUint16(at, true) + 256;
-  return size === 4 ? view.getUint32(at, true) : Number(view.getBigUint64(at, true));
+  let at = 5 + (single ? 0 : 1) + [0, 1, 2, 4][descriptor & 3];
+  const width = [single, 2, 4, 8][descriptor >> 6]; // of the content size
+  if (width === 0 || size < at + width) return false;
+  let stated = width === 2 ? 256 : 0;
+  for (let i = 0; i < width; i++) stated += frame[at + i] * 2 ** (8 * i);
+  if (stated !== length) return false;
+  at += width;
+  let last = false;
+  while (!last) {
+    if (size < at + 3) return false;
+    const header = frame[at] | (frame[at + 1] << 8) | (frame[at + 2] << 16);
+    const type = (header >> 1) & 3;
+    if (type === RESERVED) return false;
+    last = (header & LAST) !== 0;
+    at += 3 + (type === RLE ? 1 : header >> 3);
+  }
+  return at + (descriptor & 4 ? 4 : 0) === size; // a checksum may follow
 }

@@ -1,0 +1,10 @@
+/** The worker of decode_in_browser.ts: fetches every chunk that it is told of, and reports the rates. */
+
+import { decodingRates } from "./rates";
+
+self.onmessage = async ({ data }: MessageEvent<{ files: string[]; repeats: number }>) => {
+  const chunks = await Promise.all(
+    data.files.map(async (file) => new Uint8Array(await (await fetch(`/chunks/${file}`)).arrayBuffer())),
+  );
+  await fetch("/rates", { method: "POST", body: await decodingRates(chunks, data.repeats) });
+};
