@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -185,7 +186,7 @@ def fit(
     if cycles < ROUNDS_OF_TUNING or views.capture is None:
         return coarsest(allowed, start)
     coarseness = coarsest(allowed / WON_BACK, 2 * start).settings.coarseness
-    tune = FineTune(scene, utility, views, config, correction)
+    tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), correction)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
     for done in range(ROUNDS_OF_TUNING):

@@ -55,7 +55,10 @@ class FineTune:
         config: TrainConfig,
         correction: ColourCorrection | None,
     ) -> None:
-        """Begin with a trained scene; `correction` holds the training cameras' colour maps, which stay as they are."""
+        """Begin with a trained scene, to be trained for the config's cycles in all.
+
+        `correction` holds the training cameras' colour maps, which stay as they are.
+        """
         assert views.capture is not None
         self.scene, self.utility = scene, utility
         self._views = views

@@ -83,7 +83,7 @@ class TrainConfig:
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)
     checkpoint_every: int = 500  # cycles
-    frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
+    frame_memory_mib: int = 4096  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
     budget: str = "default"  # of the encoded scene: one of `BUDGETS`
     learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)

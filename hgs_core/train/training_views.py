@@ -69,7 +69,9 @@ class TrainingViews:
         frame_bytes = max(3 * camera.width * camera.height for camera in self.cameras)
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
         memory = (config.frame_memory_mib << 20) * 4 // 5
-        self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.seed)
+        self.order = ViewSchedule.fitting(
+            self._training, segment.frames, frame_bytes, memory, config.cycles, config.seed
+        )
 
     @property
     def masked(self) -> bool:

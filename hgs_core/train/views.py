@@ -16,7 +16,7 @@ __all__ = ["ViewSchedule", "training_cameras"]
 _SAMPLE_CAMERAS = 5
 _SAMPLE_FRAMES = 8
 _INFILL_FRAMES = 3
-_VISITS = 2  # passes over the frames of a block before the next block is loaded
+_PASSES = 20  # over all blocks in one training: what waits for its block's next turn drifts meanwhile
 
 
 def training_cameras(capture: Capture, config: TrainConfig) -> tuple[int, ...]:
@@ -34,21 +34,26 @@ class ViewSchedule:
     """Random views, drawn so that the frames in use fit in memory.
 
     When all frames of the training cameras fit, every cycle draws a camera and a frame at random. Otherwise the
-    capture is cut into blocks of consecutive frames that fit (all cameras of a block together), blocks are visited in
-    a random order that changes with every pass, and cycles draw within the current block: a long video is decoded
-    forwards, block by block, instead of being sought all over.
+    capture is cut into blocks of consecutive frames that fit, as long as each other (all cameras of a block together).
+    Blocks are visited in a random order that changes with every pass, and cycles draw within the current block: a long
+    video is decoded forwards, block by block, instead of being sought all over. Stays are short: while one block is
+    looked at, nothing holds splats in place that others need.
     """
 
     cameras: tuple[int, ...]  # indices into the capture's cameras
     frames: int
-    block: int  # frames of all cameras that fit in memory at once
+    blocks: int  # that the frames are cut into
+    stay: int  # cycles for which a block is drawn from
     seed: int
 
     @staticmethod
-    def fitting(cameras: tuple[int, ...], frames: int, frame_bytes: int, memory: int, seed: int) -> ViewSchedule:
-        """Choose the block for frames of `frame_bytes` each and `memory` bytes of cache."""
-        block = max(1, min(frames, memory // max(1, frame_bytes * len(cameras))))
-        return ViewSchedule(cameras, frames, int(block), seed)
+    def fitting(
+        cameras: tuple[int, ...], frames: int, frame_bytes: int, memory: int, cycles: int, seed: int
+    ) -> ViewSchedule:
+        """Choose blocks for frames of `frame_bytes` each and `memory` bytes of cache, in a training of `cycles`."""
+        fit = max(1, min(frames, memory // max(1, frame_bytes * len(cameras))))
+        blocks = -(-frames // fit)
+        return ViewSchedule(cameras, frames, blocks, max(1, cycles // (blocks * _PASSES)), seed)
 
     def view(self, cycle: int) -> tuple[int, int]:
         """Return (camera, frame) of a cycle."""
@@ -72,10 +77,6 @@ class ViewSchedule:
             yield camera, [int(frame) for frame in random.integers(first, last, _INFILL_FRAMES)]
 
     def _block(self, cycle: int) -> tuple[int, int]:
-        if self.block >= self.frames:
-            return 0, self.frames
-        blocks = -(-self.frames // self.block)
-        stay = self.block * len(self.cameras) * _VISITS
-        turn, place = divmod(cycle // stay, blocks)
-        first = int(np.random.default_rng((self.seed, 2, turn)).permutation(blocks)[place]) * self.block
-        return first, min(first + self.block, self.frames)
+        turn, place = divmod(cycle // self.stay, self.blocks)
+        block = int(np.random.default_rng((self.seed, 2, turn)).permutation(self.blocks)[place])
+        return self.frames * block // self.blocks, self.frames * (block + 1) // self.blocks

@@ -229,7 +229,7 @@ def test_colours_out_of_range_do_not_spoil_the_optimiser(capture: Capture, tmp_p
 
 @pytest.mark.slow
 @hard_scenes
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=50, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_training_from_any_hard_scene_is_stable(
     capture: Capture, tmp_path: Path, random: int, kinds: list[str], motions: list[str]
 ) -> None:
