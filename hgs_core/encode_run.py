@@ -1,4 +1,4 @@
-"""How finely a trained scene is encoded: what every splat does to the training views, and the budget in decibels."""
+"""How finely a trained scene is encoded: the coarsest settings with which the training views keep the budget."""
 
 from __future__ import annotations
 
@@ -18,21 +18,17 @@ from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.weights import Utility
 from hgs_core.encode_views import EncodeViews
 from hgs_core.fine_tune import FineTune
-from hgs_core.render.contribution import contributions
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.scene.splats import HybridScene
-from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import BUDGETS, TrainConfig
 
-__all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit", "measure_utility"]
+__all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit"]
 
-CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
-STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 VIEWS = 12  # in which the loss is measured
 ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
-WON_BACK = 1 / 3  # what is left of a loss after training further, about
+LEFT = 0.5  # of a loss after training further, about
 ROUNDS_OF_TUNING = 3  # each with the coarseness that the loss after the one before suggests
 LARGEST_CHANGE = 1.4  # factor from one to the next
 FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
@@ -49,48 +45,6 @@ Doubles = NDArray[np.float64]
 def fine_tune_cycles(config: TrainConfig) -> int:
     """Return for how many cycles a scene is trained further before it is encoded, if nobody says otherwise."""
     return round(config.cycles * FINE_TUNE_SHARE)
-
-
-def measure_utility(
-    scene: HybridScene[Floats], cameras: Sequence[Camera], times: Doubles, *, antialiased: bool
-) -> Utility:
-    """Weigh every splat in every frame, from some of `cameras` in turn; `times` [F] are the frames' seconds.
-
-    The sum of squares of a splat's weights in a view is taken to be half its total times its peak, as it is for a
-    Gaussian of which everything before it lets through the same share. Whole pictures are drawn for the static splats;
-    for the others the tiles that they touch do.
-    """
-    tensors = scene.map(torch.from_numpy)
-    static = np.zeros(len(scene.static))
-    dynamic = [np.zeros(len(segment.dynamic)) for segment in scene.segments]
-    count = min(max(CAMERAS_PER_FRAME, -(-STATIC_VIEWS // len(times))), len(cameras))
-    step = max(1, len(cameras) // count)
-    every = max(1, count * len(times) // STATIC_VIEWS)
-    whole = 0
-    with one_torch_thread():
-        for frame, seconds in enumerate(times):
-            segment = tensors.segment_at(float(seconds))
-            number = next(i for i, other in enumerate(tensors.segments) if other is segment)
-            moment = segment.normalised(float(seconds))
-            for i in range(count):
-                camera = cameras[(frame + i * step) % len(cameras)]
-                # The view of a frame that is drawn whole changes from frame to frame, and with it the camera.
-                all_tiles = (frame * count + (i + frame // max(1, every // count)) % count) % every == 0
-                tiles = None
-                if not all_tiles:
-                    tiles = tiles_of_dynamic(segment.dynamic, camera, moment, antialiased=antialiased)
-                if tiles is not None and not tiles.any():
-                    continue
-                seen = contributions(
-                    tensors.static, segment.dynamic, camera, moment, antialiased=antialiased, tile_mask=tiles
-                )
-                squares = seen.total.astype(np.float64) * seen.peak / 2
-                if all_tiles:
-                    static += squares[: len(static)]
-                    whole += 1
-                dynamic[number] += squares[len(static) :]
-    views = count * len(times)
-    return Utility(static / max(1, whole), tuple(squares / views for squares in dynamic))
 
 
 class Loss:
@@ -157,7 +111,7 @@ def fit(
     config: TrainConfig,
     *,
     cycles: int = 0,
-    correction: ColourCorrection | None = None,
+    states: Sequence[TrainState] = (),
     trained: Callable[[int], None] = lambda done: None,
 ) -> Fitted:
     """Find the coarsest settings with which the training views lose no more than the budget.
@@ -185,8 +139,9 @@ def fit(
     start = 0.4 * math.sqrt(allowed / 0.1)
     if cycles < ROUNDS_OF_TUNING or views.capture is None:
         return coarsest(allowed, start)
-    coarseness = coarsest(allowed / WON_BACK, 2 * start).settings.coarseness
-    tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), correction)
+    change = math.sqrt(allowed / LEFT / max(lost(scene, utility, EncodeSettings(coarseness=start)), 1e-3 * allowed))
+    coarseness = _within(start * min(max(change, 1 / FARTHEST), FARTHEST))
+    tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
     for done in range(ROUNDS_OF_TUNING):
@@ -197,10 +152,14 @@ def fit(
         decibels = lost(tune.scene, tune.utility, settings) - min(0.0, loss.of(tune.scene))
         if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
             best = Fitted(tune.scene, tune.utility, settings, decibels)
-        change = math.sqrt(NEAR_ENOUGH * allowed / max(decibels, 1e-3 * allowed))
-        coarseness *= min(max(change, 1 / LARGEST_CHANGE), LARGEST_CHANGE)
-        coarseness = min(max(coarseness, COARSENESS[0]), COARSENESS[1])
+        aim = allowed if decibels <= allowed else NEAR_ENOUGH * allowed
+        change = math.sqrt(aim / max(decibels, 1e-3 * allowed))
+        coarseness = _within(coarseness * min(max(change, 1 / LARGEST_CHANGE), LARGEST_CHANGE))
     return best or coarsest(allowed, start)
+
+
+def _within(coarseness: float) -> float:
+    return min(max(coarseness, COARSENESS[0]), COARSENESS[1])
 
 
 def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> tuple[float, float]:
@@ -210,7 +169,7 @@ def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> t
     """
     tried: list[tuple[float, float]] = []  # ln of coarseness and of loss, the latest first
     fitting, loses = COARSENESS[0], math.nan
-    coarseness = min(max(start, COARSENESS[0]), COARSENESS[1])
+    coarseness = _within(start)
     for _ in range(ROUNDS):
         decibels = lost(coarseness)
         tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-3 * allowed))))
@@ -228,5 +187,5 @@ def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> t
             x2, y2 = nearest[1]
             slope = min(max((y2 - y) / (x2 - x), 0.5), 6.0)
         step = min(max((goal - y) / slope, -math.log(FARTHEST)), math.log(FARTHEST))
-        coarseness = min(max(math.exp(x + step), COARSENESS[0]), COARSENESS[1])
+        coarseness = _within(math.exp(x + step))
     return fitting, lost(fitting) if math.isnan(loses) else loses

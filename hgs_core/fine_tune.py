@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -26,8 +26,7 @@ from hgs_core.render.threads import one_torch_thread
 from hgs_core.run_folder import RunFolder
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.adam import Adam
-from hgs_core.train.checkpoint import load_state
-from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.checkpoint import TrainState, load_state
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import scene_extent
 from hgs_core.train.schedule import Schedule
@@ -35,10 +34,10 @@ from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.step import take_step
 from hgs_core.train.training_views import TrainingViews
 
-__all__ = ["FineTune", "colour_maps"]
+__all__ = ["FineTune", "training_states"]
 
 BLOCK = 50  # cycles for which the offset is held
-SHARE = 0.15  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
+SHARE = 0.05  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
 
 Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
@@ -53,11 +52,13 @@ class FineTune:
         utility: Utility,
         views: EncodeViews,
         config: TrainConfig,
-        correction: ColourCorrection | None,
+        states: Sequence[TrainState],
     ) -> None:
-        """Begin with a trained scene, to be trained for the config's cycles in all.
+        """Begin with a trained scene and the states in which its segments' trainings ended, if they are known.
 
-        `correction` holds the training cameras' colour maps, which stay as they are.
+        It will be trained for the config's cycles in all; the training cameras' colour maps stay as they are. Adam goes
+        on from its moments: without them its first steps are as large for numbers that nothing pulls at as for others,
+        and undo more than a few hundred cycles make good.
         """
         assert views.capture is not None
         self.scene, self.utility = scene, utility
@@ -65,7 +66,7 @@ class FineTune:
         # Of the step sizes those are wanted that positions have at the end of training, and others at its beginning.
         rates = dataclasses.replace(config.learning_rates, position=config.learning_rates.position_final)
         self._config = dataclasses.replace(config, stages="together", learning_rates=rates)
-        self._correction = correction
+        self._correction = states[0].correction if states else None
         self._device = training_device(config.backend)
         self._segments = cut_into_segments(views.capture.times, config.segment_frames)
         self._training = [
@@ -74,10 +75,12 @@ class FineTune:
         ]
         extent = scene_extent(np.array([camera.position for camera in views.trained.values()]))
         self._schedules = [Schedule(self._config, extent, segment.frames) for segment in self._segments]
-        self._static: Adam[StaticSplats[Tensor]] = Adam.of(scene.static.map(self._tensor))
-        self._dynamic: list[Adam[DynamicSplats[Tensor]]] = [
+        static = states[0].static_adam if states else Adam.of(scene.static.map(self._tensor))
+        dynamic = [state.dynamic_adam for state in states] or [
             Adam.of(segment.dynamic.map(self._tensor)) for segment in scene.segments
         ]
+        self._static: Adam[StaticSplats[Tensor]] = static.to(self._device)
+        self._dynamic: list[Adam[DynamicSplats[Tensor]]] = [adam.to(self._device) for adam in dynamic]
 
     def run(self, settings: EncodeSettings, cycles: range, trained: Callable[[int], None]) -> None:
         """Train for some cycles against the scene as `settings` code it; what they drop is gone.
@@ -105,8 +108,8 @@ class FineTune:
         for adam, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
             adam.select(torch.from_numpy(rows).to(self._device), 0)
         self.utility = Utility(
-            self.utility.static[coded.static_rows],
-            tuple(of[rows] for of, rows in zip(self.utility.dynamic, coded.dynamic_rows, strict=True)),
+            self.utility.static.take(coded.static_rows),
+            tuple(of.take(rows) for of, rows in zip(self.utility.dynamic, coded.dynamic_rows, strict=True)),
         )
         return coded
 
@@ -132,12 +135,16 @@ class FineTune:
         return torch.from_numpy(array.copy()).to(self._device)
 
 
-def colour_maps(run: RunFolder) -> ColourCorrection | None:
-    """Return the colour maps of a run's training cameras; None if its training learned none or left no state."""
+def training_states(run: RunFolder, scene: HybridScene[Floats]) -> tuple[TrainState, ...]:
+    """Return the states in which the trainings of a run's segments ended; none if one of them left none of `scene`."""
     try:
-        return load_state(run.checkpoint(0)).correction
+        states = tuple(load_state(run.checkpoint(number)) for number in range(len(scene.segments)))
     except (FileNotFoundError, InputError):  # of a run without one, or of an older version: it is trained already
-        return None
+        return ()
+    fits = len(states[0].static) == len(scene.static) and all(
+        len(state.dynamic) == len(segment.dynamic) for state, segment in zip(states, scene.segments, strict=True)
+    )
+    return states if fits else ()
 
 
 def _scaled(rates: dict[str, float | Tensor], share: float) -> dict[str, float | Tensor]:

@@ -125,9 +125,10 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         InputError: the run is not trained yet, or its capture is gone or has changed.
     """
     from hgs_core.codec import encode_scene
-    from hgs_core.encode_run import fine_tune_cycles, fit, measure_utility
+    from hgs_core.encode_run import fine_tune_cycles, fit
     from hgs_core.encode_views import views_of_run
-    from hgs_core.fine_tune import colour_maps
+    from hgs_core.fine_tune import training_states
+    from hgs_core.measure_utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.scene.files import load_scene
 
@@ -143,7 +144,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     progress(Progress("encode", 1, steps))
     found = fit(
         scene, views, utility, budget or spec.config.budget, spec.config, cycles=cycles,
-        correction=colour_maps(folder), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
+        states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )  # fmt: skip
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)

@@ -18,19 +18,20 @@ from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.attributes import Kind
 from hgs_core.codec.folder import CHUNKS
-from hgs_core.encode_run import Fitted, Loss, fine_tune_cycles, fit, measure_utility
+from hgs_core.encode_run import Fitted, Loss, fine_tune_cycles, fit
 from hgs_core.encode_views import EncodeViews, views_around, views_of_run
 from hgs_core.errors import InputError
-from hgs_core.fine_tune import colour_maps
+from hgs_core.fine_tune import training_states
 from hgs_core.interchange.formats import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
 from hgs_core.machine import machine_facts
+from hgs_core.measure_utility import measure_utility
 from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.run_folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
-from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
@@ -86,7 +87,7 @@ def bench_codec(
     Raises:
         InputError: the source is neither, or damaged; of a run also if its capture is gone.
     """
-    scene, views, config, correction, held_out = _opened(source)
+    scene, views, config, states, held_out = _opened(source)
     antialiased = config.antialiased
     steps, done = 2 + len(budgets) + len(sweep), 0
 
@@ -104,7 +105,7 @@ def bench_codec(
     chosen = []
     for name in budgets:
         began = time.process_time()
-        found = fit(scene, views, utility, name, config, cycles=cycles, correction=correction)
+        found = fit(scene, views, utility, name, config, cycles=cycles, states=states)
         chosen.append((name, found, time.process_time() - began))
     plain = [("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), 0.0), 0.0) for coarseness in sweep]
     rates: dict[str, float] = {}
@@ -151,12 +152,12 @@ def bench_codec(
 
 def _opened(
     source: Path,
-) -> tuple[HybridScene[Floats], EncodeViews, TrainConfig, ColourCorrection | None, dict[int, Any]]:
-    """Return the scene, its views, its config, its cameras' colour maps, and the cameras held out, by index."""
+) -> tuple[HybridScene[Floats], EncodeViews, TrainConfig, Sequence[TrainState], dict[int, Any]]:
+    """Return the scene, its views, its config, the states its training ended in, and the cameras held out, by index."""
     if source.is_file():
         imported = import_scene(source, 50 / 30)
         config = TrainConfig(antialiased=imported.antialiased)
-        return imported.scene, views_around(imported.scene, source.stem), config, None, {}
+        return imported.scene, views_around(imported.scene, source.stem), config, (), {}
     folder = RunFolder(source)
     spec = folder.read_spec()
     if not folder.trained.is_file():
@@ -164,7 +165,7 @@ def _opened(
     scene = load_scene(folder.trained)
     views = views_of_run(folder, spec, scene)
     hidden = {i: camera for i, camera in enumerate(views.cameras) if i not in views.trained}
-    return scene, views, spec.config, colour_maps(folder), hidden
+    return scene, views, spec.config, training_states(folder, scene), hidden
 
 
 def _decode_rates(folder: Path) -> dict[str, float]:

@@ -6,7 +6,7 @@ from hgs_core.codec.errors import ChunkError
 from hgs_core.codec.folder import decode_scene, load_manifest, read_chunk
 from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry, Totals
 from hgs_core.codec.settings import EncodeSettings
-from hgs_core.codec.weights import Utility
+from hgs_core.codec.weights import SetUtility, Utility
 
 __all__ = [
     "ChunkEntry",
@@ -15,6 +15,7 @@ __all__ = [
     "EncodeSettings",
     "Manifest",
     "SegmentEntry",
+    "SetUtility",
     "SliceEntry",
     "Totals",
     "Utility",

@@ -25,7 +25,7 @@ from hgs_core.codec.prepare import prepare_dynamic, prepare_static
 from hgs_core.codec.settings import EncodeSettings
 from hgs_core.codec.shown import Shown, frame_interval, shown_segments
 from hgs_core.codec.viewpoint import find_viewpoint
-from hgs_core.codec.weights import Utility
+from hgs_core.codec.weights import SetUtility, Utility
 from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
@@ -125,7 +125,7 @@ def _static_chunks(
 def _segment_chunks(
     shown: Shown,
     cameras: Sequence[Camera],
-    utility: NDArray[np.float64] | None,
+    utility: SetUtility | None,
     settings: EncodeSettings,
     index: int,
     antialiased: bool,

@@ -15,7 +15,7 @@ from hgs_core.codec.antialiasing import strength_weights
 from hgs_core.codec.attributes import MOTION_ORDERS
 from hgs_core.codec.rotations import canonical, product
 from hgs_core.codec.settings import EncodeSettings
-from hgs_core.codec.weights import estimated_utility, pixels_per_unit
+from hgs_core.codec.weights import SetUtility, estimated_utility, pixels_per_unit
 from hgs_core.errors import InputError
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
@@ -64,12 +64,12 @@ class Prepared:
 def prepare_static(
     splats: StaticSplats[NDArray[np.floating[Any]]],
     cameras: Sequence[Camera],
-    utility: Doubles | None,
+    utility: SetUtility | None,
     settings: EncodeSettings,
     *,
     antialiased: bool = False,
 ) -> Prepared:
-    """Drop splats that show too little, name the axes canonically, limit scales; guess `utility` [N] if it is None.
+    """Drop splats that show too little, name the axes canonically, limit scales; guess utilities if `utility` is None.
 
     Raises:
         InputError: a number that is not finite or too large; names the splat and the field.
@@ -82,7 +82,7 @@ def prepare_static(
     turn, values["log_scale"] = canonical(quats, values["log_scale"])
     quats = product(quats, turn)
     values["rotation"] = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
-    return _weighed(values, values["position"], cameras, utility, 1.0, settings, antialiased)
+    return _weighed(values, values["position"], cameras, utility, 1.0, settings.prune, settings, antialiased)
 
 
 def prepare_dynamic(
@@ -90,7 +90,7 @@ def prepare_dynamic(
     shown_until: float,
     frame: float,
     cameras: Sequence[Camera],
-    utility: Doubles | None,
+    utility: SetUtility | None,
     settings: EncodeSettings,
     *,
     antialiased: bool = False,
@@ -133,28 +133,30 @@ def prepare_dynamic(
     midway = ((start + end) / 2)[:, None] - values["time_center"]
     halfway = place(motion[alive], midway)
     share = (end - start) / max(shown_until, 1e-9) / 3  # it is brightest for about a third of its life
-    known = None if utility is None else utility[alive]
-    return _weighed(values, halfway, cameras, known, share, settings, antialiased)
+    known = None if utility is None else utility.take(alive)
+    return _weighed(values, halfway, cameras, known, share, settings.prune_dynamic, settings, antialiased)
 
 
 def _weighed(
     values: dict[str, Doubles],
     points: Doubles,
     cameras: Sequence[Camera],
-    utility: Doubles | None,
+    utility: SetUtility | None,
     shown: Doubles | float,
+    prune: float,
     settings: EncodeSettings,
     antialiased: bool,
 ) -> Prepared:
     """Add utility, scale and what antialiasing makes of shapes, and drop what shows too little."""
     opacity = values["opacity"][:, 0]
     scale = pixels_per_unit(points, cameras) if len(points) else np.zeros(0)
+    kept = opacity >= NEGLIGIBLE_OPACITY
     if utility is None:
-        utility = estimated_utility(values["log_scale"], opacity, scale, shown)
-        kept = opacity >= NEGLIGIBLE_OPACITY
+        known = estimated_utility(values["log_scale"], opacity, scale, shown)
     else:
-        kept = (opacity >= NEGLIGIBLE_OPACITY) & (utility >= settings.prune * settings.coarseness**2)
-    values["utility"] = np.maximum(utility, LEAST_UTILITY)[:, None]
+        known = utility.shown
+        kept &= utility.missed >= prune * settings.coarseness**2
+    values["utility"] = np.maximum(known, LEAST_UTILITY)[:, None]
     values["scale"] = scale[:, None]
     values = {name: array[kept] for name, array in values.items()}
     none = np.zeros_like(values["log_scale"])

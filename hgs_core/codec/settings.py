@@ -31,7 +31,8 @@ class EncodeSettings:
     largest_rotation_step: float = 0.15
     largest_opacity_step: float = 0.06  # of the number stored
     largest_rgb_step: float = 0.2
-    prune: float = 0.004  # splats of less utility than this times coarseness squared are dropped
+    prune: float = 0.0004  # static splats that would be missed less than this times coarseness squared are dropped
+    prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
     shortest_life: float = 0.05  # in frames: half the life of the briefest splat
     slice_seconds: float = 0.5
     static_chunk_splats: int = 8192  # at most
@@ -50,7 +51,7 @@ class EncodeSettings:
             if field.type == "int":
                 if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                     raise InputError(f"encode.{field.name}", f"{value!r} is not a whole number of at least 1")
-            elif not (math.isfinite(value) and (1e-9 <= value <= 1e9 or (value == 0 and field.name == "prune"))):
+            elif not (math.isfinite(value) and (1e-9 <= value <= 1e9 or (value == 0 and "prune" in field.name))):
                 raise InputError(f"encode.{field.name}", f"{value!r} is out of range", "give a number from 1e-9 to 1e9")
         if self.compression_level > 22:
             raise InputError("encode.compression_level", f"{self.compression_level} is too large", "give 1 to 22")

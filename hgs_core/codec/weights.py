@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.camera import Camera
 
-__all__ = ["GRADES", "Utility", "estimated_utility", "grades", "pixels_per_unit"]
+__all__ = ["GRADES", "SetUtility", "Utility", "estimated_utility", "grades", "pixels_per_unit"]
 
 GRADES = (-4, 3)  # smallest and largest; a grade is a factor of 2 in the width of steps
 LOW_PASS = 0.3  # pixels squared that rendering adds to a splat's variance (docs/numerics.md, "Projection")
@@ -20,14 +21,27 @@ Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Utility:
-    """What every splat does to the capture's pictures: the mean over the views of sum_pixels (T alpha)^2, pixels.
+class SetUtility:
+    """What each splat of a set does to the capture's pictures, means over the views.
 
-    It is what the squared error of the picture grows by for a unit error of the splat's colour (a channel).
+    `shown` is what the squared error of the picture grows by for a unit error of the splat's colour (a channel),
+    `missed` what it grows by (all three channels) if this splat alone is left out and what lies behind it shows.
     """
 
-    static: Doubles  # [N]
-    dynamic: tuple[Doubles, ...]  # [M] for each segment, over all views of the whole scene
+    shown: Doubles  # [N] sum_pixels (T alpha)^2, pixels
+    missed: Doubles  # [N] sum_pixels |T alpha (colour - colour behind)|^2
+
+    def take(self, index: NDArray[Any]) -> SetUtility:
+        """Return the utility of the splats that `index` selects."""
+        return SetUtility(self.shown[index], self.missed[index])
+
+
+@dataclass(frozen=True)
+class Utility:
+    """What the splats of a scene do to the capture's pictures."""
+
+    static: SetUtility
+    dynamic: tuple[SetUtility, ...]  # for each segment, over all views of the whole scene
 
 
 def pixels_per_unit(points: Doubles, cameras: Sequence[Camera]) -> Doubles:

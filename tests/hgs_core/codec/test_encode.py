@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hgs_core.camera import Camera
-from hgs_core.codec import EncodeSettings, Utility, decode_scene, encode_scene, load_manifest, read_chunk
+from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, encode_scene, load_manifest, read_chunk
 from hgs_core.codec.attributes import Kind
 from hgs_core.codec.rotations import shape_error
 from hgs_core.errors import InputError
@@ -65,7 +65,9 @@ def nearest(places: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def important(given: HybridScene) -> Utility:
     """So much utility that colours tell splats apart after they have been sorted."""
-    return Utility(np.full(len(given.static), 64.0), tuple(np.full(len(s.dynamic), 64.0) for s in given.segments))
+    sets = (given.static, *(segment.dynamic for segment in given.segments))
+    static, *dynamic = (SetUtility(np.full(len(splats), 64.0), np.full(len(splats), 64.0)) for splats in sets)
+    return Utility(static, tuple(dynamic))
 
 
 def chunks_of(folder: Path):
@@ -415,6 +417,7 @@ def test_no_cameras_are_refused(tmp_path: Path) -> None:
         {"position_step": 0.0},
         {"rgb_step": np.nan},
         {"prune": -1.0},
+        {"prune_dynamic": -1.0},
         {"static_chunk_splats": 0},
         {"compression_level": 23},
     ],

@@ -5,12 +5,16 @@ from pathlib import Path
 import numpy as np
 
 from hgs_core.camera import Camera
-from hgs_core.codec import EncodeSettings, Utility, decode_scene, encode_scene
+from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, encode_scene
 from hgs_core.codec.preview import quantised_scene
 from hgs_core.scene import HybridScene, Segment
 from tests.hgs_core.codec.test_encode import dynamics, statics
 
 TIMES = np.arange(60) / 30
+
+
+def measured(rng: np.random.Generator, count: int) -> SetUtility:
+    return SetUtility(rng.lognormal(0, 2, count), rng.lognormal(-4, 2, count))
 
 
 def rows(splats: object) -> np.ndarray:
@@ -24,7 +28,7 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
         statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)), Segment(1.0, 59 / 30, dynamics(200, 2)))
     )
     rng = np.random.default_rng(0)
-    utility = Utility(rng.lognormal(0, 2, 300), tuple(rng.lognormal(0, 2, 200) for _ in range(2)))
+    utility = Utility(measured(rng, 300), tuple(measured(rng, 200) for _ in range(2)))
     settings = EncodeSettings(static_chunk_splats=100, small_chunk_splats=20)
     encode_scene(
         given, tmp_path, cameras=cameras, times=TIMES, title="", settings=settings, utility=utility, antialiased=True
@@ -41,7 +45,7 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
 def test_the_splats_before_quantisation_are_those_given_in_the_order_of_the_decoded(cameras: list[Camera]) -> None:
     given = HybridScene(statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)),))
     rng = np.random.default_rng(0)
-    utility = Utility(rng.lognormal(0, 2, 300), (rng.lognormal(0, 2, 200),))
+    utility = Utility(measured(rng, 300), (measured(rng, 200),))
     settings = EncodeSettings(coarseness=0.01, static_chunk_splats=100, small_chunk_splats=20)
     found = quantised_scene(given, cameras, TIMES, utility, settings, antialiased=True)
     assert sorted(set(found.static_rows)) == sorted(found.static_rows)
