@@ -10,8 +10,8 @@ from hgs_core.errors import InputError
 
 __all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
 
-BUDGETS: dict[str, float] = {"low": 0.5, "default": 0.1, "high": 0.02}
-"""What encoding may cost the training views, dB."""
+BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
+"""What encoding may cost the training views, dB. Other cameras lose a third to two thirds of it (docs/benchmarks.md)."""
 
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
