@@ -11,7 +11,7 @@ from hgs_core.errors import InputError
 __all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
 
 BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
-"""What encoding may cost the training views, dB. Other cameras lose a third to two thirds of it (docs/benchmarks.md)."""
+"""What encoding may cost the training views, dB; other cameras lose about half of it (docs/benchmarks.md)."""
 
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
