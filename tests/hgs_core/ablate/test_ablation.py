@@ -8,18 +8,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pytest
+import torch
 
 from hgs_core.ablate.ablation import ablate
 from hgs_core.ablate.plan import Ablation
 from hgs_core.ablate.rows import ROWS
 from hgs_core.ablate.summary import FIGURES
+from hgs_core.capture.open import open_capture
 from hgs_core.capture.points import PointCloud
 from hgs_core.errors import InputError
 from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.files import load_scene
+from hgs_core.scene.splats import HybridScene
 from tests.hgs_core.ablate.conftest import CONFIG, MakeAblation
 from tests.hgs_core.evaluate.conftest import save
+from tests.tolerances import assert_close
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +93,10 @@ def test_rows_are_what_they_say(everything: tuple[Ablation, Any]) -> None:
     assert moments["no-interleaved-init"] == 1
 
 
+def _tensors(scene: HybridScene[npt.NDArray[np.float32]]) -> HybridScene[torch.Tensor]:
+    return scene.map(torch.from_numpy)
+
+
 def test_statics_stored_as_dynamics_look_the_same(everything: tuple[Ablation, Any]) -> None:
     ablation, result = everything
     full, derived = (
@@ -94,14 +104,20 @@ def test_statics_stored_as_dynamics_look_the_same(everything: tuple[Ablation, An
     )
     assert (derived["splats_static"], derived["bytes_static"]) == (0, 0)
     assert derived["bytes_dynamic"] > full["bytes_dynamic"]
-    assert derived["psnr"] == pytest.approx(full["psnr"], abs=0.2)
     assert derived["train_seconds"] == full["train_seconds"]
-    # Before encoding, which drops what shows too little at the coarseness that the budget allows each of them.
+    # Before encoding, which trains further and drops what shows too little, at the coarseness that suits each of them.
     before, after = (
         load_scene(ablation.run(ROWS[name], 0).folder.trained) for name in ("full", "no-parameter-sharing")
     )
     assert len(after.static) == 0
     assert len(after.segments[0].dynamic) == len(before.static) + len(before.segments[0].dynamic)
+    camera = open_capture(ablation.capture).cameras[0]
+    for moment in (0.0, 0.6):
+        pictures = [
+            rasterize(static, segment.dynamic, camera, moment, gradients="none", antialiased=True).rgb
+            for static, segment in ((s.static, s.segments[0]) for s in (_tensors(before), _tensors(after)))
+        ]
+        assert_close(pictures[1], pictures[0].double())
 
 
 def test_an_interrupted_ablation_goes_on_where_it_stopped(make_ablation: MakeAblation, tmp_path: Path) -> None:
