@@ -139,8 +139,8 @@ def fit(
     start = 0.4 * math.sqrt(allowed / 0.1)
     if cycles < ROUNDS_OF_TUNING or views.capture is None:
         return coarsest(allowed, start)
-    change = math.sqrt(allowed / LEFT / max(lost(scene, utility, EncodeSettings(coarseness=start)), 1e-3 * allowed))
-    coarseness = _within(start * min(max(change, 1 / FARTHEST), FARTHEST))
+    loses = lost(scene, utility, EncodeSettings(coarseness=start))
+    coarseness = _nearer(start, loses, allowed / LEFT, FARTHEST)
     tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
@@ -153,9 +153,14 @@ def fit(
         if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
             best = Fitted(tune.scene, tune.utility, settings, decibels)
         aim = allowed if decibels <= allowed else NEAR_ENOUGH * allowed
-        change = math.sqrt(aim / max(decibels, 1e-3 * allowed))
-        coarseness = _within(coarseness * min(max(change, 1 / LARGEST_CHANGE), LARGEST_CHANGE))
+        coarseness = _nearer(coarseness, decibels, aim, LARGEST_CHANGE)
     return best or coarsest(allowed, start)
+
+
+def _nearer(coarseness: float, loses: float, aim: float, most: float) -> float:
+    """Return the coarseness that loses about `aim` dB where this one `loses` so many, at most a factor `most` away."""
+    change = math.sqrt(aim / max(loses, aim / most**2))
+    return _within(coarseness * max(change, 1 / most))
 
 
 def _within(coarseness: float) -> float:

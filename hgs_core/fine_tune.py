@@ -66,8 +66,9 @@ class FineTune:
         # Of the step sizes those are wanted that positions have at the end of training, and others at its beginning.
         rates = dataclasses.replace(config.learning_rates, position=config.learning_rates.position_final)
         self._config = dataclasses.replace(config, stages="together", learning_rates=rates)
-        self._correction = states[0].correction if states else None
         self._device = training_device(config.backend)
+        correction = states[0].correction if states else None
+        self._correction = None if correction is None else correction.to(self._device)
         self._segments = cut_into_segments(views.capture.times, config.segment_frames)
         self._training = [
             TrainingViews(views.capture, views.cameras, self._config, segment, None, self._device)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 import torch
 
@@ -22,7 +21,6 @@ from hgs_core.errors import InputError
 from hgs_core.progress import Progress, StageStopped, silent
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.files import load_scene
-from hgs_core.scene.splats import HybridScene
 from tests.hgs_core.ablate.conftest import CONFIG, MakeAblation
 from tests.hgs_core.evaluate.conftest import save
 from tests.tolerances import assert_close
@@ -93,10 +91,6 @@ def test_rows_are_what_they_say(everything: tuple[Ablation, Any]) -> None:
     assert moments["no-interleaved-init"] == 1
 
 
-def _tensors(scene: HybridScene[npt.NDArray[np.float32]]) -> HybridScene[torch.Tensor]:
-    return scene.map(torch.from_numpy)
-
-
 def test_statics_stored_as_dynamics_look_the_same(everything: tuple[Ablation, Any]) -> None:
     ablation, result = everything
     full, derived = (
@@ -114,8 +108,8 @@ def test_statics_stored_as_dynamics_look_the_same(everything: tuple[Ablation, An
     camera = open_capture(ablation.capture).cameras[0]
     for moment in (0.0, 0.6):
         pictures = [
-            rasterize(static, segment.dynamic, camera, moment, gradients="none", antialiased=True).rgb
-            for static, segment in ((s.static, s.segments[0]) for s in (_tensors(before), _tensors(after)))
+            rasterize(s.static, s.segments[0].dynamic, camera, moment, gradients="none", antialiased=True).rgb
+            for s in (before.map(torch.from_numpy), after.map(torch.from_numpy))
         ]
         assert_close(pictures[1], pictures[0].double())
 
