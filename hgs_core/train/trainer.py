@@ -137,7 +137,7 @@ class Trainer:
         state, config, timed = self.state, self.config, self.state.history.timed
         with timed("frames"):
             view = self.views.of_cycle(cycle, self.schedule.resolution(cycle))
-        if config.stages == "together":
+        if config.stages == "together" and self.statics_learn:
             self._learn("all", cycle, view)
         else:
             if len(state.static) and self.statics_learn:
