@@ -28,6 +28,7 @@ class CameraScores:
         self._scorer = scorer
         self._flicker = Flicker()
         self.flicker: float | None = None
+        self.flicker_steady: float | None = None
         self.colour_corrected = ColourCorrectedError()
         self.frames: dict[str, list[float | None]] = {name: [] for name in (*PICTURE_METRICS, *REGIONS)}
         self.regions = {name: RegionError() for name in REGIONS}
@@ -47,7 +48,7 @@ class CameraScores:
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""
-        self.flicker = self._flicker.value()
+        self.flicker, self.flicker_steady = self._flicker.value(), self._flicker.steady()
         self._flicker = Flicker()
 
     def per_frame(self) -> dict[str, list[float | None]]:
@@ -60,7 +61,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
     """Return the scores of all frames of the cameras together.
 
     They are means over frames and cameras, but for psnr_dynamic and psnr_static, which are of the squared error pooled
-    over all frames, and psnr_colour_corrected and flicker, which are means over cameras.
+    over all frames, and psnr_colour_corrected, flicker and flicker_steady, which are means over cameras.
     """
     scores: Scores = {
         name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
@@ -72,6 +73,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
         scores[name] = _finite(pooled.psnr())
     scores["psnr_colour_corrected"] = _mean([_finite(camera.colour_corrected.psnr()) for camera in cameras])
     scores["flicker"] = _mean([camera.flicker for camera in cameras])
+    scores["flicker_steady"] = _mean([camera.flicker_steady for camera in cameras])
     return scores
 
 

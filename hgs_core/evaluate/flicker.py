@@ -7,6 +7,8 @@ With error e(t) = picture(t) - truth(t) and S the still pixels,
 the variance being the population's (divided by the number of frames). Squared, it is the part of the mean squared error
 of S that comes and goes; the rest, the square of the mean error, is a picture that is wrong but steady.
 
+The truth flickers, too: with noise, and with the shadows left in S. A picture that never changes scores that much.
+
 The still pixels are chosen by the truth alone, so that two results are always measured on the same ones: those whose
 temporal standard deviation in the truth is at most `STILL_DEVIATION` in every channel and, if masks of what moves are
 given, that no mask marks in any frame.
@@ -60,9 +62,16 @@ class Flicker:
 
     def value(self) -> float | None:
         """The flicker in units of the peak, or None if there are fewer than two frames or no still pixel."""
+        return self._deviation(0)
+
+    def steady(self) -> float | None:
+        """The flicker that a picture scores which never changes: the truth's own; None as `value`."""
+        return self._deviation(2)
+
+    def _deviation(self, index: int) -> float | None:
         if self._frames < 2 or not bool((still := self.still()).any()):
             return None
-        return math.sqrt(float(self._variance(0)[:, still].mean()))
+        return math.sqrt(float(self._variance(index)[:, still].mean()))
 
     def _variance(self, index: int) -> Tensor:
         """Temporal variance [3, H, W] of the quantity whose sum and sum of squares are at `index` and after it."""

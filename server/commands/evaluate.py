@@ -19,6 +19,7 @@ FIELDS = (
     "lpips",
     "flip",
     "flicker",
+    "flicker_steady",  # of a picture that never changes: the truth's own
     "psnr_dynamic",  # dB, pooled over frames and cameras
     "psnr_static",
     "psnr_colour_corrected",  # dB, after the best affine colour map of each camera

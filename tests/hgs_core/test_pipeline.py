@@ -66,7 +66,7 @@ def test_finished_stages_do_nothing(finished: Path) -> None:
 def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path) -> None:
     result = evaluate_run(finished, silent)
     assert set(result) == {
-        "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "psnr_dynamic", "psnr_static",
+        "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "flicker_steady", "psnr_dynamic", "psnr_static",
         "psnr_colour_corrected", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
         "train_seconds", "frames", "cameras",
         "cameras_trained_on", "truth", "masks", "per_camera", "per_frame",

@@ -19,6 +19,7 @@ _SCORES = (
     ("lpips", "LPIPS", 4, ""),
     ("flip", "FLIP", 4, ""),
     ("flicker", "flicker", 4, ""),
+    ("flicker_steady", "flicker of the truth itself", 4, ""),
     ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
     ("psnr_static", "PSNR where it is still", 2, "dB"),
     ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),

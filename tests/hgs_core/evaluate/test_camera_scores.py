@@ -40,6 +40,8 @@ def test_every_score_is_combined_as_its_metric_says() -> None:
     corrected = sum(colour_corrected_psnr(*frames[:2]) for frames in clips) / 2
     torch.testing.assert_close(together["psnr_colour_corrected"], corrected)
     torch.testing.assert_close(together["flicker"], sum(flicker(*frames) or 0 for frames in clips) / 2)
+    steady = [flicker(truths[:1].expand_as(truths), truths) or 0 for _, truths, _ in clips]
+    torch.testing.assert_close(together["flicker_steady"], sum(steady) / 2)
     assert together["ms_ssim"] is together["lpips"] is together["flip"] is None
 
 

@@ -42,6 +42,14 @@ def test_a_steady_error_does_not_flicker(clip: tuple[Tensor, Tensor]) -> None:
     assert flicker(truths.double() + 0.2, truths) == pytest.approx(0, abs=1e-7)
 
 
+def test_a_picture_that_never_changes_flickers_as_the_truth_does(clip: tuple[Tensor, Tensor]) -> None:
+    images, truths = clip
+    gathered = Flicker()
+    for image, truth in zip(images, truths, strict=True):
+        gathered.add(image, truth)
+    assert gathered.steady() == pytest.approx(flicker(images[:1].expand_as(images), truths), rel=1e-9)
+
+
 def test_the_still_pixels_do_not_depend_on_the_pictures_that_are_scored(clip: tuple[Tensor, Tensor]) -> None:
     images, truths = clip
     chosen = []

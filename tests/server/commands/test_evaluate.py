@@ -20,6 +20,7 @@ SCORES: dict[str, Any] = {
     "lpips": None,
     "flip": None,
     "flicker": 0.004,
+    "flicker_steady": 0.003,
     "psnr_dynamic": None,
     "psnr_static": None,
     "psnr_colour_corrected": 28.5,
