@@ -48,13 +48,13 @@ ROWS: Mapping[str, Row] = {
         FULL,
         Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"init_interval": 1e6}),
         Row("train-separate", "Can each set learn alone, where the masks say it belongs?", {"stages": "separate"}),
-        Row("train-together", "Is one step for both sets as good as one for each?", {"stages": "together"}),
+        Row("two-stage", "Is one step for each set, the statics first, better than one?", {"stages": "interleaved"}),
         Row("order-1", "Is straight motion enough?", {"motion_order": 1}),
         Row("order-2", "Is motion with constant acceleration enough?", {"motion_order": 2}),
         Row("order-5", "Does motion of the fifth order, in place of a cubic, show more?", {"motion_order": 5}),
         Row(
             "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
-            {"labels": "dynamic", "adaptive_labels": False, "stages": "together"},
+            {"labels": "dynamic", "adaptive_labels": False},
         ),
         Row(
             "all-static", "What is time worth: a single set of static splats with the whole budget?",

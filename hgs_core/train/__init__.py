@@ -1,3 +1,3 @@
-"""The two-stage trainer. Import its modules directly: only `config` is free of torch."""
+"""The trainer. Import its modules directly: only `config` is free of torch."""
 
 __all__: list[str] = []

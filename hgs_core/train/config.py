@@ -17,7 +17,7 @@ BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
 _CHOICES: dict[str, tuple[Any, ...]] = {
     "backend": ("auto", "cpu", "triton", "reference"),
     "labels": ("auto", "dynamic", "static"),
-    "stages": ("interleaved", "together", "separate"),
+    "stages": ("together", "interleaved", "separate"),
     "motion_order": (1, 2, 3, 5),
     "birth_rounds": (0, 1, 2),
     "density": ("gradient", "relocation"),
@@ -44,7 +44,7 @@ class LearningRates:
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """How to train one run. A cycle is one static step and one dynamic step on the same view.
+    """How to train one run. A cycle draws one view; `stages` says how the two sets learn from it.
 
     Equal configs on equal captures give equal bits, for any number of threads.
     """
@@ -78,7 +78,7 @@ class TrainConfig:
     restless_error: float = 0.05  # a static splat whose mean colour error varies more becomes dynamic; 0: none
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
     infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
-    stages: str = "interleaved"  # interleaved, together (one step for both sets), separate (each drawn alone)
+    stages: str = "together"  # together (one step for both sets), interleaved (statics first), separate (drawn alone)
     motion_order: int = 3  # degree of the position polynomial: 1, 2, 3 or 5
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)

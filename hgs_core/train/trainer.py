@@ -1,4 +1,4 @@
-"""The two-stage trainer: in every cycle the statics learn on the composite, then the dynamics on the fresh one."""
+"""The trainer of a segment: in every cycle both sets learn from the composite of one view, at once or one by one."""
 
 from __future__ import annotations
 

@@ -79,13 +79,16 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
-    ("stop_at", "density", "order"),
-    [(10, "gradient", 3), (30, "gradient", 3), (30, "relocation", 3), (50, "gradient", 3), (30, "gradient", 5)],
-)
+    ("stop_at", "changes"),
+    [
+        (10, {}), (30, {}), (50, {}), (30, {"stages": "interleaved"}), (30, {"density": "relocation"}),
+        (30, {"motion_order": 5}),
+    ],
+)  # fmt: skip
 def test_a_stopped_training_resumes_to_the_same_bits(
-    capture_folder: Path, tmp_path: Path, stop_at: int, density: str, order: int
+    capture_folder: Path, tmp_path: Path, stop_at: int, changes: dict[str, object]
 ) -> None:
-    settings = config(density=density, motion_order=order)
+    settings = config(**changes)
     whole = trainer(capture_folder, tmp_path / "whole.pt", settings).run(silent)
 
     def stop(progress: Progress) -> None:
@@ -98,8 +101,8 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     resumed = trainer(capture_folder, checkpoint, settings)
     assert resumed.state.cycle == stop_at
     assert same_bits(whole, resumed.run(silent))
-    assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(order)
-    assert whole.segments[0].dynamic.motion[:, order].any()
+    assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
+    assert whole.segments[0].dynamic.motion[:, settings.motion_order].any()
 
 
 def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
@@ -133,8 +136,8 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
     assert not same_bits(plain, antialiased)
 
 
-@pytest.mark.parametrize("stages", ["together", "separate"])
-def test_sets_learn_in_other_stages_too(capture_folder: Path, tmp_path: Path, stages: str) -> None:
+@pytest.mark.parametrize("stages", ["together", "interleaved", "separate"])
+def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, stages: str) -> None:
     settings = config(stages=stages, cycles=150, coarse_until=0.0, max_static=300)
     capture = open_capture(capture_folder)
     masks = motion_masks(capture, (0, 1, 3, 4), progress=silent)
@@ -165,13 +168,16 @@ def test_a_segment_after_the_first_leaves_the_statics_as_they_are(
     assert not np.array_equal(scene.segments[0].dynamic.rgb[:10], first_colours)
 
 
-def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path) -> None:
-    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
+@pytest.mark.parametrize(
+    ("stages", "steps"), [("together", {"all step"}), ("interleaved", {"static step", "dynamic step", "tiles"})]
+)
+def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path, stages: str, steps: set[str]) -> None:
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(stages=stages))
     training.run(silent)
     history = training.state.history
     assert history.curves["cycle"] == [10, 20, 30, 40, 50, 60]
     assert history.curves["static"][-1] == len(training.state.static)
-    assert {"frames", "static step", "dynamic step", "Adam", "density"} <= set(history.profile)
+    assert {"frames", "Adam", "density"} | steps <= set(history.profile)
 
 
 def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:

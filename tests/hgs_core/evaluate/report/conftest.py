@@ -16,7 +16,7 @@ from tests.hgs_core.evaluate.report.finished_run import HISTORY, write_finished_
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A measured run whose training recorded everything."""
     folder = tmp_path_factory.mktemp("runs")
-    path = write_finished_run(folder, history=HISTORY, profile={"frames": 3.0, "static step": 8.0})
+    path = write_finished_run(folder, history=HISTORY, profile={"frames": 3.0, "all step": 8.0})
     evaluate_run(path, silent)
     return path
 
