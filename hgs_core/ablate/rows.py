@@ -68,6 +68,7 @@ ROWS: Mapping[str, Row] = {
         Row("no-births", "Do splats that are born where moving pixels are wrong help?", {"birth_rounds": 0}),
         Row("no-infill", "Do statics that are added where still pixels stay wrong help?", {"infill": 0.0}),
         Row("no-settling", "Do steps that become small at the end help?", {"settled": 1.0}),
+        Row("equal-steps", "Do smaller steps of what lives shortly help?", {"steps_by_life": False}),
         Row("relocation", "Is copying by opacity better than refining what is pulled at?", {"density": "relocation"}),
         Row("fixed-labels", "Does it help that labels follow the evidence?", {"adaptive_labels": False}),
         *(

@@ -21,6 +21,7 @@ def adam_step(
     beta1: float = 0.9,
     beta2: float = 0.999,
     epsilon: float = 1e-15,
+    factors: Floats | None = None,
     threads: int | None = None,
 ) -> None:
     """Take one step of Adam with bias correction (Kingma and Ba 2015, algorithm 1), in place.
@@ -35,10 +36,11 @@ def adam_step(
         beta1: decay of the first moments.
         beta2: decay of the second moments.
         epsilon: added to the root of the corrected second moment.
+        factors: [F] of the step size, each for `parameters.size` / F values in turn; None: 1 for all.
         threads: default `thread_count()`.
 
     Raises:
-        ValueError: an array of another shape or type, or a step below 1.
+        ValueError: an array of another shape or type, factors that do not divide the values, or a step below 1.
         RuntimeError: no compiled library.
     """
     if step < 1:
@@ -50,8 +52,15 @@ def adam_step(
         "second_moments": second_moments,
     }
     places = [ctypes.c_void_p(address(name, array, parameters.shape)) for name, array in arrays.items()]
+    factors_at, span = ctypes.c_void_p(None), 1
+    if factors is not None and parameters.size:
+        if factors.ndim != 1 or factors.size == 0 or parameters.size % factors.size:
+            raise ValueError(f"factors must divide the {parameters.size} values, got shape {factors.shape}")
+        factors_at = ctypes.c_void_p(address("factors", factors, factors.shape))
+        span = parameters.size // factors.size
     numbers = [ctypes.c_double(value) for value in (learning_rate, beta1, beta2, epsilon)]
     status = load().hgs_adam(
-        ctypes.c_int64(parameters.size), *places, *numbers, ctypes.c_int64(step), threads or thread_count()
-    )
+        ctypes.c_int64(parameters.size), *places, factors_at, ctypes.c_int64(span), *numbers, ctypes.c_int64(step),
+        threads or thread_count(),
+    )  # fmt: skip
     check(status)

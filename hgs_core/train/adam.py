@@ -39,20 +39,15 @@ class Adam(Generic[S]):
 
         Args:
             splats: the parameters.
-            rates: a step size per field, or a tensor that broadcasts over the field's rows.
+            rates: a step size per field; or a tensor of them, one for every row or part of a row (`adam_update`).
         """
         self.steps += 1
         with torch.no_grad():
             for name, parameter in splats.items():
                 if parameter.grad is None or len(parameter) == 0:
                     continue
-                first, second, rate = getattr(self.first, name), getattr(self.second, name), rates[name]
-                if isinstance(rate, float):
-                    adam_update(parameter, parameter.grad, first, second, rate, self.steps)
-                else:  # different rates within a row: take a unit step and scale it
-                    delta = torch.zeros_like(parameter)
-                    adam_update(delta, parameter.grad, first, second, 1.0, self.steps)
-                    parameter += delta * rate
+                first, second = getattr(self.first, name), getattr(self.second, name)
+                adam_update(parameter, parameter.grad, first, second, rates[name], self.steps)
                 parameter.grad = None
 
     def to(self, device: torch.device) -> Adam[S]:
@@ -69,35 +64,53 @@ class Adam(Generic[S]):
         return {"first": dict(self.first.items()), "second": dict(self.second.items()), "steps": self.steps}
 
 
-def adam_update(parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float, step: int) -> None:
+def adam_update(
+    parameter: Tensor, gradient: Tensor, first: Tensor, second: Tensor, rate: float | Tensor, step: int
+) -> None:
     """Change one array in place by its `step`-th Adam update (from 1); its moments follow.
 
-    Float32 arrays on the CPU use the compiled kernel where there is one, those on a CUDA device the Triton kernel.
+    The rate is one step size, or a tensor of the parameter's shape but for last dimensions of 1, over which it is the
+    same. Float32 arrays on the CPU use the compiled kernel where there is one, those on a CUDA device the Triton one.
+
+    Raises:
+        ValueError: rates of another shape.
     """
+    factors, step_size = (_factors(rate, parameter), 1.0) if isinstance(rate, Tensor) else (None, rate)
     if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
         adam_step(
             parameter.detach().numpy(),
             gradient.contiguous().numpy(),
             first.numpy(),
             second.numpy(),
-            learning_rate=rate,
+            learning_rate=step_size,
             beta1=BETA1,
             beta2=BETA2,
             epsilon=EPSILON,
             step=step,
+            factors=None if factors is None else factors.numpy(),
         )
         return
     if available(parameter):
         from hgs_core.train.triton.adam import adam_step as adam_step_triton
 
         adam_step_triton(
-            parameter, gradient.contiguous(), first, second, rate, step, beta1=BETA1, beta2=BETA2, epsilon=EPSILON
-        )
+            parameter, gradient.contiguous(), first, second, step_size, step,
+            beta1=BETA1, beta2=BETA2, epsilon=EPSILON, factors=factors,
+        )  # fmt: skip
         return
     first.mul_(BETA1).add_(gradient, alpha=1 - BETA1)
     second.mul_(BETA2).addcmul_(gradient, gradient, value=1 - BETA2)
     scale = (second / (1 - BETA2**step)).sqrt_().add_(EPSILON)
-    parameter.addcdiv_(first, scale, value=-rate / (1 - BETA1**step))
+    moved = first * rate if isinstance(rate, Tensor) else first
+    parameter.addcdiv_(moved, scale, value=-step_size / (1 - BETA1**step))
+
+
+def _factors(rates: Tensor, parameter: Tensor) -> Tensor:
+    """Return rates as the kernels take them: one after the other, each for equally many values of the parameter."""
+    dimensions = parameter.dim()
+    if not any(rates.shape == (*parameter.shape[:k], *[1] * (dimensions - k)) for k in range(dimensions + 1)):
+        raise ValueError(f"rates of shape {tuple(rates.shape)} are not for rows of {tuple(parameter.shape)}")
+    return rates.to(parameter.dtype).reshape(-1)
 
 
 def _with_zeros(splats: S, rows: Tensor, added: int) -> S:

@@ -70,6 +70,7 @@ class TrainConfig:
     dssim: float = 0.2  # lambda of the loss
     settle_from: float = 0.6  # share of `cycles` after which steps of all but positions become smaller
     settled: float = 0.02  # what is left of them at the end
+    steps_by_life: bool = True  # a dynamic splat's steps are smaller the shorter it lives (docs/training.md)
     coarse_until: float = 0.25  # share of `cycles` trained at half resolution
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     labels: str = "auto"  # auto: from masks; dynamic, static: all splats alike

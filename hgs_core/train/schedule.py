@@ -11,12 +11,13 @@ from torch import Tensor
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["Schedule"]
+__all__ = ["Schedule", "share_alive"]
 
 _ROUNDS_FROM = 0.1  # share of the cycles before the first round of labelling and infill
 _ROUNDS = 10
 _BIRTHS = (0.3, 0.45)  # shares of the cycles after which splats are born
 _PRUNES = (*_BIRTHS, 0.65, 0.85)  # after which those that no view needs are removed: first to make room
+_LEAST_SHARE = 0.05  # of time that a splat counts as alive for: a few visits say too little about the next ones
 
 
 @dataclass(frozen=True)
@@ -78,14 +79,21 @@ class Schedule:
         }
 
     def dynamic_rates(self, cycle: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
-        """Return the step size of every field of the dynamic set; per splat and coefficient for the polynomials.
+        """Return the step size of every field of the dynamic set, per splat; and per coefficient for the polynomials.
+
+        All are in proportion to the root of the share of time for which a splat is alive (`share_alive`): Adam divides
+        its gradients by the root of their mean square over all steps, in most of which it has none, so that each of its
+        visits would move it the farther the fewer there are (docs/training.md, "Steps of what is rarely seen").
 
         A coefficient of the k-th power of time moves a splat in proportion to the k-th power of its life, so its step
         is divided by that: at the ends of a life, a step of any coefficient moves the splat equally far. Otherwise what
         lives shortly could never learn to move fast.
         """
-        rates, share = self.config.learning_rates, self.settling(cycle)
-        position = self.position_rate(cycle)
+        rates, position, share = self.config.learning_rates, self.position_rate(cycle), self.settling(cycle)
+        visits = torch.ones_like(dynamic.time_centers)  # [M] factor of every step size
+        if self.config.steps_by_life:
+            visits = share_alive(dynamic).sqrt()
+        rows, polynomials = visits[:, None], visits[:, None, None]
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
         inverse = (1 / life)[:, None]
         order, coefficients = self.config.motion_order, dynamic.motion.shape[1]
@@ -93,13 +101,13 @@ class Schedule:
         factors = torch.tensor([1.0] + [rates.motion] * order + [0.0] * (coefficients - 1 - order), device=life.device)
         turning = torch.tensor([rates.rotation, rates.turning], device=life.device)
         return {
-            "motion": (position * factors * inverse**powers)[:, :, None],
-            "rotation": (share * turning * inverse ** powers[:2])[:, :, None],
-            "log_scales": share * rates.log_scale,
-            "opacity_logits": share * rates.opacity,
-            "time_centers": share * rates.time_center,
-            "time_log_precisions": share * rates.time_log_precision,
-            "rgb": share * rates.rgb,
+            "motion": polynomials * (position * factors * inverse**powers)[:, :, None],
+            "rotation": polynomials * (share * turning * inverse ** powers[:2])[:, :, None],
+            "log_scales": rows * (share * rates.log_scale),
+            "opacity_logits": visits * (share * rates.opacity),
+            "time_centers": visits * (share * rates.time_center),
+            "time_log_precisions": visits * (share * rates.time_log_precision),
+            "rgb": rows * (share * rates.rgb),
         }
 
     def settling(self, cycle: int) -> float:
@@ -125,3 +133,20 @@ class Schedule:
         if rates.position <= 0:
             return 0.0
         return self.extent * float(rates.position ** (1 - progress) * max(rates.position_final, 1e-12) ** progress)
+
+
+def share_alive(dynamic: DynamicSplats[Tensor]) -> Tensor:
+    """Return for which share of the segment's time splats are alive, [M], from 0.05 to 1.
+
+    With w(t) = exp(-s (t - mu)^2), by which a splat fades, that is (integral of w)^2 / integral of w^2 over [0, 1]: a
+    splat that is there for a share of the time and then gone has that share, and one that never fades has 1. A centre
+    outside of the segment counts as the nearer end of it.
+    """
+    width = torch.exp(0.5 * dynamic.time_log_precisions.clamp(-20, 80))
+    centers = dynamic.time_centers.clamp(0, 1)
+
+    def integral(power: float) -> Tensor:  # of w to this power, up to the factor sqrt(pi) / 2
+        root = width * math.sqrt(power)
+        return (torch.erf(root * (1 - centers)) + torch.erf(root * centers)) / root
+
+    return (0.5 * math.sqrt(math.pi) * integral(1.0).square() / integral(2.0)).clamp(_LEAST_SHARE, 1.0)

@@ -6,6 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import torch
 
 from hgs_core.capture.open import open_capture
 from hgs_core.codec.preview import quantised_scene
@@ -19,6 +20,7 @@ from hgs_core.progress import StageStopped
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.splats import joined
 from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.train.schedule import share_alive
 from hgs_core.train.targets import target_picture
 from tests.synthetic import synthetic_scene, write_capture
 
@@ -92,6 +94,30 @@ def test_it_can_be_stopped(given: Given) -> None:
 
     with pytest.raises(StageStopped):
         fit(scene, views, utility, "low", CONFIG, cycles=10, trained=stop)
+
+
+def test_it_takes_smaller_steps_of_what_lives_shortly(given: Given) -> None:
+    scene, views, _ = given
+    (segment,) = scene.segments
+    precisions = np.array([-8.0, 2.0, 3.0], np.float32)
+    brief = HybridScene(
+        scene.static,
+        (dataclasses.replace(segment, dynamic=dataclasses.replace(segment.dynamic, time_log_precisions=precisions)),),
+    )
+    utility = measure_utility(brief, list(views.trained.values()), views.capture.times, antialiased=False)
+    moved = []
+    for by_life in (True, False):
+        tune = FineTune(brief, utility, views, dataclasses.replace(CONFIG, steps_by_life=by_life), ())
+        tune.run(COARSE, range(1), lambda done: None)
+        moved.append(tune.scene)
+    ours, equal = (after.segments[0].dynamic.opacity_logits - segment.dynamic.opacity_logits for after in moved)
+    factors = share_alive(brief.segments[0].dynamic.map(torch.from_numpy)).sqrt().numpy()
+    assert equal.all()
+    # It is taken of the decoded lives, which differ a little from the exact ones.
+    np.testing.assert_allclose(ours / equal, factors, rtol=0.05)
+    assert factors[2] < 0.8
+    for (_, one), (_, other) in zip(moved[0].static.items(), moved[1].static.items(), strict=True):
+        np.testing.assert_array_equal(one, other)
 
 
 def test_motion_of_the_fifth_order_learns_in_all_its_coefficients_whatever_orders_are_coded(given: Given) -> None:

@@ -1,12 +1,14 @@
 // One step of Adam, fused.
+#include <algorithm>
 #include <cmath>
 
 #include "api.hpp"
 #include "thread_pool.hpp"
 
 extern "C" int32_t hgs_adam(int64_t n, float *parameters, const float *gradients, float *first_moments,
-                            float *second_moments, double learning_rate, double beta1, double beta2, double epsilon,
-                            int64_t step, int32_t threads) {
+                            float *second_moments, const float *factors, int64_t values_per_factor,
+                            double learning_rate, double beta1, double beta2, double epsilon, int64_t step,
+                            int32_t threads) {
   // With m and v the moments and c1, c2 their bias corrections, p -= lr (m / c1) / (sqrt(v / c2) + eps).
   const double correction1 = 1.0 - std::pow(beta1, static_cast<double>(step));
   const double correction2 = 1.0 - std::pow(beta2, static_cast<double>(step));
@@ -22,6 +24,17 @@ extern "C" int32_t hgs_adam(int64_t n, float *parameters, const float *gradients
   return hgs::guarded([&] {
     hgs::parallel_for(threads, (n + kBlock - 1) / kBlock, kWorthAThread, [=](int64_t block) {
       const int64_t begin = block * kBlock, end = std::min(n, begin + kBlock);
+      float rates[kBlock];  // of every value
+      if (factors == nullptr) {
+        std::fill(rates, rates + (end - begin), rate);
+      } else {
+        int64_t row = begin / values_per_factor;
+        for (int64_t i = begin; i < end; ++row) {
+          const int64_t stop = std::min(end, (row + 1) * values_per_factor);
+          std::fill(rates + (i - begin), rates + (stop - begin), rate * factors[row]);
+          i = stop;
+        }
+      }
       float *__restrict p = parameters, *__restrict m = first_moments, *__restrict v = second_moments;
       const float *__restrict g = gradients;
       for (int64_t i = begin; i < end; ++i) {
@@ -29,7 +42,7 @@ extern "C" int32_t hgs_adam(int64_t n, float *parameters, const float *gradients
         const float vi = b2 * v[i] + one_less_b2 * g[i] * g[i];
         m[i] = mi;
         v[i] = vi;
-        p[i] -= rate * mi / (std::sqrt(vi) * inverse_root2 + eps);
+        p[i] -= rates[i - begin] * mi / (std::sqrt(vi) * inverse_root2 + eps);
       }
     });
     return HGS_OK;

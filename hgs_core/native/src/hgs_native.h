@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 4
+#define HGS_ABI_VERSION 5
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -154,10 +154,12 @@ HGS_API int32_t hgs_l1_dssim(const float *image, const float *target, int32_t wi
 
 /* One step of Adam (Kingma and Ba 2015, algorithm 1) on n values, in place.
  *
- * first_moments, second_moments: state, zero before the first step.  step: 1 for the first step. */
+ * first_moments, second_moments: state, zero before the first step.
+ * factors: [ceil(n / values_per_factor)] of the learning rate, one for so many values in turn; NULL = 1 for all.
+ * step: 1 for the first step. */
 HGS_API int32_t hgs_adam(int64_t n, float *parameters, const float *gradients, float *first_moments,
-                         float *second_moments, double learning_rate, double beta1, double beta2, double epsilon,
-                         int64_t step, int32_t threads);
+                         float *second_moments, const float *factors, int64_t values_per_factor, double learning_rate,
+                         double beta1, double beta2, double epsilon, int64_t step, int32_t threads);
 
 #ifdef __cplusplus
 }

@@ -27,11 +27,25 @@ def test_ten_steps_are_those_of_torch() -> None:
     assert_close(second, state["exp_avg_sq"].numpy(), "second moments")
 
 
+@pytest.mark.parametrize("shape", [(5001, 1, 1), (5001, 3, 1), (5001, 3, 4)])
+def test_a_factor_counts_for_all_values_of_its_row(shape: tuple[int, ...]) -> None:
+    r = np.random.default_rng(2)
+    gradients = r.normal(size=(5001, 3, 4)).astype(np.float32)
+    factors = r.uniform(0, 2, shape).astype(np.float32)
+    plain, scaled = np.zeros_like(gradients), np.zeros_like(gradients)
+    for parameters, given in ((plain, None), (scaled, factors.ravel())):
+        first, second = np.zeros_like(gradients), np.zeros_like(gradients)
+        for step in (1, 2):
+            adam_step(parameters, gradients * step, first, second, 0.01, step, factors=given)
+    assert_close(scaled, plain.astype(np.float64) * factors, "parameters")
+
+
 def test_same_bits_for_any_number_of_threads() -> None:
     def run(threads: int) -> bytes:
         r = np.random.default_rng(1)
-        arrays = [r.uniform(size=30011).astype(np.float32) for _ in range(4)]
-        adam_step(arrays[0], arrays[1], arrays[2], arrays[3], 0.01, 3, threads=threads)
+        arrays = [r.uniform(size=300110).astype(np.float32) for _ in range(4)]
+        factors = r.uniform(size=30011).astype(np.float32)
+        adam_step(arrays[0], arrays[1], arrays[2], arrays[3], 0.01, 3, threads=threads, factors=factors)
         return b"".join(array.tobytes() for array in arrays)
 
     assert len({run(threads) for threads in (1, 2, 3, 7)}) == 1
@@ -48,5 +62,7 @@ def test_refuses_arrays_it_would_misread() -> None:
         adam_step(good, np.zeros(4), good, good, 0.01, 1)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="not contiguous"):
         adam_step(good, np.zeros(8, np.float32)[::2], good, good, 0.01, 1)
+    with pytest.raises(ValueError, match=r"factors must divide the 4 values, got shape \(3,\)"):
+        adam_step(good, good, good, good, 0.01, 1, factors=good[:3])
     with pytest.raises(ValueError, match="step counts from 1"):
         adam_step(good, good, good, good, 0.01, 0)

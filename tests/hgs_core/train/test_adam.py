@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 
+import pytest
 import torch
 
+from hgs_core.native import library
 from hgs_core.scene import StaticSplats
-from hgs_core.train.adam import Adam
+from hgs_core.train.adam import Adam, adam_update
 from tests.hgs_core.render.scenes import static_splats
 
 RATES = {"means": 0.01, "log_scales": 0.02, "quats": 0.03, "opacity_logits": 0.04, "rgb": 0.05}
@@ -30,14 +32,29 @@ def test_steps_are_those_of_torch() -> None:
         torch.testing.assert_close(array, peer.detach(), rtol=1e-5, atol=1e-6)
 
 
-def test_a_rate_per_column_scales_that_column() -> None:
-    one, two = static_splats(3, dtype=torch.float32), static_splats(3, dtype=torch.float32)
-    before = one.means.clone()
-    for splats, rate in ((one, 0.1), (two, torch.tensor([0.1, 0.2, 0.0]))):
-        splats.means.grad = torch.ones_like(splats.means)
-        Adam.of(splats).step(splats, RATES | {"means": rate})
-    torch.testing.assert_close((two.means - before)[:, :2], (one.means - before)[:, :2] * torch.tensor([1.0, 2.0]))
-    torch.testing.assert_close(two.means[:, 2], before[:, 2])
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("shape", [(3, 1, 1), (3, 2, 1), (3, 2, 4)])
+def test_rates_count_for_the_rows_they_stand_for(
+    shape: tuple[int, ...], compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not compiled:
+        monkeypatch.setattr(library, "available", lambda: False)
+    generator = torch.Generator().manual_seed(1)
+    gradient, rates = torch.randn(3, 2, 4, generator=generator), torch.rand(shape, generator=generator)
+    moved = []
+    for rate in (1.0, rates):
+        parameter, first, second = (torch.zeros(3, 2, 4) for _ in range(3))
+        for step in (1, 2):
+            adam_update(parameter, step * gradient, first, second, rate, step)
+        moved.append(parameter)
+    torch.testing.assert_close(moved[1], moved[0] * rates)
+
+
+def test_rates_for_columns_are_refused() -> None:
+    arrays = [torch.zeros(3, 2) for _ in range(4)]
+    for shape in [(2,), (1, 2), (3,), (2, 1)]:
+        with pytest.raises(ValueError, match=r"are not for rows of \(3, 2\)"):
+            adam_update(*arrays, torch.ones(shape), 1)
 
 
 def test_arrays_without_a_gradient_stay() -> None:

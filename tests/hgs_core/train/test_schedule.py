@@ -39,7 +39,8 @@ def lives(*precisions: float, coefficients: int = 4) -> DynamicSplats[torch.Tens
 
 
 def test_a_step_of_any_motion_coefficient_moves_a_splat_as_far_at_the_ends_of_its_life() -> None:
-    rates = Schedule(CONFIG, extent=1.0, frames=50).dynamic_rates(0, lives(1.0, 100.0))
+    config = dataclasses.replace(CONFIG, steps_by_life=False)
+    rates = Schedule(config, extent=1.0, frames=50).dynamic_rates(0, lives(1.0, 100.0))
     motion, turning = rates["motion"], rates["rotation"]
     assert isinstance(motion, torch.Tensor)
     assert isinstance(turning, torch.Tensor)
@@ -51,7 +52,8 @@ def test_a_step_of_any_motion_coefficient_moves_a_splat_as_far_at_the_ends_of_it
 
 
 def test_lives_count_as_no_shorter_than_a_frame_and_no_longer_than_the_segment() -> None:
-    rates = Schedule(CONFIG, extent=1.0, frames=51).dynamic_rates(0, lives(1e-4, 1e9))
+    config = dataclasses.replace(CONFIG, steps_by_life=False)
+    rates = Schedule(config, extent=1.0, frames=51).dynamic_rates(0, lives(1e-4, 1e9))
     motion = rates["motion"]
     assert isinstance(motion, torch.Tensor)
     assert motion[:, 1, 0].tolist() == pytest.approx([0.4e-3, 50 * 0.4e-3])
@@ -59,7 +61,7 @@ def test_lives_count_as_no_shorter_than_a_frame_and_no_longer_than_the_segment()
 
 @pytest.mark.parametrize(("order", "coefficients"), [(1, 4), (2, 4), (3, 4), (3, 6), (5, 6)])
 def test_coefficients_beyond_the_order_of_motion_never_move(order: int, coefficients: int) -> None:
-    config = dataclasses.replace(CONFIG, motion_order=order)
+    config = dataclasses.replace(CONFIG, motion_order=order, steps_by_life=False)
     splats = lives(1.0, 100.0, coefficients=coefficients)
     motion = Schedule(config, 1.0, 50).dynamic_rates(0, splats)["motion"]
     assert isinstance(motion, torch.Tensor)

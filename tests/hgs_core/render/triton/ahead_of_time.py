@@ -85,7 +85,8 @@ def learn() -> None:
     """Loss and optimiser."""
     l1_dssim(torch.zeros(3, 20, 24), torch.zeros(3, 20, 24), 0.2)
     arrays = [torch.zeros(9, 3) for _ in range(4)]
-    adam_step(*arrays, 0.01, 1, beta1=0.9, beta2=0.999, epsilon=1e-15)
+    for factors in (None, torch.ones(9)):
+        adam_step(*arrays, 0.01, 1, beta1=0.9, beta2=0.999, epsilon=1e-15, factors=factors)
 
 
 if __name__ == "__main__":
