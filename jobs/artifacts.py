@@ -16,9 +16,9 @@ import obstore
 from obstore.exceptions import AlreadyExistsError
 from obstore.store import LocalStore, ObjectStore, from_url
 
-from hgs_core.codec.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback, silent
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback, silent
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest
 
 __all__ = ["ArtifactStore", "SceneEntry"]
 

@@ -20,7 +20,7 @@ class Home:
     folder: Path
     database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
     store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
-    pipeline: str = "hgs_core.pipeline"  # the module that gives create_run, initialise, train and encode
+    pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
 
     @classmethod
     def at(cls, folder: Path) -> Home:

@@ -25,9 +25,9 @@ import traceback
 from pathlib import Path
 from typing import IO, Any
 
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback, StageStopped
-from hgs_core.run_folder import RunFolder
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
 
 __all__ = ["STAGES", "main"]

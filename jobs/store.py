@@ -11,7 +11,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from hgs_core.progress import Progress
+from hgs_core.base.progress import Progress
 
 __all__ = ["Job", "JobState", "JobTable", "metadata"]
 

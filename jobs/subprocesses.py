@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hgs_core.progress import Progress
+from hgs_core.base.progress import Progress
 from jobs.home import Home
 
 __all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]

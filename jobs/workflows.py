@@ -7,7 +7,7 @@ import logging
 
 from dbos import DBOS
 
-from hgs_core.progress import Progress
+from hgs_core.base.progress import Progress
 from jobs.artifacts import ArtifactStore
 from jobs.client import TRAIN_JOB, workflow_id
 from jobs.home import Home

@@ -135,9 +135,9 @@ def check(scene_folder: Path, page: str, seconds: float) -> int:
     import numpy as np
     import torch
 
-    from hgs_core.camera import Camera
     from hgs_core.codec import decode_scene, load_manifest
     from hgs_core.render import rasterize
+    from hgs_core.scene.camera import Camera
     from scripts.browser_check import capture_canvas, find_chromium, psnr
 
     manifest = load_manifest(scene_folder / "manifest.json")

@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 
+from hgs_core.base.errors import InputError
 from hgs_core.codec import ChunkError, Manifest, decode_chunk
-from hgs_core.errors import InputError
 
 VECTORS = Path(__file__).resolve().parent.parent / "tests" / "vectors"
 HEADER = 80

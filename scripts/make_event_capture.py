@@ -26,10 +26,10 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Ball", "brightened", "write_event_capture"]
 

@@ -18,16 +18,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.camera import Camera
-from hgs_core.codec.chunk import ENTRY, HEADER, Stream, pack, unpack, varint
-from hgs_core.codec.decode import decode_chunk
-from hgs_core.codec.encode_chunk import encode_static_chunk
-from hgs_core.codec.encode_dynamic import SegmentTime, encode_dynamic_chunk
-from hgs_core.codec.errors import ChunkError
-from hgs_core.codec.prepare import prepare_dynamic, prepare_static
-from hgs_core.codec.quantise import Grid
-from hgs_core.codec.settings import EncodeSettings
-from hgs_core.codec.streams import compress
+from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
+from hgs_core.codec.encoder.encode_dynamic import SegmentTime, encode_dynamic_chunk
+from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.format.chunk import ENTRY, HEADER, Stream, pack, unpack, varint
+from hgs_core.codec.format.decode import decode_chunk
+from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.quantise import Grid
+from hgs_core.codec.format.streams import compress
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from server.problems import ProblemError
 
 __all__ = ["CaptureFolders"]

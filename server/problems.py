@@ -13,7 +13,7 @@ from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["ProblemError", "install_problem_handlers", "problem_response"]
 

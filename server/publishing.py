@@ -6,9 +6,9 @@ import hashlib
 import re
 from pathlib import Path
 
-from hgs_core.codec.folder import CHUNKS, MANIFEST, load_manifest
-from hgs_core.errors import InputError
-from hgs_core.progress import ProgressCallback, silent
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import ProgressCallback, silent
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
 from jobs.artifacts import ArtifactStore
 
 __all__ = ["publish_run"]

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from hgs_core.codec.manifest import Manifest
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.manifest import Manifest
 
 __all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
 

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from jobs.artifacts import SceneEntry
 from jobs.client import JobRequest
 from jobs.store import Job

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import uvicorn
 from fastapi import FastAPI
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from server.protocol import MAX_MESSAGE_BYTES
 from server.service import Service
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Container, Iterator
+import re
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -12,15 +13,12 @@ from tests.conftest import REPOSITORY
 
 PACKAGES = ("hgs_core", "jobs", "server")
 MODULES = sorted(path for package in PACKAGES for path in (REPOSITORY / package).rglob("*.py"))
+NAMES = {".".join(p.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__"): p for p in MODULES}
 
 
 def imports(path: Path) -> Iterator[str]:
     """Every module that a file imports, at its top or inside a function."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
+    return _imported(ast.walk(ast.parse(path.read_text())))
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(REPOSITORY)))
@@ -28,6 +26,40 @@ def test_arrows_run_from_server_to_jobs_to_hgs_core(path: Path) -> None:
     package = path.relative_to(REPOSITORY).parts[0]
     above = PACKAGES[PACKAGES.index(package) + 1 :]
     assert not [name for name in imports(path) if name.split(".")[0] in above]
+
+
+def room(name: str) -> str:
+    """The room of a module, as docs/architecture.md calls it; rooms of the science without `hgs_core/`."""
+    parts = name.split(".")
+    deep = {("codec", "format"), ("codec", "encoder"), ("server", "cli")}
+    inside = parts[1:] if parts[0] == "hgs_core" else parts
+    return "/".join(inside[: 2 if tuple(inside[:2]) in deep else 1])
+
+
+def rooms_imported() -> dict[str, set[str]]:
+    """Which rooms each room imports, at the top of its modules or inside functions."""
+    found: dict[str, set[str]] = {}
+    for name, path in NAMES.items():
+        here = room(name)
+        if here:  # not hgs_core/__init__.py: the library's front door opens onto all rooms
+            found.setdefault(here, set()).update({room(other) for other in our_imports(path)} - {here, ""})
+    return found
+
+
+def rooms_documented() -> dict[str, set[str]]:
+    """The table of docs/architecture.md: what each room may import."""
+    rows = re.findall(r"^\| `([\w/]+)` \|.*\| ([^|]*) \|$", (REPOSITORY / "docs" / "architecture.md").read_text(), re.M)
+    return {name.removeprefix("hgs_core/"): set(re.findall(r"`([^`]+)`", imported)) for name, imported in rows}
+
+
+def test_rooms_import_what_their_row_says_and_nothing_else() -> None:
+    assert rooms_imported() == rooms_documented()
+
+
+def test_no_arrow_runs_back_up_between_rooms() -> None:
+    above = list(rooms_documented())
+    back = [(a, b) for a, imported in rooms_imported().items() for b in imported if above.index(b) >= above.index(a)]
+    assert back == []
 
 
 @pytest.mark.parametrize("library", ["fastapi", "uvicorn", "websockets", "dbos", "sqlalchemy", "obstore"])
@@ -38,8 +70,7 @@ def test_the_science_knows_no_web_queue_or_database_library(library: str) -> Non
 
 def test_no_module_circles_inside_a_process_start() -> None:
     """Top-level imports between our modules form no circle."""
-    names = {".".join(p.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__"): p for p in MODULES}
-    edges = {name: {i for i in _top_level(path, names) if i in names and i != name} for name, path in names.items()}
+    edges = {name: {i for i in _top_level(path) if i in NAMES and i != name} for name, path in NAMES.items()}
     done: set[str] = set()
 
     def visit(name: str, trail: tuple[str, ...]) -> None:
@@ -49,17 +80,26 @@ def test_no_module_circles_inside_a_process_start() -> None:
                 visit(other, (*trail, name))
             done.add(name)
 
-    for name in names:
+    for name in NAMES:
         visit(name, ())
 
 
-def _top_level(path: Path, names: Container[str]) -> Iterator[str]:
-    for node in ast.parse(path.read_text()).body:
+def our_imports(path: Path) -> set[str]:
+    """Our modules that a file imports, at its top or inside a function."""
+    return {name for name in imports(path) if name in NAMES}
+
+
+def _top_level(path: Path) -> Iterator[str]:
+    return _imported(ast.parse(path.read_text()).body)
+
+
+def _imported(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    for node in nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
             submodules = [f"{node.module}.{alias.name}" for alias in node.names]
-            yield from (name if name in names else node.module for name in submodules)
+            yield from (name if name in NAMES else node.module for name in submodules)
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(REPOSITORY)))

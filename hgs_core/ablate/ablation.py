@@ -13,13 +13,13 @@ from hgs_core.ablate.first_points import initialise_run, moving_share
 from hgs_core.ablate.plan import Ablation, RowRun
 from hgs_core.ablate.rows import FULL, ROWS, Row
 from hgs_core.ablate.summary import summarise
-from hgs_core.atomic import write_bytes
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.evaluate.truth import Truth
-from hgs_core.pipeline import create_run, encode, train
-from hgs_core.progress import ProgressCallback
+from hgs_core.runs.stages import create_run, encode, train
 from hgs_core.scene.files import load_scene, save_scene
 
 __all__ = ["ablate"]

@@ -10,10 +10,10 @@ import numpy as np
 
 from hgs_core.ablate.mask_changes import Mask
 from hgs_core.ablate.plan import RowRun
-from hgs_core.atomic import write_bytes
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.pipeline import initialise
-from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.runs.stages import initialise
 
 __all__ = ["initialise_run", "moving_share"]
 

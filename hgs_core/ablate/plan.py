@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 
 from hgs_core.ablate.rows import Row
-from hgs_core.run_folder import RunFolder
+from hgs_core.runs.folder import RunFolder
 from hgs_core.train.config import TrainConfig
 
 __all__ = ["Ablation", "RowRun"]

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from hgs_core.ablate.mask_changes import MaskChange, blobs_added, components_dropped, eroded, grown_to_share
+from hgs_core.base.errors import InputError
 from hgs_core.decompose.morphology import dilate
-from hgs_core.errors import InputError
 from hgs_core.train.config import TrainConfig
 
 __all__ = ["FULL", "ROWS", "Row", "rows_named"]

@@ -13,22 +13,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.bench.codec_errors import StaticErrors, coded_errors, spz_errors
 from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
-from hgs_core.codec.attributes import Kind
-from hgs_core.codec.folder import CHUNKS
-from hgs_core.encode_run import Fitted, Loss, fine_tune_cycles, fit
-from hgs_core.encode_views import EncodeViews, views_around, views_of_run
-from hgs_core.errors import InputError
-from hgs_core.fine_tune import training_states
+from hgs_core.codec.format.attributes import Kind
+from hgs_core.codec.format.folder import CHUNKS
+from hgs_core.fit.coarseness import Fitted, Loss, fine_tune_cycles, fit
+from hgs_core.fit.utility import measure_utility
+from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.interchange.formats import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
-from hgs_core.machine import machine_facts
-from hgs_core.measure_utility import measure_utility
-from hgs_core.progress import Progress, ProgressCallback
-from hgs_core.run_folder import RunFolder
+from hgs_core.native.machine import machine_facts
+from hgs_core.runs.encode_inputs import training_states, views_of_run
+from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState

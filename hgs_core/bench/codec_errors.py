@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.camera import Camera
 from hgs_core.codec import EncodeSettings, Utility
-from hgs_core.codec.attributes import Kind
-from hgs_core.codec.encode_chunk import static_numbers
-from hgs_core.codec.layers import static_layers
-from hgs_core.codec.prepare import Prepared, prepare_static
-from hgs_core.codec.preview import decoded_arrays
-from hgs_core.codec.rotations import turn_between
-from hgs_core.codec.steps import Steps
+from hgs_core.codec.encoder.encode_chunk import static_numbers
+from hgs_core.codec.encoder.layers import static_layers
+from hgs_core.codec.encoder.prepare import Prepared, prepare_static
+from hgs_core.codec.encoder.preview import decoded_arrays
+from hgs_core.codec.encoder.rotations import turn_between
+from hgs_core.codec.encoder.steps import Steps
+from hgs_core.codec.format.attributes import Kind
 from hgs_core.interchange.spz_file import read_spz
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["StaticErrors", "coded_errors", "spz_errors"]

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.codec.folder import load_manifest, read_chunk
-from hgs_core.codec.manifest import ChunkEntry
-from hgs_core.encode_run import Loss
+from hgs_core.codec.format.folder import load_manifest, read_chunk
+from hgs_core.codec.format.manifest import ChunkEntry
+from hgs_core.fit.coarseness import Loss
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
 __all__ = ["PREFIX", "prefix_losses"]

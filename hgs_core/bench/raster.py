@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.bench.accuracy import Errors, errors
 from hgs_core.bench.operations import Operations
 from hgs_core.bench.settings import BenchSettings
 from hgs_core.bench.stages import kernel_times, training_times, using_threads
 from hgs_core.bench.workload import Workload
-from hgs_core.machine import machine_facts
+from hgs_core.native.machine import machine_facts
 from hgs_core.native.peak import fma_peak
 from hgs_core.native.raster import Measurements
-from hgs_core.progress import Progress, ProgressCallback
 
 __all__ = ["STAGES", "Point", "RasterReport", "Scaling", "Speedup", "Work", "bench_raster"]
 

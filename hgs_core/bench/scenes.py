@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
-from hgs_core.codec import morton
+from hgs_core.codec.format import morton
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["BenchScene", "bench_camera", "bench_scene", "bench_target", "median_radius"]

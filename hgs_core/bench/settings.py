@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from hgs_core.base.errors import InputError
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size
-from hgs_core.errors import InputError
 from hgs_core.native import library
 
 __all__ = ["BACKENDS", "BenchSettings", "parse_backends", "parse_threads"]

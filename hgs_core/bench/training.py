@@ -11,13 +11,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import ProgressCallback
 from hgs_core.evaluate.run import evaluate_run
-from hgs_core.machine import machine_facts
-from hgs_core.pipeline import STAGES, create_run
-from hgs_core.progress import ProgressCallback
+from hgs_core.native.machine import machine_facts
 from hgs_core.render.backends import training_device
-from hgs_core.run_folder import RunFolder
+from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.stages import STAGES, create_run
 from hgs_core.train.config import TrainConfig
 
 __all__ = ["DEVICES", "TrainingReport", "bench_training", "training_report_text"]

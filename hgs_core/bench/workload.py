@@ -9,7 +9,7 @@ from torch import Tensor
 
 from hgs_core.bench.scenes import BenchScene, bench_camera, bench_scene, bench_target
 from hgs_core.bench.sizes import Size
-from hgs_core.camera import Camera
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["BACKGROUND", "Workload"]

@@ -11,9 +11,9 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import FrameCache, Neighbour
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Capture", "FrameSource", "files_fingerprint"]
 

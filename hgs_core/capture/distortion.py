@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Distortion", "straight_camera", "straightened"]
 

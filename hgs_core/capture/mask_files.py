@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.picture import check_size, numbered_pictures, read_mask
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["MaskFiles", "find_masks"]
 

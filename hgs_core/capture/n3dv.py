@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import list_folder
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.video import VideoReader
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["POSES_FILE", "VIDEO_NAME", "camera_from_pose", "load_n3dv"]
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.n3dv import POSES_FILE, VIDEO_NAME, load_n3dv
 from hgs_core.capture.panoptic import META_FILE, load_panoptic
 from hgs_core.capture.picture import list_folder
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.transforms import TRANSFORMS_FILE, load_transforms
-from hgs_core.errors import InputError
 
 __all__ = ["open_capture"]
 

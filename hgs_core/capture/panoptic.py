@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.mask_files import MaskFiles, find_masks
 from hgs_core.capture.picture import check_size, list_folder, read_picture
 from hgs_core.capture.recording import Recording
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["META_FILE", "load_panoptic"]
 

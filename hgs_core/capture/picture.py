@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, UnidentifiedImageError
 
-from hgs_core.camera import Camera
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = [
     "check_size",

@@ -10,12 +10,12 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.capture import Capture, files_fingerprint
 from hgs_core.capture.mask_files import MaskFiles
 from hgs_core.capture.picture import reduced_mask, reduced_picture
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["PictureSource", "Recording"]
 

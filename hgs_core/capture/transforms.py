@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.distortion import Distortion, straight_camera, straightened
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import picture_size, read_picture
 from hgs_core.capture.recording import Recording
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 __all__ = ["TRANSFORMS_FILE", "camera_from_transform", "load_transforms"]
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
-from hgs_core.errors import InputError
 
 if TYPE_CHECKING:
     import av

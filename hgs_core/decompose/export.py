@@ -10,8 +10,8 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image
 
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
 
 __all__ = ["export_masks"]
 

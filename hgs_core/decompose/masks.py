@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.atomic import replacing
+from hgs_core.base.atomic import replacing
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.temporal import estimate_background, moving_pixels, sample_frames
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback
 
 __all__ = ["MotionMasks", "motion_masks"]
 

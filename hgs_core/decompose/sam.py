@@ -15,9 +15,9 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
+from hgs_core.base.errors import InputError
 from hgs_core.decompose.components import component_boxes
 from hgs_core.decompose.morphology import dilate
-from hgs_core.errors import InputError
 
 __all__ = ["Sam2Refiner"]
 

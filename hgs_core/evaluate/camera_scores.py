@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 from torch import Tensor
 
-from hgs_core.evaluate.colour_corrected_psnr import ColourCorrectedError
-from hgs_core.evaluate.flicker import Flicker
 from hgs_core.evaluate.picture_scores import PICTURE_METRICS, PictureScorer
-from hgs_core.evaluate.region_psnr import RegionError
+from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError
+from hgs_core.metrics.flicker import Flicker
+from hgs_core.metrics.region_psnr import RegionError
 
 __all__ = ["REGIONS", "CameraScores", "Scores", "combine"]
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 from torch import Tensor
 
-from hgs_core.evaluate.flip import flip, require_flip
-from hgs_core.evaluate.lpips import Lpips
-from hgs_core.evaluate.ms_ssim import ms_ssim
-from hgs_core.evaluate.psnr import psnr
-from hgs_core.evaluate.ssim import ssim
+from hgs_core.metrics.flip import flip, require_flip
+from hgs_core.metrics.lpips import Lpips
+from hgs_core.metrics.ms_ssim import ms_ssim
+from hgs_core.metrics.psnr import psnr
+from hgs_core.metrics.ssim import ssim
 
 __all__ = ["PICTURE_METRICS", "PictureScorer"]
 

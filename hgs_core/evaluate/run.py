@@ -10,17 +10,17 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from hgs_core.atomic import write_bytes
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, decode_scene, load_manifest
-from hgs_core.errors import InputError
 from hgs_core.evaluate.camera_scores import CameraScores, combine
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.truth import Truth
-from hgs_core.progress import Progress, ProgressCallback
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.run_folder import RunFolder
+from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["evaluate_run"]

@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import (
     check_size,
@@ -21,7 +21,7 @@ from hgs_core.capture.picture import (
     reduced_mask,
     reduced_picture,
 )
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 from hgs_core.train.targets import target_picture
 
 __all__ = ["Truth"]

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.codec.polynomials import polynomial_fit, powers
 from hgs_core.scene.motion import COEFFICIENTS, position
+from hgs_core.scene.polynomials import polynomial_fit, powers
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import lifetime
 

@@ -11,9 +11,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.atomic import write_bytes
-from hgs_core.camera import Camera
-from hgs_core.errors import InputError
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
 from hgs_core.interchange.cubic import as_cubics
 from hgs_core.interchange.gaussian_ply import gaussian_ply, gaussian_splats
 from hgs_core.interchange.moment import scene_at
@@ -22,6 +21,7 @@ from hgs_core.interchange.spacetime_ply import is_spacetime, spacetime_ply, spac
 from hgs_core.interchange.splat_file import read_splat, splat_file
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import read_spz, spz_file
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
 __all__ = ["EXPORTED", "IMPORTED", "Imported", "export_scene", "import_scene"]

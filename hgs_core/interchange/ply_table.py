@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["columns", "read_ply", "write_ply"]
 

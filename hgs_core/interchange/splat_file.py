@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["SPLAT_BYTES", "read_splat", "rgba_bytes", "splat_file"]

@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.camera import Camera
 from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST
 from hgs_core.interchange.splat_file import rgba_bytes
 from hgs_core.scene.at_rest import at_rest
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["SPLATV_BYTES", "splatv_file"]

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.interchange.gaussian_ply import SH_0
 from hgs_core.scene.splats import StaticSplats
 

@@ -20,7 +20,7 @@ import warnings
 from pathlib import Path
 
 import hgs_core.native
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["available", "check", "instruction_set", "load", "supported", "thread_count"]
 

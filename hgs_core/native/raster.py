@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
 from hgs_core.native.arrays import Floats, address
 from hgs_core.native.library import check, load, thread_count
 from hgs_core.native.structs import (
@@ -27,6 +26,7 @@ from hgs_core.native.structs import (
     gradients_struct,
     statics_struct,
 )
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["Measurements", "Raster"]

@@ -7,7 +7,7 @@ from typing import Literal
 import torch
 from torch import Tensor
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.native import library
 from hgs_core.render.triton.device import available, require_device
 from hgs_core.scene.splats import DynamicSplats, StaticSplats

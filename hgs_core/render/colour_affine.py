@@ -8,7 +8,7 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["colour_affine", "identity_affine"]
 

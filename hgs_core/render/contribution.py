@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.backends import Backend, choose_backend
 from hgs_core.render.cpu import contributions_cpu
 from hgs_core.render.reference import contributions_reference
 from hgs_core.render.types import Contributions, View
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["contributions", "weigher"]

@@ -7,7 +7,7 @@ import math
 import torch
 from torch import Tensor
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.constants import COLOUR_MAX
 from hgs_core.render.temporal import alive
 from hgs_core.scene.splats import DynamicSplats, StaticSplats

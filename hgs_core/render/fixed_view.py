@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.backends import Backend, choose_backend
 from hgs_core.render.contribution import weigher
 from hgs_core.render.cpu import FixedViewCpu
 from hgs_core.render.rasterize import rasterizer
 from hgs_core.render.types import Contributions, Render, View
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["FixedView"]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.constants import (
     ALPHA_MIN,
     COMPENSATION_MIN,
@@ -19,6 +18,7 @@ from hgs_core.render.constants import (
     QUATERNION_MIN,
 )
 from hgs_core.render.temporal import Moment
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Ellipses", "project", "rotation_matrices"]
 

@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.backends import Backend, choose_backend
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import Gradients, Render, ScreenStatistics, View
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["rasterize", "rasterizer"]

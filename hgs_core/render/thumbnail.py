@@ -9,8 +9,8 @@ import numpy as np
 import torch
 from PIL import Image
 
-from hgs_core.camera import Camera
 from hgs_core.render.rasterize import rasterize
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["thumbnail"]

@@ -7,9 +7,9 @@ import numpy.typing as npt
 from torch import Tensor
 from torch.nn.functional import max_pool2d
 
-from hgs_core.camera import Camera
 from hgs_core.render.constants import TILE
 from hgs_core.render.rasterize import rasterize
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats
 
 __all__ = ["tiles_of_dynamic", "tiles_to_pixels"]

@@ -10,9 +10,9 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core.camera import Camera
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.constants import TILE
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Contributions", "Gradients", "Render", "ScreenStatistics", "View"]
 

@@ -16,8 +16,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.atomic import replacing
-from hgs_core.errors import InputError
+from hgs_core.base.atomic import replacing
+from hgs_core.base.errors import InputError
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 

@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core.camera import Camera
-from hgs_core.capture.points import PointCloud
-from hgs_core.capture.sweep import sweep
-from hgs_core.decompose.labels import label_points, mean_over_views
 from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.labels import label_points, mean_over_views
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.sweep import sweep
+from hgs_core.scene.camera import Camera
 
 __all__ = ["Births", "chosen_births", "find_births", "picture_error"]
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.camera import Camera
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.points import PointCloud
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig

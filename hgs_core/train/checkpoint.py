@@ -11,8 +11,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.atomic import replacing
-from hgs_core.errors import InputError
+from hgs_core.base.atomic import replacing
+from hgs_core.base.errors import InputError
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam

@@ -6,7 +6,7 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
 

@@ -10,10 +10,10 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
-from hgs_core.capture.sweep import depth_ranges
+from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.births import Births, chosen_births, find_births, picture_error

@@ -7,8 +7,8 @@ from collections import OrderedDict
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
+from hgs_core.scene.camera import Camera
 from hgs_core.train.targets import as_target, target_picture
 
 __all__ = ["DeviceFrames"]

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.capture.points import PointCloud
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.births import chosen_births, find_births, picture_error

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.capture.points import PointCloud
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 

@@ -16,8 +16,8 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
-from hgs_core.decompose.labels import label_points
+from hgs_core.points.labels import label_points
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import recentred
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate

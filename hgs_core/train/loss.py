@@ -7,7 +7,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from hgs_core.evaluate.ssim import ssim_map
+from hgs_core.metrics.ssim import ssim_map
 from hgs_core.native import library
 from hgs_core.native.loss import l1_dssim
 from hgs_core.render.triton.device import available

@@ -14,8 +14,8 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.projection import rotation_matrices
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import evaluate

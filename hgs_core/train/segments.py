@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.capture.points import PointCloud
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene.splats import DynamicSplats, Segment
 
 __all__ = ["CaptureSegment", "cut_into_segments"]

@@ -7,8 +7,8 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
-from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
+from hgs_core.scene.camera import Camera
 
 __all__ = ["as_target", "target_picture"]
 

@@ -13,14 +13,14 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.render.types import Gradients
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig

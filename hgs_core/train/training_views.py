@@ -10,11 +10,11 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_mask
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import sample_frames
+from hgs_core.scene.camera import Camera
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.segments import CaptureSegment

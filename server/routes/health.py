@@ -6,7 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from hgs_core.version import software_version
+from hgs_core.base.version import software_version
 from server.protocol import PROTOCOL_VERSION
 
 __all__ = ["router"]

@@ -10,7 +10,7 @@ from fastapi.responses import JSONResponse, StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
 from jobs.client import JobConflictError, JobRequest
 from jobs.store import Job, JobState

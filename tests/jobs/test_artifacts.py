@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress
 from jobs.artifacts import ArtifactStore
 
 

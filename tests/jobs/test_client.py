@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
 from jobs.client import JobClient, JobConflictError, JobRequest
 from jobs.home import Home

@@ -124,7 +124,7 @@ def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("pipeline", ["hgs_core.pipeline"])
+@pytest.mark.parametrize("pipeline", ["hgs_core.runs.stages"])
 def test_the_real_trainer_resumes_from_its_checkpoint(
     client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from hgs_core.progress import Progress
+from hgs_core.base.progress import Progress
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
 from jobs.store import Job, JobState, JobTable, metadata

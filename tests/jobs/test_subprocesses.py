@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.progress import Progress
+from hgs_core.base.progress import Progress
 from hgs_core.train.config import TrainConfig
 from jobs import subprocesses
 from jobs.home import Home

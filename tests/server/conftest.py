@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
-from hgs_core.camera import Camera
-from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.scene.camera import Camera
 from jobs.artifacts import SceneEntry
 from jobs.client import JobConflictError, JobRequest
 from jobs.home import Home

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from jobs.artifacts import ArtifactStore
 from server.publishing import publish_run
 

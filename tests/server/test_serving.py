@@ -16,7 +16,7 @@ import pytest
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from jobs.store import JobState
 from server.protocol import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream

@@ -15,7 +15,7 @@ from scripts.browser_check import canvas_floats, canvas_pixels, open_viewer, psn
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
-    from hgs_core.camera import Camera
+    from hgs_core.scene.camera import Camera
     from tests.web_client.conftest import Site
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]

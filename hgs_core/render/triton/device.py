@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager, nullcontext
 import torch
 from torch import Tensor
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 
 __all__ = ["available", "launching_on", "require_device"]
 

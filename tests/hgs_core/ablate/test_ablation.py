@@ -15,10 +15,10 @@ from hgs_core.ablate.ablation import ablate
 from hgs_core.ablate.plan import Ablation
 from hgs_core.ablate.rows import ROWS
 from hgs_core.ablate.summary import FIGURES
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.points import PointCloud
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.files import load_scene
 from tests.hgs_core.ablate.conftest import CONFIG, MakeAblation

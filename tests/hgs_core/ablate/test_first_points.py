@@ -10,9 +10,9 @@ import pytest
 from hgs_core.ablate.first_points import initialise_run, moving_share
 from hgs_core.ablate.mask_changes import grown_to_share
 from hgs_core.ablate.plan import RowRun
+from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.pipeline import create_run, initialise
-from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.runs.stages import create_run, initialise
 from tests.hgs_core.ablate.conftest import MakeAblation
 
 

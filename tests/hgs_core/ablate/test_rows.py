@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 
 from hgs_core.ablate.rows import FULL, ROWS, rows_named
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.train.config import PRESETS, TrainConfig
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from hgs_core.base.progress import Progress
 from hgs_core.bench.raster import RasterReport, bench_raster
 from hgs_core.bench.settings import BenchSettings
 from hgs_core.bench.sizes import Size
-from hgs_core.progress import Progress
 
 SMALL, LARGE = Size(300, 64, 48), Size(400, 75, 41)
 

@@ -6,10 +6,10 @@ import json
 
 import pytest
 
+from hgs_core.base.progress import Progress
 from hgs_core.bench.raster import STAGES, RasterReport
 from hgs_core.bench.table import report_text
 from hgs_core.native import library
-from hgs_core.progress import Progress
 
 needs_kernels = pytest.mark.skipif(not library.available(), reason="hgs was built without its C++ kernels")
 

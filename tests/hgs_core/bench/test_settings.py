@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
+from hgs_core.base.errors import InputError
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size
-from hgs_core.errors import InputError
 from hgs_core.native import library
 
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
+from hgs_core.base.errors import InputError
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
-from hgs_core.errors import InputError
 
 
 def test_sizes_are_read_in_order_and_once() -> None:

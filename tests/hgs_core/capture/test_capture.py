@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import FrameCache
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 PICTURE = 64 * 48 * 3
 
@@ -172,7 +172,7 @@ def test_the_fingerprint_follows_sizes(n3dv: Path) -> None:
 
 def test_heavy_libraries_wait_until_they_are_needed() -> None:
     code = (
-        "import sys, hgs_core.capture.open, hgs_core.capture.initialise;"
+        "import sys, hgs_core.capture.open, hgs_core.points.initial_points;"
         "assert not {'av', 'pycolmap', 'torch'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).resolve().parents[3])

@@ -7,9 +7,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.distortion import Distortion, straight_camera, straightened
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 PHOTO = Camera("photo", 200, 150, 160.0, 165.0, 104.0, 71.0, np.eye(4))
 LENSES = [

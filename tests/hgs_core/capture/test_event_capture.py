@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
 from scripts.make_event_capture import Ball, brightened, write_event_capture
 from tests.synthetic import write_capture
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.errors import InputError
-from hgs_core.progress import silent
 
 
 def write_masks(folder: Path, *, frames: Sequence[int] = range(6), size: tuple[int, int] = (64, 48)) -> Path:

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.n3dv import camera_from_pose
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
+from hgs_core.scene.camera import Camera
 
 VideoWriter = Callable[..., None]
 SAMPLE = Path(__file__).resolve().parents[3] / "samples" / "studio"

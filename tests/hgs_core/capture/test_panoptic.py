@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
 
 Edit = Callable[[Callable[[dict[str, Any]], None]], None]
 

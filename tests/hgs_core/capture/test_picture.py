@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.camera import Camera
 from hgs_core.capture.picture import read_mask, read_picture
+from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("a", 4, 3, 5, 5, 2, 1.5, np.eye(4))
 

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.features import Features, extract_features, fundamental_matrix
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.transforms import camera_from_transform
-from hgs_core.errors import InputError
+from hgs_core.points.features import Features, extract_features, fundamental_matrix
+from hgs_core.scene.camera import Camera
 
 Edit = Callable[[dict[str, Any]], None]
 

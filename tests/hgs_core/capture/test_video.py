@@ -9,8 +9,8 @@ import av
 import numpy as np
 import pytest
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.video import VideoReader
-from hgs_core.errors import InputError
 
 VideoWriter = Callable[..., None]
 LEVELS = [10 * i + 10 for i in range(20)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from hgs_core.camera import Camera
+from hgs_core.scene.camera import Camera
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hgs_core.camera import Camera
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks, motion_masks
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.scene.camera import Camera
 
 FRAMES = 8
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hgs_core.base.errors import InputError
 from hgs_core.decompose.sam import Sam2Refiner, _merged
-from hgs_core.errors import InputError
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from PIL import Image
 from torch import Tensor
 
 from hgs_core.codec import encode_scene
-from hgs_core.pipeline import create_run
-from hgs_core.run_folder import RunFolder
+from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.stages import create_run
 from hgs_core.scene import HybridScene, Segment
 from hgs_core.train.config import TrainConfig
 from tests.synthetic import synthetic_scene, write_capture

@@ -4,12 +4,12 @@ import torch
 from torch import Tensor
 
 from hgs_core.evaluate.camera_scores import CameraScores, combine
-from hgs_core.evaluate.colour_corrected_psnr import colour_corrected_psnr
-from hgs_core.evaluate.flicker import flicker
 from hgs_core.evaluate.picture_scores import PictureScorer
-from hgs_core.evaluate.psnr import psnr
-from hgs_core.evaluate.region_psnr import pooled_region_psnr
-from hgs_core.evaluate.ssim import ssim
+from hgs_core.metrics.colour_corrected_psnr import colour_corrected_psnr
+from hgs_core.metrics.flicker import flicker
+from hgs_core.metrics.psnr import psnr
+from hgs_core.metrics.region_psnr import pooled_region_psnr
+from hgs_core.metrics.ssim import ssim
 
 SHAPE = (4, 3, 20, 30)
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import torch
 
-from hgs_core.evaluate.psnr import psnr
-from hgs_core.evaluate.ssim import ssim, ssim_map
+from hgs_core.metrics.psnr import psnr
+from hgs_core.metrics.ssim import ssim, ssim_map
 
 
 def test_psnr_is_its_definition() -> None:

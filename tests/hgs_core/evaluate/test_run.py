@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, silent
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
 from hgs_core.evaluate.run import evaluate_run
-from hgs_core.progress import Progress, silent
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from tests.hgs_core.evaluate.conftest import FRAMES, save

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.errors import InputError
 from hgs_core.capture.open import open_capture
-from hgs_core.errors import InputError
 from hgs_core.evaluate.truth import Truth
 from tests.hgs_core.evaluate.conftest import FRAMES, SIZE, save
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hgs_core.camera import Camera
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.interchange import export_scene, import_scene
 from hgs_core.interchange.ply_table import write_ply
 from hgs_core.interchange.spz_file import read_spz, spz_file
 from hgs_core.scene import HybridScene
+from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("cam00", 640, 480, 500.0, 510.0, 320.0, 240.0, np.eye(4))
 FIELDS = ["x", "y", "z", *(f"f_dc_{i}" for i in range(3)), "opacity", *(f"scale_{i}" for i in range(3))]

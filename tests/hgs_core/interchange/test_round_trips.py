@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hgs_core.camera import Camera
-from hgs_core.codec.rotations import matrices
+from hgs_core.codec.encoder.rotations import matrices
 from hgs_core.interchange import export_scene, import_scene, scene_at
 from hgs_core.scene import HybridScene, Segment, StaticSplats, evaluate
+from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("cam00", 640, 480, 500.0, 510.0, 320.0, 240.0, np.eye(4))
 

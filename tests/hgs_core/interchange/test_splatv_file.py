@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from hgs_core.camera import Camera
 from hgs_core.interchange import export_scene
 from hgs_core.scene import HybridScene, evaluate
+from hgs_core.scene.camera import Camera
 
 POSE = np.array([[0, 0, -1, 0.5], [0, 1, 0, 0], [1, 0, 0, 2], [0, 0, 0, 1]], float)
 CAMERA = Camera("cam07", 640, 480, 500.0, 510.0, 320.0, 240.0, POSE)

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.native import library
 
 PRINT = "from hgs_core.native import library; print(library.available(), library.instruction_set())"

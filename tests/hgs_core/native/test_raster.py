@@ -14,11 +14,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from hgs_core.camera import Camera
 from hgs_core.native import library
 from hgs_core.native.raster import Raster
 from hgs_core.native.structs import DYNAMIC_SHAPES, STATIC_SHAPES
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 from tests.tolerances import assert_close
 

@@ -16,9 +16,9 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.types import Render, View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 Static = StaticSplats[Tensor]

@@ -6,8 +6,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 
 
 def camera(width: int = 40, height: int = 24) -> Camera:

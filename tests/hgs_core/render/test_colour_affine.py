@@ -6,7 +6,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.colour_affine import colour_affine, identity_affine
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View

@@ -10,11 +10,11 @@ import pytest
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.native import library
 from hgs_core.render.cpu import rasterize_cpu
 from hgs_core.render.types import Gradients, View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.comparison import compare
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 

@@ -9,7 +9,7 @@ import re
 import pytest
 import torch
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
 from tests.hgs_core.render.comparison import BACKENDS, every_backend

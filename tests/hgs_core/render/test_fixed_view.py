@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render import FixedView, contributions, rasterize
 from tests.hgs_core.render.comparison import every_backend
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats

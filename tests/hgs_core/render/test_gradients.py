@@ -10,10 +10,10 @@ import pytest
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.comparison import compare, every_backend
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 

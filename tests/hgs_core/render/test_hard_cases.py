@@ -7,9 +7,9 @@ import functools
 import pytest
 import torch
 
-from hgs_core.camera import Camera
 from hgs_core.render.types import View
 from hgs_core.scene import StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.comparison import BACKENDS, Result, check_case, differentiate, every_backend
 from tests.hgs_core.render.hard_cases import CASES, front
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import torch
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.native import library
 from hgs_core.render import rasterize
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats

@@ -10,10 +10,10 @@ import numpy.typing as npt
 import pytest
 import torch
 
-from hgs_core.camera import Camera
 from hgs_core.render.reference import contributions_reference, rasterize_reference
 from hgs_core.render.types import ScreenStatistics, View
 from hgs_core.scene import DynamicSplats, StaticSplats
+from hgs_core.scene.camera import Camera
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 

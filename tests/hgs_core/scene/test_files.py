@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, load_scene, save_scene
 
 

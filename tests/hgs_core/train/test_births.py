@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from hgs_core.capture.points import PointCloud
-from hgs_core.capture.sweep import depth_ranges
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import StaticSplats
 from hgs_core.train.births import Births, chosen_births, find_births, picture_error
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures, truths

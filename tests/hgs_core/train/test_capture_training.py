@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.progress import Progress, StageStopped, silent
 from hgs_core.train.capture_training import train_capture
 from hgs_core.train.config import TrainConfig
 from tests.hgs_core.train.test_trainer import points

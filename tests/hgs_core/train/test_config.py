@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.train.config import PRESETS, TrainConfig
 
 
@@ -46,5 +46,5 @@ def test_budgets_grow_with_time_and_a_single_set_has_both(labels: str, budgets: 
 
 
 def test_config_and_pipeline_do_not_load_torch() -> None:
-    code = "import sys, hgs_core.pipeline, hgs_core.train.config; sys.exit('torch' in sys.modules)"
+    code = "import sys, hgs_core.runs.stages, hgs_core.train.config; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 import torch
 
+from hgs_core.base.progress import silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import MotionMasks, motion_masks
-from hgs_core.progress import silent
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state
 from hgs_core.train.config import TrainConfig

@@ -7,10 +7,10 @@ import numpy.typing as npt
 import pytest
 import torch
 
+from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.points import PointCloud
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.progress import silent
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.config import TrainConfig

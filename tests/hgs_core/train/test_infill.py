@@ -6,7 +6,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from hgs_core.capture.sweep import depth_ranges
+from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.infill import find_infill

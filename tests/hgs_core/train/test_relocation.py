@@ -10,9 +10,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from hgs_core.camera import Camera
 from hgs_core.render import rasterize
 from hgs_core.scene import StaticSplats
+from hgs_core.scene.camera import Camera
 from hgs_core.train.adam import Adam
 from hgs_core.train.density import joined
 from hgs_core.train.relocation import disturb, relocate, shared_among

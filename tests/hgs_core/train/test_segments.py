@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hgs_core.capture.points import PointCloud
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.train.segments import cut_into_segments
 
 

@@ -17,9 +17,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from torch import Tensor
 
+from hgs_core.base.progress import silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.progress import silent
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.adam import BETA1, BETA2

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
-from hgs_core.progress import silent
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig

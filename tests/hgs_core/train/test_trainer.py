@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.points import PointCloud
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, StageStopped, silent
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.train.config import TrainConfig

@@ -15,8 +15,8 @@ from pathlib import Path
 
 from scene_folder import write_scene
 
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.train.config import TrainConfig
 
 CHECKPOINT_EVERY = 5

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hgs_core.camera import Camera
-from hgs_core.codec.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.scene.camera import Camera
 
 
 def write_scene(folder: Path, chunks: tuple[bytes, ...] = (b"one", b"two"), title: str = "Scene") -> list[str]:

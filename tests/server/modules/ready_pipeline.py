@@ -6,8 +6,8 @@ import json
 import shutil
 from pathlib import Path
 
-from hgs_core.errors import InputError
-from hgs_core.progress import Progress, ProgressCallback
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.train.config import TrainConfig
 
 

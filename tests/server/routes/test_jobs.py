@@ -9,7 +9,7 @@ import httpx
 import pytest
 from sqlalchemy.exc import OperationalError
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from jobs.store import JobState
 
 PROBLEM = "application/problem+json"

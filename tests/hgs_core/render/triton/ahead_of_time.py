@@ -19,10 +19,10 @@ from triton.backends.compiler import GPUTarget
 from triton.compiler import ASTSource
 from triton.runtime.jit import JITFunction, mangle_type
 
-from hgs_core.camera import Camera
 from hgs_core.render.triton.contribution import contributions_triton
 from hgs_core.render.triton.rasterize import rasterize_triton
 from hgs_core.render.types import Gradients, ScreenStatistics, View
+from hgs_core.scene.camera import Camera
 from hgs_core.train.triton.adam import adam_step
 from hgs_core.train.triton.loss import l1_dssim
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats

@@ -7,7 +7,7 @@ import importlib.util
 import pytest
 import torch
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.triton.device import available, require_device
 
 

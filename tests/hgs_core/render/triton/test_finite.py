@@ -8,7 +8,7 @@ import math
 import pytest
 import torch
 
-from hgs_core.errors import InputError
+from hgs_core.base.errors import InputError
 from hgs_core.render.triton.rasterize import rasterize_triton
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats

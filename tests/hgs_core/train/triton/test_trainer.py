@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.points import PointCloud
-from hgs_core.progress import silent
+from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats

@@ -1,0 +1,183 @@
+"""From a trained scene to a scene folder: manifest.json, chunks/<sha256>, thumbnail.jpg."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
+from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
+from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
+from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
+from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.shown import Shown, frame_interval, shown_segments
+from hgs_core.codec.encoder.utility import SetUtility, Utility
+from hgs_core.codec.encoder.viewpoint import find_viewpoint
+from hgs_core.codec.format.chunk import VERSIONS, Box
+from hgs_core.codec.format.decode import DecodedChunk
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.scene.camera import Camera
+from hgs_core.scene.splats import HybridScene
+from hgs_core.scene.temporal import lifetime
+
+__all__ = ["encode_scene"]
+
+Floats = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class _Coded:
+    """A chunk's bytes with its entry in the manifest."""
+
+    entry: ChunkEntry
+    data: bytes
+    version: int
+
+
+def encode_scene(
+    scene: HybridScene[Floats],
+    out: Path,
+    *,
+    cameras: Sequence[Camera],
+    times: NDArray[np.float64],
+    title: str,
+    settings: EncodeSettings | None = None,
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    thumbnail: bytes | None = None,
+    training: Mapping[str, Any] | None = None,
+    antialiased: bool = False,
+    utility: Utility | None = None,
+) -> Manifest:
+    """Write `scene` to the folder `out` and return its manifest.
+
+    `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
+    JSON can hold, `antialiased` whether the splats were trained to be drawn so, `utility` what every splat was measured
+    to do to the capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Equal
+    arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same folder
+    are removed after that.
+
+    Raises:
+        InputError: the scene, the cameras or the times hold what cannot be encoded.
+        RuntimeError: a chunk does not decode within its declared bounds (a fault of this program).
+        OSError: the folder cannot be written.
+    """
+    settings = settings or EncodeSettings()
+    times = np.asarray(times, np.float64)
+    interval = frame_interval(times)
+    segments = shown_segments(scene, interval)
+    moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
+    points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
+    view = find_viewpoint(cameras, points)
+    static = _static_chunks(scene, cameras, utility, settings, antialiased)
+    coded = list(static)
+    slices: list[SliceEntry] = []
+    for shown in segments:
+        known = None if utility is None else utility.dynamic[shown.number]
+        pieces, chunks = _segment_chunks(shown, cameras, known, settings, len(coded), antialiased)
+        slices += pieces
+        coded += chunks
+    manifest = Manifest(
+        title=title,
+        start=scene.start,
+        end=scene.end,
+        frame_rate=1 / interval,
+        background=background,
+        up=view.up,
+        center=view.center,
+        extent=view.extent,
+        cameras=tuple(cameras),
+        segments=tuple(SegmentEntry(segment.start, segment.end) for segment in scene.segments),
+        static=tuple(chunk.entry for chunk in static),
+        slices=tuple(slices),
+        thumbnail=thumbnail is not None,
+        training=dict(training or {}),
+        antialiased=antialiased,
+        version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
+    )
+    _write(out, manifest, coded, thumbnail)
+    return manifest
+
+
+def _static_chunks(
+    scene: HybridScene[Floats],
+    cameras: Sequence[Camera],
+    utility: Utility | None,
+    settings: EncodeSettings,
+    antialiased: bool,
+) -> list[_Coded]:
+    known = None if utility is None else utility.static
+    splats = prepare_static(scene.static, cameras, known, settings, antialiased=antialiased)
+    return [
+        _coded(*encode_static_chunk(splats.take(layer.index), settings, i))
+        for i, layer in enumerate(static_layers(splats, settings))
+    ]
+
+
+def _segment_chunks(
+    shown: Shown,
+    cameras: Sequence[Camera],
+    utility: SetUtility | None,
+    settings: EncodeSettings,
+    index: int,
+    antialiased: bool,
+) -> tuple[list[SliceEntry], list[_Coded]]:
+    """Encode a segment; `index` numbers its first chunk."""
+    time = shown.time
+    splats = prepare_dynamic(
+        shown.segment.dynamic, time.shown_until, shown.frame, cameras, utility, settings, antialiased=antialiased
+    )
+    seconds, limits = slice_limits(time, shown.until, settings)
+    count = len(limits) - 1
+    chunks: list[list[_Coded]] = [[] for _ in range(count)]
+    needs: list[list[str]] = [[] for _ in range(count)]
+    for layer in dynamic_layers(splats, time, limits, settings):
+        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, settings, index)
+        index += 1
+        chunk = _coded(data, decoded)
+        chunks[layer.slice].append(chunk)
+        start, end = lifetime(decoded.dynamic())
+        if max(float(start.min()), 0.0) < limits[layer.slice]:
+            raise RuntimeError(f"a splat of slice {layer.slice} lives from {start.min():.6g}, before the slice")
+        last = min(int(np.searchsorted(limits, float(end.max()), side="right")) - 1, count - 1)
+        for later in range(layer.slice + 1, last + 1):
+            needs[later].append(chunk.entry.id)
+    slices = [
+        SliceEntry(
+            shown.number,
+            float(seconds[i]),
+            float(seconds[i + 1]),
+            tuple(chunk.entry for chunk in chunks[i]),
+            tuple(needs[i]),
+        )
+        for i in range(count)
+    ]
+    return slices, [chunk for piece in chunks for chunk in piece]
+
+
+def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
+    box: Box = decoded.box
+    return _Coded(ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), decoded.count, box), data, decoded.version)
+
+
+def _write(out: Path, manifest: Manifest, chunks: Sequence[_Coded], thumbnail: bytes | None) -> None:
+    text = json.dumps(manifest.to_json(), allow_nan=False, separators=(",", ":"))
+    for chunk in chunks:
+        write_bytes(out / CHUNKS / chunk.entry.id, chunk.data)
+    if thumbnail is not None:
+        write_bytes(out / THUMBNAIL, thumbnail)
+    write_bytes(out / MANIFEST, text.encode())
+    kept = {chunk.entry.id for chunk in chunks}
+    for file in (out / CHUNKS).glob("*"):
+        if file.name not in kept:
+            file.unlink()
+    if thumbnail is None:
+        (out / THUMBNAIL).unlink(missing_ok=True)

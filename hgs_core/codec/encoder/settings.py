@@ -1,0 +1,57 @@
+"""How closely a scene is encoded, and how it is cut into chunks."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from hgs_core.base.errors import InputError
+
+__all__ = ["EncodeSettings"]
+
+
+@dataclass(frozen=True)
+class EncodeSettings:
+    """Quantiser steps and sizes.
+
+    Steps are those of a splat whose utility (`weights.py`) is 1; a splat that shows less has wider ones, in
+    proportion to 1 / sqrt(utility) and at most `largest_*`, and one that shows more narrower ones. All grow with
+    `coarseness`.
+    """
+
+    coarseness: float = 1.0
+    position_step: float = 0.085  # in effective radii of the splat
+    shape_step: float = 0.045  # of ln of the standard deviation on the screen, i.e. 4.5 %
+    rotation_step: float = 1.0  # of a quaternion's components, in shape steps over how much longer than wide a splat is
+    opacity_step: float = 0.05  # of the opacity, in proportion to it
+    rgb_step: float = 0.024
+    largest_position_step: float = 1.0  # pixels of the cameras that see the splat
+    largest_shape_step: float = 0.7
+    largest_rotation_step: float = 0.15
+    largest_opacity_step: float = 0.06  # of the number stored
+    largest_rgb_step: float = 0.2
+    prune: float = 0.0004  # static splats that would be missed less than this times coarseness squared are dropped
+    prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
+    shortest_life: float = 0.05  # in frames: half the life of the briefest splat
+    slice_seconds: float = 0.5
+    static_chunk_splats: int = 8192  # at most
+    dynamic_chunk_splats: int = 8192  # at most
+    small_chunk_splats: int = 1024  # chunks of fewer splats are joined with the next
+    compression_level: int = 19  # of zstd
+
+    def __post_init__(self) -> None:
+        """Check every range.
+
+        Raises:
+            InputError: names the field and the range it must lie in.
+        """
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if field.type == "int":
+                if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                    raise InputError(f"encode.{field.name}", f"{value!r} is not a whole number of at least 1")
+            elif not (math.isfinite(value) and (1e-9 <= value <= 1e9 or (value == 0 and "prune" in field.name))):
+                raise InputError(f"encode.{field.name}", f"{value!r} is out of range", "give a number from 1e-9 to 1e9")
+        if self.compression_level > 22:
+            raise InputError("encode.compression_level", f"{self.compression_level} is too large", "give 1 to 22")

@@ -1,0 +1,107 @@
+"""Reading a scene folder: manifest.json, chunks/<sha256>, thumbnail.jpg."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.attributes import Kind
+from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
+from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest
+from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
+
+__all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "decode_scene", "load_manifest", "read_chunk"]
+
+MANIFEST = "manifest.json"
+CHUNKS = "chunks"
+THUMBNAIL = "thumbnail.jpg"
+
+Floats = NDArray[np.float32]
+
+
+def load_manifest(path: Path) -> Manifest:
+    """Read a manifest; `path` is the file or its folder.
+
+    Raises:
+        InputError: it is missing, not JSON, or a field is wrong; names the file and the field.
+    """
+    file = path / MANIFEST if path.is_dir() else path
+    try:
+        document: Any = json.loads(file.read_bytes())
+    except OSError as error:
+        raise InputError(
+            file, f"cannot be read ({error.strerror})", "give a scene folder or its manifest.json"
+        ) from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(file, f"is not JSON ({error})", "encode the scene again") from error
+    return Manifest.from_json(document, f"{file}: manifest")
+
+
+def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
+    """Read and decode a chunk of a scene folder.
+
+    Raises:
+        InputError: the file is missing, its length or SHA-256 is not the manifest's, or it is not a valid chunk.
+    """
+    file = folder / CHUNKS / entry.id
+    try:
+        size = file.stat().st_size
+        if size != entry.bytes:
+            raise InputError(file, f"has {size} bytes, the manifest says {entry.bytes}", "encode the scene again")
+        data = file.read_bytes()
+    except OSError as error:
+        raise InputError(file, f"cannot be read ({error.strerror})", "encode the scene again") from error
+    actual = hashlib.sha256(data).hexdigest()
+    if actual != entry.id:
+        raise InputError(file, f"has the SHA-256 {actual}, the manifest says {entry.id}", "encode the scene again")
+    try:
+        decoded = decode_chunk(data)
+    except ChunkError as error:
+        raise InputError(file, str(error)) from error
+    if decoded.count != entry.splats:
+        raise InputError(
+            file, f"has {decoded.count} splats, the manifest says {entry.splats}", "encode the scene again"
+        )
+    return decoded
+
+
+def decode_scene(path: Path) -> HybridScene[Floats]:
+    """Decode a whole scene folder; every chunk's SHA-256 is checked.
+
+    Raises:
+        InputError: the manifest or a chunk is missing or wrong.
+    """
+    manifest = load_manifest(path)
+    folder = path if path.is_dir() else path.parent
+    static = [_of_kind(folder, entry, Kind.STATIC).static() for entry in manifest.static]
+    dynamic: list[list[DynamicSplats[Floats]]] = [[] for _ in manifest.segments]
+    for piece in manifest.slices:
+        segment = manifest.segments[piece.segment]
+        for entry in piece.chunks:
+            chunk = _of_kind(folder, entry, Kind.DYNAMIC)
+            if chunk.time_range != (segment.start, segment.end):
+                raise InputError(
+                    folder / CHUNKS / entry.id,
+                    f"is of the time {chunk.time_range}, its segment of {(segment.start, segment.end)}",
+                    "encode the scene again",
+                )
+            dynamic[piece.segment].append(chunk.dynamic())
+    segments = tuple(
+        Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets]))
+        for segment, sets in zip(manifest.segments, dynamic, strict=True)
+    )
+    return HybridScene(joined([StaticSplats.empty(), *static]), segments)
+
+
+def _of_kind(folder: Path, entry: ChunkEntry, kind: Kind) -> DecodedChunk:
+    chunk = read_chunk(folder, entry)
+    if chunk.kind != kind:
+        raise InputError(folder / CHUNKS / entry.id, f"is a {chunk.kind.name.lower()} chunk, listed as the other kind")
+    return chunk

@@ -1,0 +1,235 @@
+"""The manifest of a scene: typed, strictly validated, and written as JSON (docs/format.md, "Manifest")."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
+from hgs_core.codec.format.json_fields import Field, field_of
+from hgs_core.scene.camera import Camera
+
+__all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
+
+FORMAT = "hgs-scene"
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class ChunkEntry:
+    """A chunk as the manifest lists it."""
+
+    id: str  # SHA-256 of its bytes, lower-case hex; the name of its file
+    bytes: int
+    splats: int
+    box: Box  # holds the centre of every splat whenever it can be seen, world units
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form."""
+        return {"id": self.id, "bytes": self.bytes, "splats": self.splats, "box": [list(c) for c in self.box]}
+
+    @classmethod
+    def read(cls, field: Field) -> ChunkEntry:
+        """Read the plain form."""
+        box = field["box"].items(2)
+        low, high = (corner.numbers(3) for corner in box)
+        if any(a > b for a, b in zip(low, high, strict=True)):
+            raise field["box"].error(f"{field['box'].value!r} has a first corner beyond its second")
+        return cls(
+            field["id"].hash(),
+            field["bytes"].whole(1, MAX_CHUNK_BYTES),
+            field["splats"].whole(1, MAX_SPLATS),
+            (_triple(low), _triple(high)),
+        )
+
+
+@dataclass(frozen=True)
+class SegmentEntry:
+    """A stretch of time with its own dynamic splats; seconds."""
+
+    start: float
+    end: float
+
+
+@dataclass(frozen=True)
+class SliceEntry:
+    """A part of a segment: whatever lives at a moment of it is in `chunks` and `needs`."""
+
+    segment: int  # index
+    start: float  # seconds
+    end: float  # seconds
+    chunks: tuple[ChunkEntry, ...]  # splats that first live in this slice
+    needs: tuple[str, ...]  # ids of chunks of earlier slices with splats that still live
+
+
+@dataclass(frozen=True)
+class Totals:
+    """Sums over the lists of chunks."""
+
+    splats_static: int
+    splats_dynamic: int
+    bytes_static: int
+    bytes_dynamic: int
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Everything about a scene but its splats."""
+
+    title: str
+    start: float  # seconds of the capture's clock
+    end: float  # seconds
+    frame_rate: float  # frames per second, above 0
+    background: Triple  # sRGB in [0, 1]
+    up: Triple  # unit vector, world
+    center: Triple  # what an orbit camera turns about, world units
+    extent: float  # typical distance of the cameras from `center`, above 0
+    cameras: tuple[Camera, ...]
+    segments: tuple[SegmentEntry, ...]
+    static: tuple[ChunkEntry, ...]  # most visible first: any prefix draws
+    slices: tuple[SliceEntry, ...]  # in order of time
+    thumbnail: bool  # thumbnail.jpg lies beside the manifest
+    training: Mapping[str, Any]  # free form
+    antialiased: bool = False  # the splats were trained to be drawn so
+    version: int = VERSIONS[0]  # of the format: the latest of any chunk
+
+    @property
+    def chunks(self) -> tuple[ChunkEntry, ...]:
+        """All chunks: the static ones, then those of the slices in order."""
+        return self.static + tuple(chunk for piece in self.slices for chunk in piece.chunks)
+
+    @property
+    def totals(self) -> Totals:
+        """Sums over the lists of chunks."""
+        dynamic = self.chunks[len(self.static) :]
+        return Totals(
+            sum(chunk.splats for chunk in self.static),
+            sum(chunk.splats for chunk in dynamic),
+            sum(chunk.bytes for chunk in self.static),
+            sum(chunk.bytes for chunk in dynamic),
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form that manifest.json holds."""
+        return {
+            "format": FORMAT,
+            "version": self.version,
+            "title": self.title,
+            "start": self.start,
+            "end": self.end,
+            "frame_rate": self.frame_rate,
+            "background": list(self.background),
+            "up": list(self.up),
+            "center": list(self.center),
+            "extent": self.extent,
+            "cameras": [camera.to_json() for camera in self.cameras],
+            "segments": [vars(segment).copy() for segment in self.segments],
+            "static": [chunk.to_json() for chunk in self.static],
+            "slices": [
+                {
+                    "segment": piece.segment,
+                    "start": piece.start,
+                    "end": piece.end,
+                    "chunks": [chunk.to_json() for chunk in piece.chunks],
+                    "needs": list(piece.needs),
+                }
+                for piece in self.slices
+            ],
+            "totals": vars(self.totals).copy(),
+            "thumbnail": self.thumbnail,
+            "training": dict(self.training),
+            "antialiased": self.antialiased,
+        }
+
+    @classmethod
+    def from_json(cls, value: Any, where: object = "manifest") -> Manifest:
+        """Read and check the plain form; unknown fields are left alone.
+
+        Raises:
+            InputError: names the field (after `where`), the value and what it should be.
+        """
+        root = field_of(value, where)
+        if root["format"].text() != FORMAT:
+            raise root["format"].error(f"is {root['format'].value!r}, expected {FORMAT!r}")
+        version = root["version"].whole(1)
+        if version not in VERSIONS:
+            known = " or ".join(map(str, VERSIONS))
+            raise root["version"].error(f"is {version}, expected {known}", "use a newer version of this program")
+        manifest = cls(
+            title=root["title"].text(),
+            start=root["start"].number(),
+            end=root["end"].number(low=root["start"].number()),
+            frame_rate=root["frame_rate"].number(above=0),
+            background=_triple(root["background"].numbers(3)),
+            up=_triple(root["up"].numbers(3)),
+            center=_triple(root["center"].numbers(3)),
+            extent=root["extent"].number(above=0),
+            cameras=tuple(_camera(field) for field in root["cameras"].items()),
+            segments=tuple(
+                SegmentEntry(field["start"].number(), field["end"].number(low=field["start"].number()))
+                for field in root["segments"].items()
+            ),
+            static=tuple(ChunkEntry.read(field) for field in root["static"].items()),
+            slices=tuple(_slice(field) for field in root["slices"].items()),
+            thumbnail=root["thumbnail"].flag(),
+            training=root["training"].mapping(),
+            antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
+            version=version,
+        )
+        _check_references(manifest, root)
+        return manifest
+
+
+def _camera(field: Field) -> Camera:
+    try:
+        return Camera.from_json(dict(field.mapping()))
+    except InputError as error:
+        raise field.error(str(error)) from error
+
+
+def _slice(field: Field) -> SliceEntry:
+    return SliceEntry(
+        field["segment"].whole(0),
+        field["start"].number(),
+        field["end"].number(low=field["start"].number()),
+        tuple(ChunkEntry.read(chunk) for chunk in field["chunks"].items()),
+        tuple(item.hash() for item in field["needs"].items()),
+    )
+
+
+def _check_references(manifest: Manifest, root: Field) -> None:
+    """Check what a field alone cannot show: order of time, references, totals."""
+    for name in ("segments", "slices", "cameras"):
+        if not getattr(manifest, name):
+            raise root[name].error("is empty, expected at least one")
+    for name, entries in (("segments", manifest.segments), ("slices", manifest.slices)):
+        starts = [entry.start for entry in entries]
+        for i in range(1, len(starts)):
+            if starts[i] < starts[i - 1]:
+                raise root[name].items()[i]["start"].error(f"is {starts[i]}, before the one that precedes it")
+    known: set[str] = {chunk.id for chunk in manifest.static}
+    if len(known) < len(manifest.static):
+        raise root["static"].error("lists a chunk twice")
+    earlier: dict[str, int] = {}  # chunk -> segment
+    for piece, field in zip(manifest.slices, root["slices"].items(), strict=True):
+        if piece.segment >= len(manifest.segments):
+            raise field["segment"].error(f"is {piece.segment}, expected below {len(manifest.segments)}")
+        for need, item in zip(piece.needs, field["needs"].items(), strict=True):
+            if earlier.get(need) != piece.segment:
+                raise item.error(f"{need} is not a chunk of an earlier slice of the segment")
+        for chunk, item in zip(piece.chunks, field["chunks"].items(), strict=True):
+            if chunk.id in known:
+                raise item["id"].error(f"{chunk.id} is listed twice")
+            known.add(chunk.id)
+            earlier[chunk.id] = piece.segment
+    for name, total in vars(manifest.totals).items():
+        stated = root["totals"][name].whole(0)
+        if stated != total:
+            raise root["totals"][name].error(f"is {stated}, but the chunks add up to {total}")
+
+
+def _triple(numbers: tuple[float, ...]) -> Triple:
+    x, y, z = numbers
+    return x, y, z

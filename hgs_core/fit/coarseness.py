@@ -1,0 +1,196 @@
+"""How finely a trained scene is encoded: the coarsest settings with which the training views keep the budget."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from hgs_core.codec.encoder.preview import quantised_scene
+from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.utility import Utility
+from hgs_core.fit.fine_tune import FineTune
+from hgs_core.fit.views import EncodeViews
+from hgs_core.render.fixed_view import FixedView
+from hgs_core.render.threads import one_torch_thread
+from hgs_core.scene.camera import Camera
+from hgs_core.scene.splats import HybridScene
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import BUDGETS, TrainConfig
+
+__all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit"]
+
+VIEWS = 12  # in which the loss is measured
+ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
+LEFT = 0.5  # of a loss after training further, about
+ROUNDS_OF_TUNING = 3  # each with the coarseness that the loss after the one before suggests
+LARGEST_CHANGE = 1.4  # factor from one to the next
+FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
+NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
+COARSENESS = (0.25, 8.0)
+FARTHEST = 4.0  # factor between two coarsenesses tried
+GOLDEN = 0.618  # fractional parts of its multiples spread evenly
+IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+
+
+def fine_tune_cycles(config: TrainConfig) -> int:
+    """Return for how many cycles a scene is trained further before it is encoded, if nobody says otherwise."""
+    return round(config.cycles * FINE_TUNE_SHARE)
+
+
+class Loss:
+    """What quantisation costs some views: the mean loss of PSNR, dB.
+
+    Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
+    add.
+    """
+
+    def __init__(
+        self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera], *, antialiased: bool
+    ) -> None:
+        """Draw `scene` in views spread over `cameras` (by index) and all time; what it loses is measured against that.
+
+        Raises:
+            InputError: a frame cannot be read.
+        """
+        self._cameras, self._times, self._antialiased = cameras, views.times, antialiased
+        indices = sorted(cameras)
+        self._views = [
+            (indices[i * len(indices) // VIEWS], int(i * GOLDEN % 1 * len(views.times))) for i in range(VIEWS)
+        ]
+        own = self._pictures(scene)
+        self._reference = own if views.truth is None else [views.truth(*view) for view in self._views]
+        self._least = IMPORTED_ERROR if views.truth is None else 1e-12
+        self.psnr = self._decibels(own)
+
+    def of(self, scene: HybridScene[Floats]) -> float:
+        """Return by how much `scene` is worse than the one given first."""
+        return self.psnr - self._decibels(self._pictures(scene))
+
+    def _decibels(self, pictures: Sequence[Tensor]) -> float:
+        pairs = zip(pictures, self._reference, strict=True)
+        errors = [float(((picture - true) ** 2).mean()) for picture, true in pairs]
+        return float(np.mean([-10 * math.log10(error + self._least) for error in errors]))
+
+    def _pictures(self, scene: HybridScene[Floats]) -> list[Tensor]:
+        tensors = scene.map(torch.from_numpy)
+        pictures = []
+        with one_torch_thread():
+            for index, frame in self._views:
+                seconds = float(self._times[frame])
+                segment = tensors.segment_at(seconds)
+                view = FixedView(tensors.static, self._cameras[index], antialiased=self._antialiased)
+                pictures.append(view.frame(segment.dynamic, segment.normalised(seconds)).rgb.clamp(0, 1))
+        return pictures
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What is to be encoded, and how."""
+
+    scene: HybridScene[Floats]  # exact, trained further if that was asked for
+    utility: Utility  # of its splats
+    settings: EncodeSettings
+    loss: float  # dB, of the views that it was chosen on, against the better of the scene as it was and as it is
+
+
+def fit(
+    scene: HybridScene[Floats],
+    views: EncodeViews,
+    utility: Utility,
+    budget: str,
+    config: TrainConfig,
+    *,
+    cycles: int = 0,
+    states: Sequence[TrainState] = (),
+    trained: Callable[[int], None] = lambda done: None,
+) -> Fitted:
+    """Find the coarsest settings with which the training views lose no more than the budget.
+
+    With `cycles` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
+    after that; without a capture there is nothing to train with. `trained` hears of the cycles done.
+
+    Raises:
+        InputError: a frame cannot be read, or a splat cannot be encoded.
+    """
+    allowed = BUDGETS[budget]
+    loss = Loss(scene, views, views.trained, antialiased=config.antialiased)
+
+    def lost(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> float:
+        found = quantised_scene(scene, views.cameras, views.times, utility, settings, antialiased=config.antialiased)
+        return loss.of(found.decoded)
+
+    def coarsest(allowed: float, start: float) -> Fitted:
+        coarseness, decibels = _coarsest(
+            lambda coarseness: lost(scene, utility, EncodeSettings(coarseness=coarseness)), allowed, start
+        )
+        return Fitted(scene, utility, EncodeSettings(coarseness=coarseness), decibels)
+
+    # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
+    start = 0.4 * math.sqrt(allowed / 0.1)
+    if cycles < ROUNDS_OF_TUNING or views.capture is None:
+        return coarsest(allowed, start)
+    loses = lost(scene, utility, EncodeSettings(coarseness=start))
+    coarseness = _nearer(start, loses, allowed / LEFT, FARTHEST)
+    tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
+    best: Fitted | None = None
+    # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
+    for done in range(ROUNDS_OF_TUNING):
+        first, last = (cycles * part // ROUNDS_OF_TUNING for part in (done, done + 1))
+        settings = EncodeSettings(coarseness=coarseness)
+        tune.run(settings, range(first, last), trained)
+        # What training further gains is for the viewer: the codes may not spend it.
+        decibels = lost(tune.scene, tune.utility, settings) - min(0.0, loss.of(tune.scene))
+        if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
+            best = Fitted(tune.scene, tune.utility, settings, decibels)
+        aim = allowed if decibels <= allowed else NEAR_ENOUGH * allowed
+        coarseness = _nearer(coarseness, decibels, aim, LARGEST_CHANGE)
+    return best or coarsest(allowed, start)
+
+
+def _nearer(coarseness: float, loses: float, aim: float, most: float) -> float:
+    """Return the coarseness that loses about `aim` dB where this one `loses` so many, at most a factor `most` away."""
+    change = math.sqrt(aim / max(loses, aim / most**2))
+    return _within(coarseness * max(change, 1 / most))
+
+
+def _within(coarseness: float) -> float:
+    return min(max(coarseness, COARSENESS[0]), COARSENESS[1])
+
+
+def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> tuple[float, float]:
+    """Return about the largest coarseness that loses no more than `allowed` dB, and what it loses.
+
+    The finest is returned if none does. `start` is tried first.
+    """
+    tried: list[tuple[float, float]] = []  # ln of coarseness and of loss, the latest first
+    fitting, loses = COARSENESS[0], math.nan
+    coarseness = _within(start)
+    for _ in range(ROUNDS):
+        decibels = lost(coarseness)
+        tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-3 * allowed))))
+        if coarseness == COARSENESS[0] or (decibels <= allowed and coarseness >= fitting):
+            fitting, loses = coarseness, decibels
+        if decibels <= allowed:
+            if decibels >= NEAR_ENOUGH * allowed or coarseness == COARSENESS[1]:
+                break
+        elif coarseness == COARSENESS[0]:
+            break
+        goal = math.log(0.93 * allowed)
+        nearest = sorted(tried, key=lambda point: abs(point[1] - goal))
+        (x, y), slope = nearest[0], 2.0
+        if len(nearest) > 1:
+            x2, y2 = nearest[1]
+            slope = min(max((y2 - y) / (x2 - x), 0.5), 6.0)
+        step = min(max((goal - y) / slope, -math.log(FARTHEST)), math.log(FARTHEST))
+        coarseness = _within(math.exp(x + step))
+    return fitting, lost(fitting) if math.isnan(loses) else loses

@@ -1,0 +1,108 @@
+"""SIFT features and their matches between cameras whose poses are known."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.scene.camera import Camera
+
+__all__ = ["Features", "extract_features", "fundamental_matrix", "match_features"]
+
+_MARGIN = 24  # pixels around the mask's box: the descriptors there see beyond it
+_SMALL = 60_000  # pixels; a smaller picture is searched at twice its size, which finds about three times as much
+_MAX_FEATURES = 3000
+_EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
+_MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default
+_MAX_RATIO = 0.8  # of the angles to the best and the second candidate, Lowe's test
+_UNIT = 512.0  # length of a descriptor stored in bytes
+
+
+@dataclass(frozen=True)
+class Features:
+    """N features of one picture."""
+
+    xy: npt.NDArray[np.float64]  # [N, 2] pixels, centres at +0.5
+    descriptors: npt.NDArray[np.float32]  # [N, 128] whole numbers 0..255
+
+
+def extract_features(
+    picture: npt.NDArray[np.uint8],  # [H, W, 3]
+    mask: npt.NDArray[np.bool_] | None = None,  # [H, W] where features are wanted; None: everywhere
+) -> Features:
+    """Return the SIFT features of a picture, the same for the same input."""
+    import pycolmap
+
+    empty = Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
+    left = top = 0
+    grey = (picture @ np.array([0.299, 0.587, 0.114])).round().astype(np.uint8)
+    if mask is not None:
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        if len(rows) == 0:
+            return empty
+        left, top = max(0, int(columns[0]) - _MARGIN), max(0, int(rows[0]) - _MARGIN)
+        grey = grey[top : int(rows[-1]) + _MARGIN, left : int(columns[-1]) + _MARGIN]
+    if min(grey.shape) < 32:
+        return empty
+    pycolmap.logging.minloglevel = 2  # errors alone
+    options = pycolmap.FeatureExtractionOptions(num_threads=1, use_gpu=False)
+    options.sift.first_octave = -1 if grey.size < _SMALL else 0
+    options.sift.max_num_features = _MAX_FEATURES
+    extractor = pycolmap.FeatureExtractor.create(options, pycolmap.Device.cpu)
+    keypoints, descriptors = extractor.extract_from_uint8_array(np.ascontiguousarray(grey))
+    if len(keypoints) == 0:
+        return empty
+    xy = np.asarray(pycolmap.keypoints_to_matrix(keypoints)[:, :2], np.float64) + np.array([left, top])
+    values = np.asarray(descriptors.data, np.float32)
+    if mask is not None:
+        column, row = np.clip(xy.astype(int), 0, (picture.shape[1] - 1, picture.shape[0] - 1)).T
+        kept = mask[row, column]
+        xy, values = xy[kept], values[kept]
+    return Features(xy, values)
+
+
+def fundamental_matrix(first: Camera, second: Camera) -> npt.NDArray[np.float64]:
+    """Return F [3, 3] with x2^T F x1 = 0 for the homogeneous pixels x1, x2 of one point (Hartley & Zisserman 9.6)."""
+    relative = second.world_to_camera @ np.linalg.inv(first.world_to_camera)
+    x, y, z = relative[:3, 3]
+    essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ relative[:3, :3]
+    return np.asarray(np.linalg.inv(_intrinsics(second)).T @ essential @ np.linalg.inv(_intrinsics(first)))
+
+
+def match_features(
+    first: Features, second: Features, fundamental: npt.NDArray[np.float64]
+) -> npt.NDArray[np.uint32]:  # [M, 2] rows of first and second
+    """Return the pairs that are each other's best candidate along the epipolar lines and pass the ratio test."""
+    if min(len(first.xy), len(second.xy)) < 2:
+        return np.zeros((0, 2), np.uint32)
+    # Whole numbers up to 128 * 255^2 < 2^24 are exact in float32: the result is the same for any number of threads.
+    likeness = first.descriptors @ second.descriptors.T
+    likeness[~_near_epipolar_lines(first.xy, second.xy, fundamental)] = 0.0
+    best = likeness.argmax(axis=1)
+    rows = np.arange(len(best))
+    mutual = likeness.argmax(axis=0)[best] == rows
+    top = likeness[rows, best]
+    likeness[rows, best] = 0.0
+    angle = np.arccos(np.minimum(top / _UNIT**2, 1.0))
+    rival = np.arccos(np.minimum(likeness.max(axis=1) / _UNIT**2, 1.0))
+    kept = mutual & (angle < _MAX_ANGLE) & (angle < _MAX_RATIO * rival)
+    return np.stack((rows[kept], best[kept]), axis=1).astype(np.uint32)
+
+
+def _near_epipolar_lines(
+    first: npt.NDArray[np.float64], second: npt.NDArray[np.float64], fundamental: npt.NDArray[np.float64]
+) -> npt.NDArray[np.bool_]:  # [N1, N2]
+    """Return which pairs of pixels have a small Sampson distance."""
+    x1 = np.column_stack((first, np.ones(len(first))))
+    x2 = np.column_stack((second, np.ones(len(second))))
+    lines2, lines1 = x1 @ fundamental.T, x2 @ fundamental  # in the second and the first picture
+    residual = (lines2 @ x2.T).astype(np.float32)
+    slope2 = (lines2[:, :2] ** 2).sum(axis=1).astype(np.float32)
+    slope1 = (lines1[:, :2] ** 2).sum(axis=1).astype(np.float32)
+    return np.asarray(residual**2 < np.float32(_EPIPOLAR_TOLERANCE**2) * (slope2[:, None] + slope1))
+
+
+def _intrinsics(camera: Camera) -> npt.NDArray[np.float64]:
+    return np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1]])

@@ -1,0 +1,215 @@
+"""Plane sweep: the depth at which a picture agrees best with its neighbours (Collins, CVPR 1996), on a grid of pixels.
+
+Features alone leave blank walls and wide baselines without points. The sweep gives every part of every picture a
+depth, and says by the agreement of the neighbours' own depths how far each one can be trusted.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.visibility import nearest_cameras, pixels_inside
+from hgs_core.scene.camera import Camera
+
+__all__ = ["SweptPoints", "depth_ranges", "sweep"]
+
+_DEPTHS = 64
+_NEIGHBOURS = 4  # views that a picture is compared with, of which one may be blocked
+_BLIND = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
+_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
+_BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
+_FEW = 20  # points below which a camera's depth range is taken from all points
+
+Admit = Callable[[npt.NDArray[np.floating[Any]]], npt.NDArray[np.bool_]]
+"""Says which points [P, 3] may exist, [P]."""
+
+
+@dataclass(frozen=True)
+class SweptPoints:
+    """P points, one per grid pixel that found a depth."""
+
+    xyz: npt.NDArray[np.float32]  # [P, 3]
+    rgb: npt.NDArray[np.float32]  # [P, 3] in [0, 1]
+    agreeing: npt.NDArray[np.int64]  # [P] other views whose own depth agrees
+    opposed: npt.NDArray[np.int64]  # [P] other views that see something behind the point, as if it were not there
+
+
+@dataclass(frozen=True)
+class _DepthMap:
+    """Depths on a grid of pixels (top + step i, left + step j) of one picture; 0 where there is none."""
+
+    step: int
+    depths: npt.NDArray[np.float64]  # [h, w]
+
+
+def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:
+    """Return each camera's nearest and farthest depth of interest, from known points [P, 3] with some room.
+
+    Without points the cameras' spacing has to do: from one to thirty times the mean distance to their centre.
+    """
+    positions = np.array([camera.position for camera in cameras])
+    extent = float(np.linalg.norm(positions - positions.mean(axis=0), axis=1).mean()) or 1.0
+    ranges = []
+    for camera in cameras:
+        rows, _ = pixels_inside(camera, xyz)
+        _, depths = camera.project(xyz[rows] if len(rows) >= _FEW else xyz)
+        depths = depths[depths > 0]
+        if len(depths) < _FEW:
+            ranges.append((0.3 * extent, 10.0 * extent))
+        else:
+            near, far = np.percentile(depths, (1, 99))
+            ranges.append((0.7 * float(near), 1.4 * float(far)))
+    return ranges
+
+
+def sweep(
+    cameras: Sequence[Camera],
+    pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each
+    wanted: Sequence[npt.NDArray[np.bool_]],  # [H, W] each: the pixels that need points
+    ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
+    rays: int,  # about how many pixels to sweep, over all pictures
+    admit: Admit | None = None,
+) -> SweptPoints:
+    """Return the points that the wanted pixels show; the same bits for any number of threads.
+
+    A single picture shows none: there is nothing that it could agree with.
+    """
+    area = sum(int(mask.sum()) for mask in wanted)
+    step = max(2, int(np.sqrt(area / max(rays, 1))))
+    neighbours = nearest_cameras(cameras, _NEIGHBOURS)
+
+    def one(view: int) -> _DepthMap:
+        return _depth_map(view, neighbours[view], cameras, descriptors, wanted[view], ranges[view], step, admit)
+
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        descriptors = list(pool.map(_descriptors, pictures))
+        maps = list(pool.map(one, range(len(cameras))))
+    parts = [_points(view, cameras, pictures[view], maps) for view in range(len(cameras))]
+    return SweptPoints(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
+    """Return what pixels are compared by, [H W, 6]: colour at the pixel's own scale and around it."""
+    wide = picture.astype(np.int16)
+    return np.concatenate((box_sum(wide, 1) // 9, box_sum(wide, 3) // 49), axis=2).reshape(-1, 6)
+
+
+def _depth_map(
+    view: int,
+    neighbours: Sequence[int],
+    cameras: Sequence[Camera],
+    descriptors: Sequence[npt.NDArray[np.int16]],
+    wanted: npt.NDArray[np.bool_],
+    depth_range: tuple[float, float],
+    step: int,
+    admit: Admit | None,
+) -> _DepthMap:
+    camera = cameras[view]
+    rows, columns = np.arange(step // 2, camera.height, step), np.arange(step // 2, camera.width, step)
+    chosen = wanted[np.ix_(rows, columns)]  # [h, w]
+    i, j = np.nonzero(chosen)
+    found = _DepthMap(step, np.zeros(chosen.shape))
+    if len(i) == 0 or len(neighbours) == 0:
+        return found
+    near, far = depth_range
+    depths = 1.0 / np.linspace(1.0 / near, 1.0 / far, _DEPTHS)  # evenly in the pixels that a step moves
+    rays = camera.rays(np.stack([columns[j] + 0.5, rows[i] + 0.5], 1))
+    own = descriptors[view][rows[i] * camera.width + columns[j]]  # [R, 6]
+    costs = np.full((len(neighbours), len(i), _DEPTHS), _BLIND, np.float32)
+    for slot, other in enumerate(neighbours):
+        _compare(cameras[other], descriptors[other], camera.position, rays, depths, own, costs[slot])
+    costs.sort(axis=0)
+    cost = costs[: max(1, len(neighbours) - 1)].mean(axis=0)  # [R, D], without the view that fits worst
+    if admit is not None:
+        points = camera.position + rays[:, None] * depths[:, None]
+        cost[~admit(points.reshape(-1, 3)).reshape(cost.shape)] = np.inf
+    cost = _aggregate(cost, i, j, chosen)
+    best = cost.argmin(axis=1)
+    seen = cost[np.arange(len(best)), best] < _BLIND
+    found.depths[i[seen], j[seen]] = _refine(cost, best, near, far)[seen]
+    return found
+
+
+def _compare(
+    camera: Camera,
+    descriptors: npt.NDArray[np.int16],  # [H W, 6] of this camera
+    origin: npt.NDArray[np.float64],  # [3] where the rays start
+    rays: npt.NDArray[np.float64],  # [R, 3]
+    depths: npt.NDArray[np.float64],  # [D]
+    own: npt.NDArray[np.int16],  # [R, 6] what the points should look like
+    cost: npt.NDArray[np.float32],  # [R, D] filled where the camera sees the point
+) -> None:
+    turned = rays @ camera.world_to_camera[:3, :3].T
+    start = camera.world_to_camera[:3, :3] @ origin + camera.world_to_camera[:3, 3]
+    x, y, z = (turned[:, axis, None] * depths + start[axis] for axis in range(3))
+    z = np.where(z > 1e-6, z, np.nan)
+    with np.errstate(invalid="ignore"):
+        column, row = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
+        inside = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
+    ray, _ = np.nonzero(inside)
+    pixel = row[inside].astype(np.int64) * camera.width + column[inside].astype(np.int64)
+    cost[inside] = np.abs(descriptors[pixel] - own[ray]).mean(axis=1, dtype=np.float32)
+
+
+def _aggregate(
+    cost: npt.NDArray[np.float32],  # [R, D]
+    i: npt.NDArray[np.int64],
+    j: npt.NDArray[np.int64],
+    chosen: npt.NDArray[np.bool_],  # [h, w]
+) -> npt.NDArray[np.float32]:
+    """Average the costs of each grid pixel and its chosen neighbours: a blank pixel borrows the depth of its edge."""
+    volume = np.zeros((chosen.shape[0] + 2, chosen.shape[1] + 2, cost.shape[1]), np.float32)
+    count = np.zeros((*volume.shape[:2], 1), np.float32)
+    finite = np.where(np.isfinite(cost), cost, np.float32(2 * _BLIND))
+    volume[i + 1, j + 1] = finite
+    count[i + 1, j + 1] = 1
+    total, weight = volume[i + 1, j + 1] * 2, count[i + 1, j + 1] * 2  # the pixel itself counts three times
+    for down in (0, 1, 2):
+        for right in (0, 1, 2):
+            total += volume[i + down, j + right]
+            weight += count[i + down, j + right]
+    return np.where(np.isfinite(cost), total / weight, np.float32(np.inf))
+
+
+def _refine(
+    cost: npt.NDArray[np.float32], best: npt.NDArray[np.int64], near: float, far: float
+) -> npt.NDArray[np.float64]:
+    """Return the depth at the vertex of the parabola through the lowest cost and its two neighbours."""
+    rows = np.arange(len(best))
+    inner = np.clip(best, 1, cost.shape[1] - 2)
+    left, middle, right = (cost[rows, inner + shift].astype(np.float64) for shift in (-1, 0, 1))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shift = 0.5 * (left - right) / (left - 2 * middle + right)
+    shift = np.where((inner == best) & np.isfinite(shift), np.clip(shift, -0.5, 0.5), 0.0)
+    inverse = 1.0 / near + (best + shift) * (1.0 / far - 1.0 / near) / (cost.shape[1] - 1)
+    return np.asarray(1.0 / inverse)
+
+
+def _points(
+    view: int, cameras: Sequence[Camera], picture: npt.NDArray[np.uint8], maps: Sequence[_DepthMap]
+) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """Return the points of one view, with what the depths of the other views say to them."""
+    camera, found = cameras[view], maps[view]
+    i, j = np.nonzero(found.depths)
+    row, column = i * found.step + found.step // 2, j * found.step + found.step // 2
+    xyz = camera.position + camera.rays(np.stack([column + 0.5, row + 0.5], 1)) * found.depths[i, j, None]
+    agreeing, opposed = np.zeros((2, len(xyz)), np.int64)
+    for other in range(len(cameras)):
+        if other == view:
+            continue
+        rows, pixels = pixels_inside(cameras[other], xyz)
+        _, depths = cameras[other].project(xyz[rows])
+        cell = np.minimum(pixels // maps[other].step, np.array(maps[other].depths.shape)[::-1] - 1)
+        theirs = maps[other].depths[cell[:, 1], cell[:, 0]]  # 0, which is neither, where there is none
+        agreeing[rows] += np.abs(theirs - depths) < _AGREEMENT * depths
+        opposed[rows] += theirs > _BEYOND * depths
+    rgb = picture[row, column].astype(np.float32) / np.float32(255)
+    return xyz.astype(np.float32), rgb, agreeing, opposed

@@ -1,0 +1,93 @@
+"""The figures at the head of a report, and what was asked of the run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from hgs_core.report.sources import FinishedRun
+from hgs_core.train.config import PRESETS, TrainConfig
+
+__all__ = ["Figure", "config_changes", "key_figures", "megabytes", "per_frames"]
+
+# Scores that eval.json may have: name, label, decimals, unit.
+_SCORES = (
+    ("psnr", "PSNR", 2, "dB"),
+    ("ssim", "SSIM", 4, ""),
+    ("ms_ssim", "MS-SSIM", 4, ""),
+    ("lpips", "LPIPS", 4, ""),
+    ("flip", "FLIP", 4, ""),
+    ("flicker", "flicker", 4, ""),
+    ("flicker_steady", "flicker of the truth itself", 4, ""),
+    ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
+    ("psnr_static", "PSNR where it is still", 2, "dB"),
+    ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
+)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number worth a large print."""
+
+    key: str  # of the field in eval.json, or the figure's own
+    label: str
+    value: str
+    unit: str = ""
+    note: str = ""
+
+
+def key_figures(run: FinishedRun) -> list[Figure]:
+    """Return the scores that were measured, then size, splats and speed."""
+    figures = []
+    for key, label, decimals, unit in _SCORES:
+        value = run.score(key)
+        if value is not None:
+            figures.append(Figure(key, label, f"{value:.{decimals}f}", unit))
+    frames = run.scores.get("frames")
+    figures.append(Figure("bytes_total", "size", f"{megabytes(run.bytes_total):.3f}", "MB", "chunks and manifest"))
+    if isinstance(frames, int) and frames > 1:
+        for count in (50, 300):
+            scaled = "" if frames == count else f"scaled from {frames} frames"
+            size = megabytes(per_frames(run.bytes_total, frames, count))
+            figures.append(Figure(f"mb_{count}", f"per {count} frames", f"{size:.3f}", "MB", scaled))
+    totals = run.manifest.totals
+    splats = f"{totals.splats_static:,} static, {totals.splats_dynamic:,} dynamic"
+    figures.append(Figure("splats", "splats", f"{totals.splats_static + totals.splats_dynamic:,}", "", splats))
+    figures.append(Figure("minutes", "training", f"{run.seconds / 60:.1f}", "min", f"{run.cycles:,} cycles"))
+    if run.seconds > 0:
+        rate = run.cycles / run.seconds
+        figures.append(Figure("rate", "speed", f"{rate:.1f}", "it/s", "cycles per second"))
+    return figures
+
+
+def per_frames(size: float, frames: int, count: int) -> float:
+    """Return a size scaled from `frames` to `count` frames."""
+    return size / frames * count
+
+
+def megabytes(size: float) -> float:
+    """Return bytes as MB of 10^6."""
+    return size / 1e6
+
+
+def config_changes(config: TrainConfig) -> list[tuple[str, str, str]]:
+    """Return (field, the preset's value, the run's value) of all fields that differ, held-out cameras aside."""
+    given = _flat(config.to_json())
+    preset = _flat(TrainConfig.from_json({"preset": config.preset, **PRESETS.get(config.preset, {})}).to_json())
+    return [
+        (name, _words(preset[name]), _words(value))
+        for name, value in given.items()
+        if name != "hold_out" and value != preset[name]
+    ]
+
+
+def _flat(value: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, item in value.items():
+        flat |= _flat(item, f"{prefix}{name}.") if isinstance(item, dict) else {f"{prefix}{name}": item}
+    return flat
+
+
+def _words(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)

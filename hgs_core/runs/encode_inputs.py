@@ -1,0 +1,53 @@
+"""What encoding takes from a run on disk: the views of its capture, and the states in which its trainings ended."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.base.errors import InputError
+from hgs_core.fit.views import EncodeViews, views_around
+from hgs_core.points.near_plane import with_near_planes
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.scene.splats import HybridScene
+from hgs_core.train.checkpoint import TrainState, load_state
+from hgs_core.train.targets import target_picture
+from hgs_core.train.views import training_cameras
+
+__all__ = ["training_states", "views_of_run"]
+
+Floats = NDArray[np.float32]
+
+
+def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -> EncodeViews:
+    """Return the views of a run: its capture's, or those around a scene that was imported without one.
+
+    Raises:
+        InputError: the capture is gone or has changed, or the run's points are missing.
+    """
+    if spec.without_capture:
+        return views_around(scene, spec.capture.stem)
+    capture = spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20)
+    cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
+    trained = {i: cameras[i] for i in training_cameras(capture, spec.config)}
+    return EncodeViews(
+        capture.name,
+        cameras,
+        trained,
+        capture.times,
+        lambda i, frame: target_picture(capture, i, frame, cameras[i]),
+        capture,
+    )
+
+
+def training_states(run: RunFolder, scene: HybridScene[Floats]) -> tuple[TrainState, ...]:
+    """Return the states in which the trainings of a run's segments ended; none if one of them left none of `scene`."""
+    try:
+        states = tuple(load_state(run.checkpoint(number)) for number in range(len(scene.segments)))
+    except (FileNotFoundError, InputError):  # of a run without one, or of an older version: it is trained already
+        return ()
+    fits = len(states[0].static) == len(scene.static) and all(
+        len(state.dynamic) == len(segment.dynamic) for state, segment in zip(states, scene.segments, strict=True)
+    )
+    return states if fits else ()

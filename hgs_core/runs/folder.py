@@ -1,0 +1,133 @@
+"""A run on disk: where its files are, and the specification it was started with."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
+from hgs_core.train.config import TrainConfig
+
+__all__ = ["RunFolder", "RunSpec"]
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """What a run was asked to do."""
+
+    capture: Path
+    fingerprint: str  # of the capture when the run was created
+    config: TrainConfig
+    masks: Path | None = None  # a folder of masks that replaces the capture's own
+    without_capture: bool = False  # the scene was imported: `capture` is its file, and there are no pictures
+
+    def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
+        """Open the capture as the run sees it: with its masks and at its resolution.
+
+        Raises:
+            InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
+                run was imported without a capture.
+        """
+        if self.without_capture:
+            raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
+        capture = open_capture(self.capture, masks=self.masks, downscale=self.config.downscale, cache_bytes=cache_bytes)
+        self.check_unchanged(capture)
+        return capture
+
+    def check_unchanged(self, capture: Capture) -> None:
+        """Refuse a capture whose files are not those the run began with.
+
+        Raises:
+            InputError: the fingerprints differ.
+        """
+        if capture.fingerprint() != self.fingerprint:
+            raise InputError(self.capture, "the capture has changed since the run was created", "start a new run")
+
+
+class RunFolder:
+    """The files of a run (docs/architecture.md, "Folders")."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.spec = path / "run.json"
+        self.points = path / "points.npz"
+        self.masks = path / "masks.npz"
+        self.trained = path / "scene.npz"
+        self.train_summary = path / "train.json"
+        self.scene = path / "scene"
+        self.manifest = self.scene / "manifest.json"
+        self.evaluation = path / "eval.json"
+
+    def checkpoint(self, segment: int) -> Path:
+        """Return where the training state of a segment is kept."""
+        return self.path / ("checkpoint.pt" if segment == 0 else f"checkpoint-{segment}.pt")
+
+    def write_spec(self, spec: RunSpec) -> None:
+        """Create the folder and its run.json.
+
+        Raises:
+            InputError: the folder holds another run or other files.
+        """
+        value: dict[str, Any] = {
+            "capture": str(spec.capture),
+            "fingerprint": spec.fingerprint,
+            "config": spec.config.to_json(),
+        }
+        if spec.masks is not None:
+            value["masks"] = str(spec.masks)
+        if spec.without_capture:
+            value["without_capture"] = True
+        if self.spec.exists():
+            if self.read_spec() != spec:
+                raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
+            return
+        if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
+            raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
+        write_bytes(self.spec, json.dumps(value, indent=1).encode())
+
+    @contextmanager
+    def exclusive(self, patience: float = 0.0) -> Iterator[None]:
+        """Hold the run's file lock, so that no two processes work on one run; the kernel frees it when one dies.
+
+        Waits `patience` seconds for another process to end.
+
+        Raises:
+            InputError: another process still works on the run.
+        """
+        deadline = time.monotonic() + patience
+        with (self.path / "run.lock").open("w") as lock:
+            while True:
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    if time.monotonic() >= deadline:
+                        raise InputError(self.path, "another process works on this run", "wait until it ends") from None
+                    time.sleep(0.1)
+            yield
+
+    def read_spec(self) -> RunSpec:
+        """Read run.json.
+
+        Raises:
+            InputError: there is none, or it is damaged.
+        """
+        try:
+            value: dict[str, Any] = json.loads(self.spec.read_text())
+            config = TrainConfig.from_json(value["config"])
+            masks = Path(value["masks"]) if "masks" in value else None
+            without = bool(value.get("without_capture", False))
+            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without)
+        except FileNotFoundError as error:
+            raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
+        except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+            raise InputError(self.spec, f"unreadable ({error!r})", "start a new run") from error

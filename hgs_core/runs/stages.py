@@ -1,0 +1,173 @@
+"""The stages from a capture to an encoded scene; each is idempotent, resumable and reports its progress.
+
+This module is light: every stage imports what it needs when it runs, so that the API process can create runs without
+loading torch.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
+from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.views import training_cameras
+
+if TYPE_CHECKING:
+    from hgs_core.codec.format.manifest import Manifest
+
+__all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train"]
+
+_MIN_CAMERAS = 2
+_NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
+
+log = logging.getLogger(__name__)
+
+
+def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
+    """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
+
+    `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged.
+
+    Raises:
+        InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
+    """
+    opened = open_capture(capture, masks=masks, downscale=config.downscale)
+    left = len(training_cameras(opened, config))
+    if left < _MIN_CAMERAS:
+        raise InputError(
+            "config.hold_out",
+            f"leaves {left} of {len(opened.cameras)} cameras to train on",
+            f"keep at least {_MIN_CAMERAS}",
+        )
+    spec = RunSpec(capture.resolve(), opened.fingerprint(), config, masks and masks.resolve())
+    RunFolder(run).write_spec(spec)
+    for note in opened.notes:
+        log.warning("%s: %s", capture, note)
+
+
+def initialise(run: Path, progress: ProgressCallback) -> None:
+    """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz."""
+    from hgs_core.decompose.masks import MotionMasks, motion_masks
+    from hgs_core.points.initial_points import initial_points
+
+    folder = RunFolder(run)
+    if folder.points.exists():
+        return
+    capture, config = _open(folder)
+    cameras = training_cameras(capture, config)
+    if folder.masks.exists():  # of a stage that was stopped, or put there to be used
+        masks = MotionMasks.load(folder.masks, capture)
+    else:
+        masks = motion_masks(capture, cameras, progress=progress)
+        masks.save(folder.masks)
+    points = initial_points(
+        capture, cameras, masks, every=capture.frames_in(config.init_interval), static_target=config.static_points,
+        dynamic_target=config.first_dynamic_points(capture.seconds), seed=config.seed, progress=progress,
+    )  # fmt: skip
+    points.save(folder.points)
+
+
+def train(run: Path, progress: ProgressCallback) -> None:
+    """Train from the last checkpoint, or from the points, to scene.npz and train.json."""
+    from hgs_core.decompose.masks import MotionMasks
+    from hgs_core.native.machine import machine_facts
+    from hgs_core.points.near_plane import with_near_planes
+    from hgs_core.points.point_cloud import PointCloud
+    from hgs_core.scene.files import save_scene
+    from hgs_core.train.capture_training import train_capture
+
+    folder = RunFolder(run)
+    if folder.train_summary.exists():
+        return
+    capture, config = _open(folder)
+    points = PointCloud.load(folder.points)
+    cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
+    every = capture.frames_in(config.init_interval)
+    scene, summary = train_capture(capture, cameras, config, points, every, folder.checkpoint, progress, masks)
+    save_scene(folder.trained, scene)
+    write_bytes(folder.train_summary, json.dumps(summary | {"machine": machine_facts()}, indent=1).encode())
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """What encoding made of a scene."""
+
+    manifest: Manifest
+    coarseness: float
+    loss: float  # dB, of the training views
+    static: int  # splats before; those that show next to nothing are dropped
+    dynamic: int
+
+
+def encode(run: Path, progress: ProgressCallback) -> None:
+    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    folder = RunFolder(run)
+    if not folder.manifest.exists():
+        encode_again(run, None, progress)
+
+
+def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
+    """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
+
+    `fine_tune` is for how many cycles the scene is trained further as it decodes; None: a share of the training's.
+
+    Raises:
+        InputError: the run is not trained yet, or its capture is gone or has changed.
+    """
+    from hgs_core.codec import encode_scene
+    from hgs_core.fit.coarseness import fine_tune_cycles, fit
+    from hgs_core.fit.utility import measure_utility
+    from hgs_core.render.thumbnail import thumbnail
+    from hgs_core.runs.encode_inputs import training_states, views_of_run
+    from hgs_core.scene.files import load_scene
+
+    folder = RunFolder(run)
+    spec = folder.read_spec()
+    antialiased = spec.config.antialiased
+    scene = load_scene(folder.trained)
+    views = views_of_run(folder, spec, scene)
+    cycles = fine_tune_cycles(spec.config) if fine_tune is None else fine_tune
+    steps = 4 + cycles
+    progress(Progress("encode", 0, steps))
+    utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
+    progress(Progress("encode", 1, steps))
+    found = fit(
+        scene, views, utility, budget or spec.config.budget, spec.config, cycles=cycles,
+        states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
+    )  # fmt: skip
+    progress(Progress("encode", steps - 2, steps))
+    picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)
+    progress(Progress("encode", steps - 1, steps))
+    summary = json.loads(folder.train_summary.read_text())
+    training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
+    manifest = encode_scene(
+        found.scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=found.settings,
+        thumbnail=picture, training=training, antialiased=antialiased,
+        utility=found.utility,
+    )  # fmt: skip
+    progress(Progress("encode", steps, steps))
+    moving = sum(len(part.dynamic) for part in scene.segments)
+    return Encoded(manifest, found.settings.coarseness, found.loss, len(scene.static), moving)
+
+
+STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
+    "initialise": initialise,
+    "train": train,
+    "encode": encode,
+}
+"""The stages in order, by name."""
+
+
+def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
+    spec = folder.read_spec()
+    return spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20), spec.config

@@ -1,0 +1,127 @@
+"""The pinhole camera that every part of HGS shares."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.base.errors import InputError
+
+__all__ = ["Camera"]
+
+
+@dataclass(frozen=True, eq=False)
+class Camera:
+    """An undistorted pinhole camera in the OpenCV convention: x right, y down, z forward.
+
+    Pixel centres lie at +0.5: the world point x projects to (fx X/Z + cx, fy Y/Z + cy) with
+    (X, Y, Z) = R x + t, and pixel (column j, row i) covers [j, j + 1) x [i, i + 1).
+    """
+
+    name: str
+    width: int  # pixels
+    height: int  # pixels
+    fx: float  # pixels
+    fy: float  # pixels
+    cx: float  # pixels
+    cy: float  # pixels
+    world_to_camera: npt.NDArray[np.float64]  # [4, 4], rigid, right-handed, metres where the capture knows them
+    near: float = 0.01  # world units; what is nearer is not drawn
+
+    def __post_init__(self) -> None:
+        """Refuse what is not a camera.
+
+        Raises:
+            InputError: a non-positive size or focal length, or a pose that is not a rotation and a translation.
+        """
+        pose = np.asarray(self.world_to_camera, dtype=np.float64)
+        object.__setattr__(self, "world_to_camera", pose)
+        where = f"camera {self.name}"
+        if self.width < 1 or self.height < 1:
+            raise InputError(where, f"image size {self.width}x{self.height} is not positive")
+        if not self.near > 0:
+            raise InputError(where, f"near plane {self.near} is not positive")
+        if not (self.fx > 0 and self.fy > 0):
+            raise InputError(where, f"focal length ({self.fx}, {self.fy}) is not positive")
+        if pose.shape != (4, 4) or not np.isfinite(pose).all():
+            raise InputError(where, "world_to_camera is not a finite 4x4 matrix")
+        R = pose[:3, :3]
+        if np.abs(R).max() > 2 or not np.allclose(R @ R.T, np.eye(3), atol=1e-3):  # products of more may overflow
+            raise InputError(where, "the rotation of world_to_camera is not orthonormal")
+        if np.linalg.det(R) < 0:
+            raise InputError(where, "world_to_camera is a reflection", "check the axis convention of the poses")
+
+    @property
+    def position(self) -> npt.NDArray[np.float64]:
+        """Camera centre in the world, [3]."""
+        return -self.world_to_camera[:3, :3].T @ self.world_to_camera[:3, 3]
+
+    def scaled(self, factor: float) -> Camera:
+        """Return the camera of the image resized by `factor`, its sides rounded to whole pixels (at least 1)."""
+        width = max(1, round(self.width * factor))
+        height = max(1, round(self.height * factor))
+        sx, sy = width / self.width, height / self.height
+        return dataclasses.replace(
+            self,
+            width=width,
+            height=height,
+            fx=self.fx * sx,
+            fy=self.fy * sy,
+            cx=self.cx * sx,
+            cy=self.cy * sy,
+        )
+
+    def project(self, points: npt.NDArray[np.floating[Any]]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Project world points [N, 3] to pixels [N, 2] and depths [N]; pixels are meaningless where depth <= 0."""
+        local = np.asarray(points, dtype=np.float64) @ self.world_to_camera[:3, :3].T + self.world_to_camera[:3, 3]
+        depth = local[:, 2]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            pixels = local[:, :2] / depth[:, None] * (self.fx, self.fy) + (self.cx, self.cy)
+        return pixels, depth
+
+    def rays(self, pixels: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float64]:
+        """Return [N, 3], in the world, what leads from the camera centre to unit depth behind pixels [N, 2]."""
+        local = (np.asarray(pixels, np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
+        return np.concatenate([local, np.ones((len(local), 1))], 1) @ self.world_to_camera[:3, :3]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form that manifests and checkpoints store."""
+        return {
+            "name": self.name,
+            "width": self.width,
+            "height": self.height,
+            "fx": self.fx,
+            "fy": self.fy,
+            "cx": self.cx,
+            "cy": self.cy,
+            "near": self.near,
+            "world_to_camera": [[float(x) for x in row] for row in self.world_to_camera],
+        }
+
+    @classmethod
+    def from_json(cls, value: dict[str, Any]) -> Camera:
+        """Read what `to_json` wrote.
+
+        Raises:
+            InputError: a missing field or one of the wrong type.
+        """
+        try:
+            return cls(
+                name=str(value["name"]),
+                width=int(value["width"]),
+                height=int(value["height"]),
+                fx=float(value["fx"]),
+                fy=float(value["fy"]),
+                cx=float(value["cx"]),
+                cy=float(value["cy"]),
+                world_to_camera=np.array(value["world_to_camera"], dtype=np.float64),
+                near=float(value["near"]),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            if isinstance(error, InputError):
+                raise
+            raise InputError("camera", f"unreadable: {error!r}") from error

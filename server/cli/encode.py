@@ -1,0 +1,56 @@
+"""`hgs encode RUN`: encode a trained run again, with another budget."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.train.config import BUDGETS
+from server.cli.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "encode",
+        help="encode a trained run again",
+        description="Encode a trained run in place of its encoded scene: as small as a loss of quality allows.",
+    )
+    parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
+    parser.add_argument(
+        "--budget", choices=list(BUDGETS), help="of the loss on the training views; default: that of the run's config"
+    )
+    parser.add_argument(
+        "--fine-tune",
+        type=int,
+        metavar="CYCLES",
+        help="cycles for which the scene is trained as it decodes, so that coarser codes will do; 0: none; "
+        "default: a sixtieth of the run's cycles",
+    )
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from hgs_core.runs.folder import RunFolder
+    from hgs_core.runs.stages import encode_again
+
+    if options.fine_tune is not None and options.fine_tune < 0:
+        raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of cycles, or 0")
+    folder = RunFolder(options.run_folder)
+    folder.read_spec()  # before torch is loaded: a wrong path is told at once
+    with folder.exclusive(), ProgressBars() as bars:
+        encoded = encode_again(options.run_folder, options.budget, bars, fine_tune=options.fine_tune)
+    totals = encoded.manifest.totals
+    for kind, kept, before, size in (
+        ("static", totals.splats_static, encoded.static, totals.bytes_static),
+        ("dynamic", totals.splats_dynamic, encoded.dynamic, totals.bytes_dynamic),
+    ):
+        each = f", {size / kept:.1f} each" if kept else ""
+        print(f"{kept:,} {kind} splats in {size:,} bytes{each}; {before - kept:,} dropped")
+    print(f"coarseness {encoded.coarseness:.3g}, {encoded.loss:.3f} dB lost in training views")
+    print(folder.scene)
+    return 0

@@ -1,0 +1,99 @@
+"""`hgs eval RUN`: scores of a finished run, by default on its held-out cameras."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from server.cli.progress_bars import ProgressBars
+
+__all__ = ["FIELDS", "add_parser"]
+
+FIELDS = (
+    "psnr",  # dB, mean over frames and cameras
+    "ssim",  # data range 1
+    "ms_ssim",
+    "lpips",
+    "flip",
+    "flicker",
+    "flicker_steady",  # of a picture that never changes: the truth's own
+    "psnr_dynamic",  # dB, pooled over frames and cameras
+    "psnr_static",
+    "psnr_colour_corrected",  # dB, after the best affine colour map of each camera
+    "bytes_total",
+    "bytes_static",
+    "bytes_dynamic",
+    "splats_static",
+    "splats_dynamic",
+    "train_seconds",
+    "frames",
+    "cameras",
+    "cameras_trained_on",
+)
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "eval",
+        help="measure a finished run",
+        description="Measure a finished run, by default on its held-out cameras. eval.json has every frame's scores.",
+    )
+    parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
+    parser.add_argument(
+        "--truth", metavar="FOLDER", type=Path,
+        help="score against these pictures, <camera>/<FFFF>.png, instead of the capture's",
+    )  # fmt: skip
+    parser.add_argument(
+        "--masks", metavar="FOLDER", type=Path,
+        help="masks of what moves, <camera>/<FFFF>.png; without it the capture's, if it has some",
+    )  # fmt: skip
+    parser.add_argument("--lpips", metavar="WEIGHTS", type=Path, help="compute LPIPS with these weights (.npz)")
+    parser.add_argument("--flip", action="store_true", help="compute FLIP (needs the extra eval)")
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--cameras", metavar="A,B", help="score these cameras")
+    which.add_argument("--all-cameras", action="store_true", help="score every camera, those trained on too")
+    parser.add_argument(
+        "--backend", metavar="NAME", default="auto", help="what draws: auto, cpu, triton or reference (default: auto)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from hgs_core.runs.folder import RunFolder
+
+    cameras = None if options.cameras is None else _names(options.cameras)
+    RunFolder(options.run_folder).read_spec()  # before torch is loaded: a wrong path is told at once
+    from hgs_core.evaluate.run import evaluate_run
+
+    with ProgressBars() as bars:
+        result = evaluate_run(
+            options.run_folder, bars, cameras=cameras, all_cameras=options.all_cameras, truth=options.truth,
+            masks=options.masks, lpips=options.lpips, flip=options.flip, backend=options.backend,
+        )  # fmt: skip
+    scores = {name: result[name] for name in FIELDS}
+    if options.json:
+        print(json.dumps(scores))
+    else:
+        for name, value in scores.items():
+            print(f"{name:<18} {_text(value)}")
+    return 0
+
+
+def _names(text: str) -> list[str]:
+    names = [name.strip() for name in text.split(",") if name.strip()]
+    if not names:
+        raise InputError("--cameras", "names no camera", "give names as in --cameras cam00,cam01, or leave it out")
+    return names
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return ", ".join(map(str, value)) or "-"
+    return f"{value:.4f}" if isinstance(value, float) else str(value)

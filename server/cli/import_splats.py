@@ -1,0 +1,51 @@
+"""`hgs import FILE --out RUN`: makes a run of a file of splats."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from hgs_core.train.config import BUDGETS, TrainConfig
+from server.cli.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "import",
+        help="make a run of a file of splats",
+        description="Make a run of a .ply (3DGS or STGS), .splat or .spz file and encode it: it can be published.",
+    )
+    parser.add_argument("file", metavar="FILE", type=Path, help="the file; its suffix tells the format")
+    parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="new folder of the run")
+    parser.add_argument(
+        "--capture", metavar="FOLDER", type=Path,
+        help="what the splats were made of, in the same world: encoding is measured on it, and the run can be scored",
+    )  # fmt: skip
+    parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras that encoding must not look at")
+    parser.add_argument(
+        "--duration", metavar="S", type=float, default=50 / 30, help="seconds that a 4D file lasts (default: 50 / 30)"
+    )
+    parser.add_argument("--antialiased", action="store_true", help="the splats were trained to be drawn antialiased")
+    parser.add_argument("--budget", choices=list(BUDGETS), default="default", help="what encoding may lose")
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
+    config = TrainConfig.from_json({"preset": "imported", "hold_out": hold_out, "budget": options.budget})
+    from hgs_core.runs.imported import import_run
+
+    with ProgressBars() as bars:
+        notes = import_run(
+            options.file, options.out, bars, duration=options.duration, capture=options.capture, config=config,
+            antialiased=options.antialiased,
+        )  # fmt: skip
+    for note in notes:
+        print(f"{options.file}: {note}", file=sys.stderr)
+    print(options.out)
+    return 0

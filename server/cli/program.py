@@ -1,0 +1,54 @@
+"""The `hgs` command line.
+
+Exit status: 0 done; 2 bad input, told in one line on standard error; 130 stopped by Ctrl-C; 1 a fault, with a
+traceback.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.version import software_version
+from server.cli import (
+    ablate,
+    bench,
+    encode,
+    evaluate,
+    export,
+    import_splats,
+    masks,
+    publish,
+    report,
+    serve,
+    submit,
+    train,
+    worker,
+)
+
+__all__ = ["main"]
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status; `arguments` default to the process's own."""
+    parser = argparse.ArgumentParser(prog="hgs", description="Dynamic scenes from multi-view video, streamed.")
+    parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    for command in (
+        train, masks, encode, evaluate, report, publish, import_splats, export, serve, worker, submit, bench, ablate,
+    ):  # fmt: skip
+        command.add_parser(commands)
+    options = parser.parse_args(arguments)
+    try:
+        status: int = options.run(options)
+    except InputError as error:
+        print(f"hgs: {' '.join(str(error).split())}", file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return status

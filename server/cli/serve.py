@@ -1,0 +1,68 @@
+"""`hgs serve [RUN ...]`: the API, the viewer's page and the workers."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from server.cli.progress_bars import ProgressBars
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "serve",
+        help="serve scenes and run jobs",
+        description="Publish the given runs, then serve the API and the viewer and run queued jobs until stopped.",
+    )
+    parser.add_argument("run_folders", metavar="RUN", type=Path, nargs="*", help="finished runs to publish first")
+    parser.add_argument(
+        "--host", default="127.0.0.1", help="address to listen on; there is no login: mind who can reach it"
+    )
+    parser.add_argument("--port", type=int, default=8000, help="0 lets the system choose")
+    parser.add_argument("--workers", type=int, default=1, help="worker processes to run; 0 for none")
+    parser.add_argument(
+        "--captures", metavar="FOLDERS", default="",
+        help="folders that jobs may read, separated as in PATH; default: HGS_CAPTURES, else captures/ in the home",
+    )  # fmt: skip
+    parser.add_argument(
+        "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
+        help="a page of another host that may read scenes, e.g. https://example.org; * for all; may be repeated",
+    )  # fmt: skip
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    if options.workers < 0:
+        raise InputError("--workers", f"{options.workers} is negative", "give 0 or more")
+    from jobs.artifacts import ArtifactStore
+    from jobs.home import Home
+    from server.app import create_app
+    from server.capture_folders import CaptureFolders
+    from server.publishing import publish_run
+    from server.serving import HttpServer, bind
+    from server.worker_processes import WorkerProcesses
+
+    home = Home.from_environment()
+    with bind(options.host, options.port) as listener:
+        store = ArtifactStore(home.store_url)
+        with ProgressBars() as bars:
+            scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
+        captures = CaptureFolders.configured(home.folder, options.captures)
+        app = create_app(home, captures=captures, origins=options.origins, artifacts=store)
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
+        host = f"[{host}]" if ":" in host else host
+        address = f"http://{host}:{listener.getsockname()[1]}"
+        pages = [f"{address}/view/{scene}" for scene in scenes] or [f"{address}/"]
+        server = HttpServer(app, on_ready=lambda: print(*pages, sep="\n", flush=True))
+        # Uvicorn handles the signals while it serves, and raises them again after its shutdown.
+        signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+        with WorkerProcesses(home, options.workers):
+            server.run([listener])
+    return 0

@@ -1,0 +1,56 @@
+"""`hgs submit CAPTURE`: queues a job in the service's home."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.progress import Progress
+from server.cli.progress_bars import ProgressBars
+from server.cli.training_options import add_masks_option, add_training_options, training_config
+
+__all__ = ["add_parser"]
+
+POLL_SECONDS = 0.5
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "submit", help="queue a capture for training", description="Queue a capture for training; print the job's id."
+    )
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
+    parser.add_argument("--title", default="", help="for people; default: the capture's name")
+    parser.add_argument(
+        "--wait", action="store_true", help="follow the job to its end; the exit status tells how it went"
+    )
+    add_masks_option(parser)
+    add_training_options(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    config = training_config(options)
+    from jobs.client import JobClient, JobRequest
+    from jobs.home import Home
+
+    with JobClient(Home.from_environment()) as client:
+        job_id = client.submit(JobRequest(options.capture, config, options.title, options.masks))
+        print(job_id, flush=True)
+        return _follow(client, job_id) if options.wait else 0
+
+
+def _follow(client: Any, job_id: str) -> int:
+    """Draw the job's progress until it is finished; return 0 if it succeeded."""
+    with ProgressBars() as bars:
+        while not (job := client.get(job_id)).state.finished:
+            if job.stage:
+                bars(Progress(job.stage, job.done, job.total, job.figures))
+            time.sleep(POLL_SECONDS)
+    if job.state != "succeeded":
+        print(f"hgs: job {job_id}: {job.state.value}{': ' + job.error if job.error else ''}", file=sys.stderr)
+        return 1
+    return 0

@@ -1,0 +1,49 @@
+"""`hgs train CAPTURE --out RUN`: from a capture to an encoded scene, in this process."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.progress import StageStopped
+from server.cli.interrupts import Interrupts
+from server.cli.progress_bars import ProgressBars
+from server.cli.training_options import add_masks_option, add_training_options, training_config
+
+__all__ = ["add_parser"]
+
+
+def add_parser(commands: Any) -> None:
+    """Add the subcommand."""
+    parser: argparse.ArgumentParser = commands.add_parser(
+        "train", help="train and encode a capture", description="Train and encode a capture. Run again to resume."
+    )
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
+    parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
+    add_masks_option(parser)
+    add_training_options(parser)
+    parser.set_defaults(run=_run)
+
+
+def _run(options: argparse.Namespace) -> int:
+    config = training_config(options)
+    if config.backend == "triton":  # before minutes of initialisation
+        from hgs_core.render.backends import training_device
+
+        training_device(config.backend)
+    from hgs_core.runs.folder import RunFolder
+    from hgs_core.runs.stages import STAGES, create_run
+
+    create_run(options.out, options.capture, config, masks=options.masks)
+    with RunFolder(options.out).exclusive(), Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+        try:
+            for stage in STAGES.values():
+                stage(options.out, bars)
+        except StageStopped:
+            bars.close()
+            print("stopped; run the same command again to resume", file=sys.stderr)
+            return 130
+    print(options.out)
+    return 0

@@ -1,0 +1,69 @@
+"""The options that choose what a training does, shared by `hgs train` and `hgs submit`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.train.config import PRESETS, TrainConfig
+
+__all__ = ["add_masks_option", "add_training_options", "training_config"]
+
+
+def add_training_options(parser: argparse.ArgumentParser) -> None:
+    """Add --preset, --hold-out, --downscale and --set."""
+    parser.add_argument("--preset", choices=list(PRESETS), default="standard", help="how long and how fine to train")
+    parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras kept for `hgs eval`, by name")
+    parser.add_argument(
+        "--downscale", metavar="N", type=int, help="reduce the pictures N times; big photographs train N^2 times faster"
+    )
+    parser.add_argument(
+        "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
+        help="replace fields of the training config, e.g. cycles=2000 learning_rates.opacity=0.04",
+    )  # fmt: skip
+
+
+def add_masks_option(parser: argparse.ArgumentParser) -> None:
+    """Add --masks."""
+    parser.add_argument(
+        "--masks", metavar="FOLDER", type=Path,
+        help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
+    )  # fmt: skip
+
+
+def training_config(options: argparse.Namespace) -> TrainConfig:
+    """Return the config that the options describe.
+
+    Raises:
+        InputError: an unknown field, or a value of the wrong type or range.
+    """
+    hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
+    chosen: dict[str, Any] = {"hold_out": hold_out}
+    if options.downscale is not None:
+        chosen["downscale"] = options.downscale
+    return TrainConfig.for_preset(options.preset, **{**chosen, **_overrides(options.overrides)})
+
+
+def _overrides(assignments: Sequence[str]) -> dict[str, Any]:
+    """Read KEY=VALUE pairs: the values as JSON where they are JSON, else as strings; dots in keys nest."""
+    overrides: dict[str, Any] = {}
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        if not (key and equals):
+            raise InputError(f"--set {assignment}", "is not KEY=VALUE")
+        try:
+            value = json.loads(text)
+        except json.JSONDecodeError:
+            value = text
+        *parents, name = key.split(".")
+        target = overrides
+        for parent in parents:
+            target = target.setdefault(parent, {})
+            if not isinstance(target, dict):
+                raise InputError(f"--set {assignment}", f"{parent} is already set to a single value")
+        target[name] = value
+    return overrides

@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec import Manifest, load_manifest
+from tests.conftest import REPOSITORY
+
+VECTORS = REPOSITORY / "tests" / "vectors"
+
+
+def document() -> dict[str, Any]:
+    return json.loads((VECTORS / "manifest.json").read_text())
+
+
+def test_every_field_survives_reading_and_writing() -> None:
+    known = {name: value for name, value in document().items() if name != "later"}
+    assert Manifest.from_json(document()).to_json() == known
+
+
+def test_a_manifest_without_the_optional_field_is_one_of_a_scene_that_is_not_antialiased() -> None:
+    older = document()
+    assert older.pop("antialiased") is True
+    assert Manifest.from_json(older).antialiased is False
+
+
+@pytest.mark.parametrize("case", json.loads((VECTORS / "invalid_manifest.json").read_text()), ids=str)
+def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
+    changed: Any = document()
+    parent = changed
+    for key in case["at"][:-1]:
+        parent = parent[key]
+    if case["value"] is None:
+        del parent[case["at"][-1]]
+    else:
+        parent[case["at"][-1]] = case["value"]
+    with pytest.raises(InputError) as caught:
+        Manifest.from_json(changed)
+    assert caught.value.where == case["field"]
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), 10**400, True, "1"])
+def test_a_number_that_is_none_is_refused(value: object) -> None:
+    with pytest.raises(InputError, match=r"manifest\.extent: is .*, expected a finite number"):
+        Manifest.from_json(document() | {"extent": value})
+
+
+def test_a_wrong_camera_is_named() -> None:
+    changed = document()
+    changed["cameras"][0]["fx"] = -1
+    with pytest.raises(InputError, match=r"manifest\.cameras\[0\]: camera cam00: focal length"):
+        Manifest.from_json(changed)
+
+
+@pytest.mark.parametrize(
+    ("content", "problem"), [(None, "cannot be read"), (b"{", "is not JSON"), (b"[]", "an object")]
+)
+def test_an_unreadable_file_is_named(tmp_path: Path, content: bytes | None, problem: str) -> None:
+    if content is not None:
+        (tmp_path / "manifest.json").write_bytes(content)
+    with pytest.raises(InputError, match=rf"manifest\.json.*{problem}"):
+        load_manifest(tmp_path / "manifest.json")

@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from hgs_core.capture.open import open_capture
+from hgs_core.codec.encoder.preview import quantised_scene
+from hgs_core.fit.coarseness import NEAR_ENOUGH, Loss, _coarsest, fit
+from hgs_core.fit.utility import measure_utility
+from hgs_core.fit.views import EncodeViews, views_around
+from hgs_core.render.reference import rasterize_reference
+from hgs_core.render.types import View
+from hgs_core.scene import HybridScene, Segment
+from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.train.targets import target_picture
+from tests.synthetic import synthetic_scene, write_capture
+
+
+def scene() -> HybridScene[np.ndarray]:
+    static, dynamic = synthetic_scene()
+    return HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
+
+
+@pytest.mark.parametrize(("allowed", "curve"), [(0.1, 2.0), (0.5, 1.4), (0.02, 3.0)])
+def test_the_coarsest_that_fits_is_found_whatever_the_curve(allowed: float, curve: float) -> None:
+    tried = []
+
+    def lost(coarseness: float) -> float:
+        tried.append(coarseness)
+        return 0.3 * coarseness**curve
+
+    found, loss = _coarsest(lost, allowed, 0.4)
+    assert NEAR_ENOUGH * allowed <= loss <= allowed
+    assert len(tried) <= 5
+    assert loss == lost(found)
+
+
+@pytest.mark.parametrize(("loss", "expected"), [(0.0, 8.0), (3.0, 0.25)])
+def test_the_coarsest_stays_within_its_range(loss: float, expected: float) -> None:
+    assert _coarsest(lambda coarseness: loss, 0.1, 1.0) == (expected, loss)
+
+
+def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> None:
+    cameras = write_capture(tmp_path)
+    given, capture = scene(), open_capture(tmp_path)
+    views = EncodeViews(
+        "", tuple(cameras), dict(enumerate(cameras)), capture.times,
+        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
+    )  # fmt: skip
+    utility = measure_utility(given, cameras, capture.times, antialiased=False)
+    found = fit(given, views, utility, "default", TrainConfig(antialiased=False))
+    assert found.scene is given
+    quantised = quantised_scene(given, cameras, capture.times, utility, found.settings, antialiased=False).decoded
+    drawn = {name: [] for name in ("before", "after")}
+    for camera in range(5):
+        for frame, seconds in enumerate(capture.times):
+            true = target_picture(capture, camera, frame, cameras[camera])
+            for name, one in (("before", given), ("after", quantised)):
+                segment = one.segments[0].dynamic.map(torch.from_numpy)
+                view = View(cameras[camera], one.segments[0].normalised(float(seconds)), gradients="none")
+                picture = rasterize_reference(one.static.map(torch.from_numpy), segment, view).rgb.clamp(0, 1)
+                drawn[name].append(-10 * np.log10(float(((picture - true) ** 2).mean())))
+    loss = np.mean(drawn["before"]) - np.mean(drawn["after"])
+    assert BUDGETS["default"] == 0.1
+    assert loss < 0.15  # the budget is of twelve of these thirty views
+
+
+def test_without_pictures_the_scene_itself_is_what_is_compared_with(tmp_path: Path) -> None:
+    given = scene()
+    views = views_around(given, "cloud")
+    assert len(views.cameras) == 24
+    loss = Loss(given, views, views.trained, antialiased=False)
+    assert loss.of(given) == 0
+    darker = type(given)(dataclasses.replace(given.static, rgb=given.static.rgb * 0.9), given.segments)
+    assert 0.1 < loss.of(darker) < 10
+    for camera in views.cameras:
+        pixels, depth = camera.project(given.static.means)
+        assert (depth > camera.near).all()
+        assert ((pixels > 0) & (pixels < (camera.width, camera.height))).all(axis=1).mean() > 0.85

@@ -1,0 +1,117 @@
+"""The first points, from half of the sample's cameras, judged by a camera that was not used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, StageStopped, silent
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.open import open_capture
+from hgs_core.decompose.masks import MotionMasks, motion_masks
+from hgs_core.points.initial_points import initial_points
+from hgs_core.points.point_cloud import PointCloud
+
+VIEWS = (1, 3, 5, 7, 9, 11)
+TARGETS: dict[str, Any] = {"every": 30, "static_target": 2500, "dynamic_target": 600, "seed": 0}
+
+
+class OnlyViews(Capture):
+    """The sample, which refuses to show other cameras."""
+
+    def frame(self, camera: int, frame: int) -> Any:
+        assert camera in VIEWS
+        return super().frame(camera, frame)
+
+
+@pytest.fixture(scope="module")
+def capture() -> Capture:
+    opened = open_capture(Path(__file__).resolve().parents[3] / "samples" / "studio")
+    opened.__class__ = OnlyViews
+    return opened
+
+
+@pytest.fixture(scope="module")
+def masks(capture: Capture) -> MotionMasks:
+    return motion_masks(capture, VIEWS, progress=silent)
+
+
+@pytest.fixture(scope="module")
+def reports() -> list[Progress]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def points(capture: Capture, masks: MotionMasks, reports: list[Progress]) -> PointCloud:
+    return initial_points(capture, VIEWS, masks, progress=reports.append, **TARGETS)
+
+
+def test_the_targets_are_met(points: PointCloud) -> None:
+    static = int((points.dynamic < 0.5).sum())
+    assert 2200 <= static <= 2500
+    assert 400 <= len(points) - static <= 600
+
+
+def test_dynamic_points_come_from_every_moment(points: PointCloud) -> None:
+    times = points.times[points.dynamic >= 0.5]
+    np.testing.assert_allclose(np.unique(times), [0, 1], atol=1e-6)
+    assert min((times == time).sum() for time in np.unique(times)) > 150
+    np.testing.assert_array_equal(points.times[points.dynamic < 0.5], 0)
+
+
+def test_spacing_is_positive_and_of_the_size_of_the_gaps(points: PointCloud) -> None:
+    assert points.spacing.min() > 0
+    assert 0.01 < np.median(points.spacing) < 0.2
+    assert points.spacing.max() < 1.0
+
+
+def test_an_unused_camera_confirms_places_and_colours(points: PointCloud) -> None:
+    """Most points, seen from cam00, have the colour of its picture there; occluded ones need not."""
+    capture = open_capture(Path(__file__).resolve().parents[3] / "samples" / "studio")
+    for moment, frame in ((0.0, 0), (1.0, 30)):
+        shown = points.take((points.dynamic < 0.5) | (points.times == np.float32(moment)))
+        pixels, depth = capture.cameras[0].project(shown.xyz)
+        column, row = pixels.astype(int).T
+        inside = (depth > 0) & (column >= 0) & (column < 512) & (row >= 0) & (row < 384)
+        picture = capture.frame(0, frame)[row[inside], column[inside]] / 255
+        difference = np.abs(picture - shown.rgb[inside]).mean(axis=1)
+        assert inside.mean() > 0.6
+        assert np.median(difference) < 0.08
+
+
+def test_moving_points_project_into_the_masks(points: PointCloud, capture: Capture, masks: MotionMasks) -> None:
+    moving = points.take((points.dynamic >= 0.5) & (points.times == 0))
+    inside = []
+    for view in VIEWS:
+        column, row = capture.cameras[view].project(moving.xyz)[0].astype(int).T
+        seen = (column >= 0) & (column < 512) & (row >= 0) & (row < 384)
+        inside.append(masks.mask(view, 0)[row[seen], column[seen]].mean())
+    assert np.mean(inside) > 0.8
+
+
+def test_progress_rises_to_its_total(points: PointCloud, reports: list[Progress]) -> None:
+    assert [report.done for report in reports] == list(range(5))
+    assert reports[-1].total == 4
+
+
+def test_the_callback_can_stop_the_stage(capture: Capture, masks: MotionMasks) -> None:
+    def stop(progress: Progress) -> None:
+        raise StageStopped
+
+    with pytest.raises(StageStopped):
+        initial_points(capture, VIEWS, masks, progress=stop, **TARGETS)
+
+
+def test_one_camera_is_too_few(capture: Capture, masks: MotionMasks) -> None:
+    with pytest.raises(InputError, match="1 cameras to start from"):
+        initial_points(capture, VIEWS[:1], masks, progress=silent, **TARGETS)
+
+
+def test_the_same_seed_gives_the_same_bits(points: PointCloud, capture: Capture, masks: MotionMasks) -> None:
+    again = initial_points(capture, VIEWS, masks, progress=silent, **TARGETS)
+    for name in ("xyz", "rgb", "times", "dynamic", "spacing"):
+        assert getattr(again, name).tobytes() == getattr(points, name).tobytes()

@@ -1,0 +1,74 @@
+"""The plane sweep, on pictures of a textured wall at a known depth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hgs_core.points.sweep import SweptPoints, depth_ranges, sweep
+from hgs_core.scene.camera import Camera
+
+WALL = 3.0
+
+
+def view(x: float, y: float) -> Camera:
+    pose = np.eye(4)
+    pose[:3, 3] = (-x, -y, 0)
+    return Camera(f"{x} {y}", 96, 72, 90, 90, 48, 36, pose)
+
+
+def photograph(camera: Camera) -> np.ndarray:
+    """Ray-cast the wall z = 3, whose colours are smooth waves, at pixel centres."""
+    row, column = np.mgrid[0:72, 0:96] + 0.5
+    x = (column - camera.cx) / camera.fx * WALL + camera.position[0]
+    y = (row - camera.cy) / camera.fy * WALL + camera.position[1]
+    waves = [np.sin(7 * x + 2 * np.sin(3 * y)), np.sin(9 * y + 2 * np.sin(5 * x)), np.sin(11 * (x - y))]
+    return (128 + 100 * np.stack(waves, 2)).round().astype(np.uint8)
+
+
+CAMERAS = [view(x, y) for x in (-0.3, 0, 0.3) for y in (-0.2, 0.2)]
+
+
+@pytest.fixture(scope="module")
+def swept() -> SweptPoints:
+    everywhere = [np.ones((72, 96), bool)] * len(CAMERAS)
+    return sweep(CAMERAS, [photograph(camera) for camera in CAMERAS], everywhere, [(1.0, 10.0)] * 6, 3000)
+
+
+def test_the_wall_is_found_at_its_depth(swept: SweptPoints) -> None:
+    assert 2000 < len(swept.xyz) < 8000
+    assert np.median(np.abs(swept.xyz[:, 2] - WALL)) < 0.03
+    assert (np.abs(swept.xyz[:, 2] - WALL) < 0.15).mean() > 0.9
+
+
+def test_the_neighbours_confirm_true_depths(swept: SweptPoints) -> None:
+    right = np.abs(swept.xyz[:, 2] - WALL) < 0.1
+    assert swept.agreeing[right].mean() > 3
+    assert swept.opposed[right].mean() < 0.5
+
+
+def test_only_wanted_and_admitted_places_get_points() -> None:
+    wanted = [np.zeros((72, 96), bool) for _ in CAMERAS]
+    wanted[0][:, 48:] = True
+    points = sweep(
+        CAMERAS, [photograph(c) for c in CAMERAS], wanted, [(1.0, 10.0)] * 6, 500, lambda xyz: xyz[:, 2] < 2.0
+    )
+    assert len(points.xyz) > 0
+    assert points.xyz[:, 2].max() < 2.1
+    assert CAMERAS[0].project(points.xyz)[0][:, 0].min() > 47
+
+
+def test_a_single_picture_has_no_depths() -> None:
+    everywhere = [np.ones((72, 96), bool)]
+    assert len(sweep(CAMERAS[:1], [photograph(CAMERAS[0])], everywhere, [(1.0, 10.0)], 500).xyz) == 0
+
+
+def test_depth_ranges_hold_the_points() -> None:
+    points = np.random.default_rng(0).uniform((-1, -1, 2), (1, 1, 6), (200, 3))
+    for near, far in depth_ranges(CAMERAS, points):
+        assert 1.2 < near < 2.2
+        assert 5.8 < far < 9
+
+
+def test_without_points_there_is_still_a_range() -> None:
+    assert all(0 < near < far for near, far in depth_ranges(CAMERAS, np.zeros((0, 3))))

@@ -1,0 +1,212 @@
+"""The stages on a tiny capture: each leaves its file, resumes, and refuses bad input before it writes."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, silent
+from hgs_core.base.version import software_version
+from hgs_core.codec import decode_scene, load_manifest
+from hgs_core.evaluate.run import evaluate_run
+from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.stages import STAGES, create_run
+from hgs_core.scene.files import load_scene
+from hgs_core.train.config import TrainConfig
+from tests.synthetic import write_capture
+
+CONFIG = TrainConfig.from_json({
+    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
+    "max_static": 400, "max_dynamic": 100, "checkpoint_every": 20, "hold_out": ["2"],
+})  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("capture")
+    write_capture(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def finished(capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    run = tmp_path_factory.mktemp("runs") / "run"
+    create_run(run, capture, CONFIG)
+    for stage in STAGES.values():
+        stage(run, silent)
+    return run
+
+
+def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
+    scene, decoded = load_scene(finished / "scene.npz"), decode_scene(finished / "scene")
+    manifest = load_manifest(finished / "scene" / "manifest.json")
+    assert len(decoded.static) == manifest.totals.splats_static > 0
+    assert len(decoded.static) <= len(scene.static)
+    assert [camera.name for camera in manifest.cameras] == ["0", "1", "2", "3", "4"]
+    assert manifest.training["cycles"] == 60
+
+
+def test_finished_stages_do_nothing(finished: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in finished.rglob("*") if path.is_file()}
+
+    def refuse(progress: Progress) -> None:
+        raise AssertionError(progress)
+
+    for stage in STAGES.values():
+        stage(finished, refuse)
+    assert before == {path: path.stat().st_mtime_ns for path in finished.rglob("*") if path.is_file()}
+
+
+def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path) -> None:
+    result = evaluate_run(finished, silent)
+    assert set(result) == {
+        "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "flicker_steady", "psnr_dynamic", "psnr_static",
+        "psnr_colour_corrected", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
+        "train_seconds", "frames", "cameras",
+        "cameras_trained_on", "truth", "masks", "per_camera", "per_frame",
+    }  # fmt: skip
+    chunks = sum(path.stat().st_size for path in (finished / "scene" / "chunks").iterdir())
+    assert result["bytes_static"] + result["bytes_dynamic"] == chunks
+    assert result["bytes_total"] == chunks + (finished / "scene" / "manifest.json").stat().st_size
+    assert result["cameras"] == ["2"]
+    assert result["frames"] == 6
+    assert result["psnr"] > 10
+    assert json.loads((finished / "eval.json").read_text()) == result
+
+
+def test_a_run_is_published_and_scored_as_antialiased_as_it_was_trained(finished: Path, tmp_path: Path) -> None:
+    run = tmp_path / "run"
+    shutil.copytree(finished, run)
+    spec = json.loads((run / "run.json").read_text())
+    spec["config"]["antialiased"] = False
+    (run / "run.json").write_text(json.dumps(spec))
+    shutil.rmtree(run / "scene")
+    STAGES["encode"](run, silent)
+    assert not load_manifest(run / "scene").antialiased
+    assert load_manifest(finished / "scene").antialiased
+    assert (run / "scene" / "thumbnail.jpg").read_bytes() != (finished / "scene" / "thumbnail.jpg").read_bytes()
+    assert evaluate_run(run, silent)["psnr"] != evaluate_run(finished, silent)["psnr"]
+
+
+def test_an_equal_run_is_kept_and_a_different_one_refused(finished: Path, capture: Path) -> None:
+    create_run(finished, capture, CONFIG)
+    with pytest.raises(InputError, match="another capture or config"):
+        create_run(finished, capture, TrainConfig.from_json(CONFIG.to_json() | {"seed": 5}))
+
+
+def test_a_folder_with_other_files_is_not_touched(capture: Path, tmp_path: Path) -> None:
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(InputError, match="is not a run"):
+        create_run(tmp_path, capture, CONFIG)
+    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+@pytest.mark.parametrize(
+    ("hold_out", "problem"), [(["7"], "7"), (["0", "1", "2", "3"], "leaves 1 of 5 cameras to train on")]
+)
+def test_bad_hold_outs_are_refused_before_anything_is_written(
+    capture: Path, tmp_path: Path, hold_out: list[str], problem: str
+) -> None:
+    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": hold_out})
+    with pytest.raises(InputError, match=problem):
+        create_run(tmp_path / "run", capture, config)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    create_run(tmp_path / "run", tmp_path / "capture", CONFIG)
+    meta = tmp_path / "capture" / "train_meta.json"
+    value = json.loads(meta.read_text())
+    value["k"] = (np.array(value["k"]) * 1.01).tolist()
+    meta.write_text(json.dumps(value))
+    with pytest.raises(InputError, match="has changed"):
+        STAGES["initialise"](tmp_path / "run", silent)
+
+
+def test_a_run_keeps_its_masks_and_its_resolution(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    for frame in range(2):
+        file = tmp_path / "masks" / "0" / f"{frame:04d}.png"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        Image.new("L", (64, 48), 255 * frame).save(file)
+    monkeypatch.chdir(tmp_path)
+    config = TrainConfig.from_json(CONFIG.to_json() | {"downscale": 2})
+    for _ in range(2):  # the second time the run is resumed
+        create_run(Path("run"), Path("capture"), config, masks=Path("masks"))
+    assert "the masks of 0 are given" in caplog.text
+    monkeypatch.chdir("/")
+    capture = RunFolder(tmp_path / "run").read_spec().open_capture()
+    assert capture.frame(0, 0).shape == (24, 32, 3)
+    assert [capture.mask(0, frame).mean() for frame in range(2)] == [0, 1]  # type: ignore[union-attr]
+    with pytest.raises(InputError, match="another capture or config"):
+        create_run(tmp_path / "run", tmp_path / "capture", config)
+    (tmp_path / "masks" / "0" / "0001.png").write_bytes(b"edited")
+    with pytest.raises(InputError):
+        RunFolder(tmp_path / "run").read_spec().open_capture()
+
+
+def test_photographs_of_one_moment_end_without_anything_dynamic(tmp_path: Path) -> None:
+    """The same pictures as transforms.json: nothing tells the stages that the scene is still."""
+    views = write_capture(tmp_path / "ims", frames=1)
+    flip = np.diag([1.0, -1.0, -1.0, 1.0])
+    frames = [
+        {
+            "file_path": f"ims/ims/{view.name}/000000.jpg",
+            "transform_matrix": (np.linalg.inv(view.world_to_camera) @ flip).tolist(),
+        }
+        for view in views
+    ]
+    intrinsics = {"fl_x": views[0].fx, "fl_y": views[0].fy, "cx": views[0].cx, "cy": views[0].cy}
+    (tmp_path / "transforms.json").write_text(json.dumps({**intrinsics, "k1": 0.01, "frames": frames}))
+    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": ["ims/ims/2/000000"]})
+    create_run(tmp_path / "run", tmp_path, config)
+    for stage in STAGES.values():
+        stage(tmp_path / "run", silent)
+    manifest = load_manifest(tmp_path / "run" / "scene" / "manifest.json")
+    assert manifest.totals.splats_static > 0
+    assert manifest.totals.splats_dynamic == manifest.totals.bytes_dynamic == 0
+    assert evaluate_run(tmp_path / "run", silent)["frames"] == 1
+
+
+def test_evaluating_an_unfinished_run_says_how_to_finish_it(capture: Path, tmp_path: Path) -> None:
+    create_run(tmp_path / "run", capture, CONFIG)
+    with pytest.raises(InputError, match="finish it with hgs train"):
+        evaluate_run(tmp_path / "run", silent)
+    with pytest.raises(InputError, match=r"no run\.json"):
+        evaluate_run(tmp_path, silent)
+
+
+def test_a_run_folder_survives_a_damaged_spec(tmp_path: Path) -> None:
+    (tmp_path / "run.json").write_text("{")
+    with pytest.raises(InputError, match=r"run\.json"):
+        RunFolder(tmp_path).read_spec()
+
+
+def test_two_processes_never_work_on_one_run(tmp_path: Path) -> None:
+    with (
+        RunFolder(tmp_path).exclusive(),
+        pytest.raises(InputError, match="another process works on this run"),
+        RunFolder(tmp_path).exclusive(patience=0.2),
+    ):
+        pass
+    with RunFolder(tmp_path).exclusive():
+        pass
+
+
+def test_machine_and_curves_are_kept_beside_the_run_and_not_published(finished: Path) -> None:
+    recorded = json.loads((finished / "train.json").read_text())
+    assert recorded["machine"]["hgs"] == software_version()
+    assert recorded["machine"]["cores"] >= 1
+    assert recorded["history"]["psnr"]
+    published = load_manifest(finished / "scene" / "manifest.json").training
+    assert not {"machine", "history", "profile"} & set(published)
+    assert published["cycles"] == recorded["cycles"]

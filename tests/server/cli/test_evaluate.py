@@ -1,0 +1,94 @@
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.runs.folder import RunFolder
+from server.cli import main
+from server.cli.evaluate import FIELDS
+
+SCORES: dict[str, Any] = {
+    "psnr": 27.5,
+    "ssim": 0.875,
+    "ms_ssim": 0.96,
+    "lpips": None,
+    "flip": None,
+    "flicker": 0.004,
+    "flicker_steady": 0.003,
+    "psnr_dynamic": None,
+    "psnr_static": None,
+    "psnr_colour_corrected": 28.5,
+    "bytes_total": 300,
+    "bytes_static": 200,
+    "bytes_dynamic": 90,
+    "splats_static": 20,
+    "splats_dynamic": 9,
+    "train_seconds": 12.5,
+    "frames": 60,
+    "cameras": ["cam00"],
+    "cameras_trained_on": [],
+}
+
+
+@pytest.fixture(autouse=True)
+def wishes(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Put an evaluation in the place of the real one that has these scores and more; returns what it was asked for."""
+    asked: dict[str, Any] = {}
+
+    def evaluate_run(run: Path, progress: ProgressCallback, **options: Any) -> dict[str, Any]:
+        asked.update(options)
+        progress(Progress("evaluate", 1, 1))
+        return {"per_frame": {"cam00": {"psnr": [27.5]}}, **SCORES}
+
+    monkeypatch.setitem(sys.modules, "hgs_core.evaluate.run", SimpleNamespace(evaluate_run=evaluate_run))  # type: ignore[arg-type]
+    monkeypatch.setattr(RunFolder, "read_spec", lambda self: None)
+    return asked
+
+
+def test_json_is_one_object_of_exactly_the_documented_fields(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["eval", str(tmp_path), "--json"]) == 0
+    output = json.loads(capsys.readouterr().out)
+    assert output == SCORES
+    assert tuple(output) == FIELDS
+
+
+def test_text_names_every_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", str(tmp_path)]) == 0
+    lines = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
+    assert tuple(lines) == FIELDS
+    assert (lines["psnr"], lines["cameras"]) == ("27.5000", "cam00")
+    assert lines["lpips"] == "-"
+
+
+def test_by_default_the_cheap_metrics_of_the_held_out_cameras_are_asked_for(
+    tmp_path: Path, wishes: dict[str, Any]
+) -> None:
+    assert main(["eval", str(tmp_path)]) == 0
+    assert wishes == {
+        "cameras": None, "all_cameras": False, "truth": None, "masks": None, "lpips": None, "flip": False,
+        "backend": "auto",
+    }  # fmt: skip
+
+
+def test_the_options_reach_the_evaluation(tmp_path: Path, wishes: dict[str, Any]) -> None:
+    options = ["--truth", "t", "--masks", "m", "--lpips", "w.npz", "--flip", "--cameras", "a, b,", "--backend", "cpu"]
+    assert main(["eval", str(tmp_path), *options]) == 0
+    assert wishes == {
+        "cameras": ["a", "b"], "all_cameras": False, "truth": Path("t"), "masks": Path("m"), "lpips": Path("w.npz"),
+        "flip": True, "backend": "cpu",
+    }  # fmt: skip
+    assert main(["eval", str(tmp_path), "--all-cameras"]) == 0
+    assert wishes["all_cameras"]
+
+
+def test_naming_no_camera_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", str(tmp_path), "--cameras", ","]) == 2
+    assert "--cameras: names no camera" in capsys.readouterr().err
