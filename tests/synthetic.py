@@ -14,7 +14,7 @@ from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.scene.camera import Camera
-from hgs_core.train.density import joined
+from hgs_core.train.splat_sets import joined
 
 __all__ = ["EVENT_PLACE", "event_splats", "ring_of_cameras", "synthetic_scene", "write_capture"]
 

@@ -47,6 +47,11 @@ class TrainState:
         self.static_adam, self.dynamic_adam = self.static_adam.to(device), self.dynamic_adam.to(device)
         self.correction = None if self.correction is None else self.correction.to(device)
 
+    def replace(self, static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> None:
+        """Go on with other splats, whose optimisers know; the statistics of the screen begin anew."""
+        self.static, self.dynamic = static, dynamic
+        self.statistics = ScreenStatistics.zeros(len(static) + len(dynamic))
+
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""
         return picture if self.correction is None else self.correction.corrected(picture, view.place)[0].detach()

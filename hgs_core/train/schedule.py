@@ -1,4 +1,4 @@
-"""What changes over a training run: step sizes, resolution and the rounds of density control."""
+"""What changes over a training run: step sizes, resolution and how many splats there may be."""
 
 from __future__ import annotations
 
@@ -13,10 +13,6 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["Schedule", "share_alive"]
 
-_ROUNDS_FROM = 0.1  # share of the cycles before the first round of labelling and infill
-_ROUNDS = 10
-_BIRTHS = (0.3, 0.45)  # shares of the cycles after which splats are born
-_PRUNES = (*_BIRTHS, 0.65, 0.85)  # after which those that no view needs are removed: first to make room
 _LEAST_SHARE = 0.05  # of time that a splat counts as alive for: a few visits say too little about the next ones
 
 
@@ -32,30 +28,6 @@ class Schedule:
     def resolution(self, cycle: int) -> float:
         """Return the factor by which pictures are resized: coarse first, then full."""
         return 0.5 if cycle < self.config.coarse_until * self.config.cycles else 1.0
-
-    def densifies_after(self, cycle: int) -> bool:
-        """Return whether a round of density control follows this cycle."""
-        done = cycle + 1
-        first, last = (share * self.config.cycles for share in (self.config.densify_from, self.config.densify_until))
-        return done % self.config.densify_every == 0 and first <= done <= last
-
-    def relabels_after(self, cycle: int) -> bool:
-        """Return whether a round of labelling follows this cycle: ten of them while splats are still added."""
-        return self.config.adaptive_labels and self._one_of_ten(cycle)
-
-    def infills_after(self, cycle: int) -> bool:
-        """Return whether statics are added where still pixels are wrong after this cycle: in the same ten rounds."""
-        return self.config.infill > 0 and self.config.labels != "dynamic" and self._one_of_ten(cycle)
-
-    def prunes_after(self, cycle: int) -> bool:
-        """Return whether splats that no view needs are removed after this cycle."""
-        wanted = self.config.prune_contribution > 0
-        return wanted and cycle + 1 in {round(share * self.config.cycles) for share in _PRUNES}
-
-    def births_after(self, cycle: int) -> bool:
-        """Return whether a round of births follows this cycle."""
-        rounds = {round(share * self.config.cycles) for share in _BIRTHS[: self.config.birth_rounds]}
-        return cycle + 1 in rounds
 
     @property
     def splat_budgets(self) -> tuple[int, int]:
@@ -120,12 +92,6 @@ class Schedule:
             return 1.0
         fall = 0.5 * (1 - math.cos(math.pi * (cycle - first) / (end - first)))
         return 1.0 + (self.config.settled - 1.0) * fall
-
-    def _one_of_ten(self, cycle: int) -> bool:
-        first, last = (share * self.config.cycles for share in (_ROUNDS_FROM, self.config.densify_until))
-        every = max(1, round((last - first) / _ROUNDS))
-        done = cycle + 1
-        return first < done <= last and (done - round(first)) % every == 0
 
     def position_rate(self, cycle: int) -> float:
         """Return the step size of positions, world units."""

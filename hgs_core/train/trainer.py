@@ -24,15 +24,8 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control import (
-    control_births,
-    control_contributions,
-    control_density,
-    control_infill,
-    control_labels,
-)
+from hgs_core.train.control import RoundContext, rounds
 from hgs_core.train.initialise import scene_extent
-from hgs_core.train.relocation import control_relocation, disturb_positions
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.step import take_step
@@ -78,6 +71,7 @@ class Trainer:
         self.views = TrainingViews(capture, cameras, config, segment, masks, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
         self.schedule = Schedule(config, extent, segment.frames, segment.seconds)
+        self.rounds = rounds(config, masked=self.views.masked, statics_learn=self.statics_learn)
         if after is not None:
             start = (after.static, start[1])
         self.first_counts = (len(start[0]), len(start[1]))
@@ -148,28 +142,14 @@ class Trainer:
                 )
             if tiles.any():
                 self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
-        if config.density == "relocation":
-            with timed("noise"):
-                disturb_positions(state, self.schedule, cycle, self.statics_learn)
         self._constrain()
-        if self.schedule.prunes_after(cycle):
-            with timed("pruning"), self._on(_HOST):
-                control_contributions(state, self.schedule, self.views, self.segment, self.statics_learn)
-        if self.views.masked and self.schedule.births_after(cycle):
-            with timed("births"), self._on(_HOST):
-                control_births(state, self.schedule, self.views, self.segment, cycle)
-        if self.statics_learn and self.schedule.infills_after(cycle):
-            with timed("infill"), self._on(_HOST):
-                control_infill(state, self.schedule, self.views, self.segment, cycle)
-        if self.schedule.densifies_after(cycle):
-            with timed("density"), self._on(_HOST):
-                if config.density == "relocation":
-                    control_relocation(state, self.schedule, cycle, self.first_counts, self.statics_learn)
-                else:
-                    control_density(state, self.schedule, cycle, self.first_counts, view.camera, self.statics_learn)
-        if self.statics_learn and self.schedule.relabels_after(cycle):
-            with timed("labels"), self._on(_HOST):
-                control_labels(state, self.schedule, self.views, cycle)
+        context = RoundContext(
+            cycle, self.schedule, self.views, self.segment, view.camera, self.first_counts, self.statics_learn
+        )
+        for control in self.rounds:
+            if control.due(cycle):
+                with timed(control.name), self._on(_HOST if control.on_host else self.device):
+                    control.apply(state, context)
 
     def _learn(
         self,

@@ -1,4 +1,4 @@
-"""Step sizes, resolution and density rounds over a run."""
+"""Step sizes, resolution and budgets over a run."""
 
 from __future__ import annotations
 
@@ -70,35 +70,9 @@ def test_coefficients_beyond_the_order_of_motion_never_move(order: int, coeffici
     assert motion[1, order, 0] == pytest.approx(0.4e-3 * 10**order)
 
 
-def test_births_and_labels_have_their_rounds_while_splats_are_still_added() -> None:
-    schedule = Schedule(CONFIG, 1.0, 50)
-    assert [c + 1 for c in range(1000) if schedule.births_after(c)] == [300, 450]
-    rounds = [c + 1 for c in range(1000) if schedule.relabels_after(c)]
-    assert len(rounds) == 10
-    assert rounds[0] > 100
-    assert rounds[-1] == 600
-    alone = dataclasses.replace(CONFIG, birth_rounds=1, adaptive_labels=False)
-    assert [c + 1 for c in range(1000) if Schedule(alone, 1.0, 50).births_after(c)] == [300]
-    assert not any(Schedule(alone, 1.0, 50).relabels_after(c) for c in range(1000))
-
-
-def test_infill_goes_with_the_labels_and_only_where_there_may_be_statics() -> None:
-    config = TrainConfig(cycles=1000)
-    schedule = Schedule(config, 1.0, 50)
-    rounds = [c for c in range(1000) if schedule.infills_after(c)]
-    assert rounds == [c for c in range(1000) if schedule.relabels_after(c)]
-    for other in (dataclasses.replace(config, infill=0.0), dataclasses.replace(config, labels="dynamic")):
-        assert not any(Schedule(other, 1.0, 50).infills_after(c) for c in range(1000))
-
-
 def test_pictures_are_coarse_first() -> None:
     schedule = Schedule(CONFIG, 1.0, 50)
     assert [schedule.resolution(c) for c in (0, 249, 250, 999)] == [0.5, 0.5, 1.0, 1.0]
-
-
-def test_density_rounds_keep_to_their_share_of_the_run() -> None:
-    schedule = Schedule(CONFIG, 1.0, 50)
-    assert [c + 1 for c in range(1000) if schedule.densifies_after(c)] == [100, 200, 300, 400, 500, 600]
 
 
 def test_the_budget_grows_to_its_limit() -> None:

@@ -138,7 +138,10 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
 
 @pytest.mark.parametrize("stages", ["together", "interleaved", "separate"])
 def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, stages: str) -> None:
-    settings = config(stages=stages, cycles=150, coarse_until=0.0, max_static=300)
+    """Without rounds of control, which reorder rows: what has changed in a row has been learnt."""
+    settings = config(
+        stages=stages, cycles=40, coarse_until=0.0, densify_until=0.0, prune_contribution=0.0, birth_rounds=0
+    )
     capture = open_capture(capture_folder)
     masks = motion_masks(capture, (0, 1, 3, 4), progress=silent)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
@@ -146,8 +149,9 @@ def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, sta
     before = start[0].rgb.clone(), start[1].rgb.clone()
     training = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt", masks=masks)
     training.run(silent)
-    assert not torch.equal(training.state.static.rgb[:10], before[0][:10])
-    assert not torch.equal(training.state.dynamic.rgb[:10], before[1][:10])
+    for splats, first in zip((training.state.static, training.state.dynamic), before, strict=True):
+        assert splats.rgb.shape == first.shape
+        assert float((splats.rgb - first).abs().max()) > 0.01
 
 
 @pytest.mark.parametrize("stages", ["together", "interleaved"])

@@ -8,7 +8,7 @@ import torch
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import StaticSplats
-from hgs_core.train.births import Births, chosen_births, find_births, picture_error
+from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures, truths
 
 
@@ -18,8 +18,8 @@ def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndar
     moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in seen]
     errors = [picture_error(p, truth) for p, truth in zip(pictures(shown), seen, strict=True)]
     known = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    found = find_births(CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known))
-    cloud = chosen_births([found], most, np.random.default_rng(2))
+    found = find_missing_points(CAMERAS, seen, moving, errors, depth_ranges(CAMERAS, known))
+    cloud = chosen_points([found], most, np.random.default_rng(2))
     assert (cloud.spacing > 0).all()
     return cloud.xyz
 
@@ -48,11 +48,11 @@ def test_the_error_of_a_picture_is_in_levels() -> None:
 
 
 def test_the_moment_that_lacks_most_gets_most() -> None:
-    def lacking(time: float, urgency: float) -> Births:
+    def lacking(time: float, urgency: float) -> MissingPoints:
         places = np.zeros((100, 3), np.float32)
         cloud = PointCloud.at_rest(places, places, np.full(100, time, np.float32), places[:, 0], places[:, 0])
-        return Births(cloud, np.full(100, urgency))
+        return MissingPoints(cloud, np.full(100, urgency))
 
-    chosen = chosen_births([lacking(0.0, 100.0), lacking(1.0, 900.0)], 60, np.random.default_rng(0))
+    chosen = chosen_points([lacking(0.0, 100.0), lacking(1.0, 900.0)], 60, np.random.default_rng(0))
     assert len(chosen) == 60
     assert 45 < int((chosen.times == 1.0).sum()) < 60  # 54 expected, with replacement

@@ -14,8 +14,8 @@ from hgs_core.render import rasterize
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
 from hgs_core.train.adam import Adam
-from hgs_core.train.density import joined
-from hgs_core.train.relocation import disturb, relocate, shared_among
+from hgs_core.train.control.relocation import disturb, relocate, shared_among
+from hgs_core.train.splat_sets import joined
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 from tests.tolerances import assert_close
 

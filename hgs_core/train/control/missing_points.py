@@ -1,8 +1,6 @@
-"""New dynamic splats where and when something moves that the scene does not show yet.
+"""Points in space that explain pixels which a scene shows wrongly: what births and infill put splats on.
 
-Density control multiplies splats that exist; what lives shorter than the gap between two initialised moments, or was
-missed there, has none. A round of births draws the scene at many moments, marks the moving pixels that are wrong, and
-sweeps them for points in space, as initialisation does for whole moments.
+The worst pixels are swept, as initialisation does for whole moments.
 """
 
 from __future__ import annotations
@@ -21,7 +19,7 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.sweep import sweep
 from hgs_core.scene.camera import Camera
 
-__all__ = ["Births", "chosen_births", "find_births", "picture_error"]
+__all__ = ["MissingPoints", "chosen_points", "find_missing_points", "picture_error"]
 
 _WRONG = 20  # levels of 255 that count as wrong
 _HULL = 0.75  # share of the views that must see a new point move, as in initialisation
@@ -32,8 +30,8 @@ _CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong sp
 
 
 @dataclass(frozen=True)
-class Births:
-    """Points that could be born at one moment."""
+class MissingPoints:
+    """Points that the scene lacks at one moment."""
 
     points: PointCloud
     urgency: npt.NDArray[np.float64]  # [P] the square of how wrong the pictures are there, levels of 255
@@ -49,7 +47,7 @@ def picture_error(picture: Tensor, truth: npt.NDArray[np.uint8]) -> npt.NDArray[
     return box_sum(error, 1).astype(np.float32) / np.float32(9)
 
 
-def find_births(
+def find_missing_points(
     cameras: Sequence[Camera],
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] of one moment
     asked: Sequence[npt.NDArray[np.bool_]],  # [H, W] what moves in them, or what stands still
@@ -58,7 +56,7 @@ def find_births(
     *,
     hull: bool = True,
     pixels: int = 600,
-) -> Births:
+) -> MissingPoints:
     """Return points that explain wrong pixels among those that are asked for, at time 0.
 
     A point must be confirmed by two other views' depths and be wrong in half of the views it falls in: what is right in
@@ -69,7 +67,7 @@ def find_births(
     wanted = [_worst(error, m & w, pixels) for error, m, w in zip(errors, asked, wrong, strict=True)]
     area = sum(int(mask.sum()) for mask in wanted)
     if area == 0:
-        return Births(PointCloud.concatenate([]), np.zeros(0))
+        return MissingPoints(PointCloud.concatenate([]), np.zeros(0))
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
         return label_points(cameras, asked, xyz) >= _HULL
@@ -80,19 +78,19 @@ def find_births(
     xyz = swept.xyz[chosen]
     none = np.zeros(len(xyz), np.float32)
     points = PointCloud.at_rest(xyz, swept.rgb[chosen], none, none, _sizes(cameras, xyz))
-    return Births(points, mean_over_views(cameras, errors, xyz).astype(np.float64) ** 2)
+    return MissingPoints(points, mean_over_views(cameras, errors, xyz).astype(np.float64) ** 2)
 
 
-def chosen_births(births: Sequence[Births], most: int, generator: np.random.Generator) -> PointCloud:
+def chosen_points(missing: Sequence[MissingPoints], most: int, generator: np.random.Generator) -> PointCloud:
     """Return at most `most` points of all moments, drawn in proportion to their urgency.
 
     Not so many of each moment: where something appears or vanishes at once, the splats of one side alone have to show
     it, and much more is missing than between moments that resemble each other.
     """
-    points = PointCloud.concatenate([found.points for found in births])
+    points = PointCloud.concatenate([found.points for found in missing])
     if len(points) <= most:
         return points
-    urgency = np.concatenate([found.urgency for found in births])
+    urgency = np.concatenate([found.urgency for found in missing])
     return points.take(np.sort(generator.choice(len(points), max(0, most), replace=False, p=urgency / urgency.sum())))
 
 

@@ -14,15 +14,15 @@ from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.density import DensityRound, refine
+from hgs_core.train.control.density import DensityPlan, refine
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
 EXTENT = 100.0
 
 
-def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityRound:
+def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityPlan:
     config = TrainConfig(clone_scale=split_scale / EXTENT)
-    return DensityRound(budget, EXTENT, 1.0, config, torch.Generator().manual_seed(0))
+    return DensityPlan(budget, EXTENT, 1.0, config, torch.Generator().manual_seed(0))
 
 
 def pulls(values: list[float]) -> ScreenStatistics:

@@ -8,7 +8,7 @@ from torch import Tensor
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.residuals import temporal_residuals
+from hgs_core.train.control.residuals import temporal_residuals
 from hgs_core.train.training_views import TrainingView
 from tests.synthetic import ring_of_cameras
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -18,14 +18,15 @@ import torch
 from torch import Tensor
 
 from hgs_core.render.projection import rotation_matrices
-from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.density import joined, peak_opacity
-from hgs_core.train.schedule import Schedule
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.density import peak_opacity
+from hgs_core.train.control.round import RoundContext, is_density_round
+from hgs_core.train.splat_sets import joined
 
-__all__ = ["control_relocation", "disturb", "disturb_positions", "relocate", "shared_among"]
+__all__ = ["NoiseRound", "RelocationRound", "disturb", "relocate", "shared_among"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -37,31 +38,54 @@ _TERMS = 150  # of equation 9: later ones are less than 14^j / j!, for any numbe
 _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
 
 
-def control_relocation(
-    state: TrainState, schedule: Schedule, cycle: int, first_counts: tuple[int, int], statics_learn: bool
-) -> None:
-    """Move the dead of both sets onto the living and fill each one's budget; copies inherit all but opacity and size.
+@dataclasses.dataclass(frozen=True)
+class RelocationRound:
+    """Moves the dead of both sets onto the living and fills each one's budget; copies inherit all but opacity and size.
 
     The budget is that of the round, as for cloning and splitting. The paper's 5 % a round would leave the statics of a
     short schedule far below theirs, and fill that of the dynamics before births can use it.
     """
-    config, most = schedule.config, schedule.splat_budgets
-    generator = np.random.default_rng((config.seed, 3, cycle))
-    if statics_learn and len(state.static):
-        budget = schedule.budget(cycle, first_counts[0], most[0])
-        state.static = relocate(state.static, state.static_adam, budget, config.prune_opacity, generator)
-    if len(state.dynamic):
-        budget = schedule.budget(cycle, first_counts[1], most[1])
-        state.dynamic = relocate(state.dynamic, state.dynamic_adam, budget, config.prune_opacity, generator)
-    state.statistics = ScreenStatistics.zeros(len(state.static) + len(state.dynamic))
+
+    name: ClassVar[str] = "density"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        return is_density_round(self.config, cycle)
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        schedule, most, first = context.schedule, context.schedule.splat_budgets, context.first_counts
+        generator, dead = np.random.default_rng((self.config.seed, 3, context.cycle)), self.config.prune_opacity
+        static, dynamic = state.static, state.dynamic
+        if context.statics_learn and len(static):
+            budget = schedule.budget(context.cycle, first[0], most[0])
+            static = relocate(static, state.static_adam, budget, dead, generator)
+        if len(dynamic):
+            budget = schedule.budget(context.cycle, first[1], most[1])
+            dynamic = relocate(dynamic, state.dynamic_adam, budget, dead, generator)
+        state.replace(static, dynamic)
 
 
-def disturb_positions(state: TrainState, schedule: Schedule, cycle: int, statics_learn: bool) -> None:
-    """Add the noise that goes with relocation to the positions of both sets."""
-    generator = np.random.default_rng((schedule.config.seed, 8, cycle))
-    if statics_learn:
-        disturb(state.static, schedule.position_rate(cycle), schedule.extent, generator)
-    disturb(state.dynamic, schedule.position_rate(cycle), schedule.extent, generator)
+class NoiseRound:
+    """Adds the noise that goes with relocation to the positions of both sets, after every iteration."""
+
+    name: ClassVar[str] = "noise"
+    on_host: ClassVar[bool] = False
+
+    def due(self, cycle: int) -> bool:
+        """Return that the round follows every iteration."""
+        return True
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        schedule = context.schedule
+        generator = np.random.default_rng((schedule.config.seed, 8, context.cycle))
+        step = schedule.position_rate(context.cycle)
+        if context.statics_learn:
+            disturb(state.static, step, schedule.extent, generator)
+        disturb(state.dynamic, step, schedule.extent, generator)
 
 
 def relocate(splats: S, adam: Adam[S], budget: int, dead: float, generator: np.random.Generator) -> S:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Callable
+
 import numpy as np
 import torch
 from torch import Tensor
@@ -9,10 +12,12 @@ from torch import Tensor
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.infill import find_infill
+from hgs_core.train.control.infill import InfillRound, find_infill
 from hgs_core.train.training_views import TrainingView
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures
 from tests.hgs_core.render.scenes import dynamic_splats
+from tests.hgs_core.train.conftest import CONFIG, state_of
+from tests.synthetic import synthetic_scene
 
 OTHER = np.array([-0.5, 0.0, 0.2])
 NOTHING: DynamicSplats[Tensor] = dynamic_splats(0, dtype=torch.float32)
@@ -60,3 +65,12 @@ def test_what_moves_is_left_to_the_dynamics() -> None:
 
 def test_no_more_are_added_than_there_is_room_for() -> None:
     assert len(infill(balls(BALL), most=7)) == 7
+
+
+def test_statics_are_added_where_still_pixels_are_wrong_within_the_budget(applied: Callable[..., None]) -> None:
+    static, dynamic = synthetic_scene()
+    state = state_of(static.take(slice(0, 60)), dynamic)
+    config = dataclasses.replace(CONFIG, infill=0.1, max_static=100)
+    applied(InfillRound(config), state, config)
+    assert 60 < len(state.static) <= 70
+    assert state.history.infilled == len(state.static) - 60

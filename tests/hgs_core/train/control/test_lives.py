@@ -11,7 +11,7 @@ import torch
 
 from hgs_core.scene import DynamicSplats
 from hgs_core.scene.temporal import evaluate
-from hgs_core.train.lives import haunting, trimmed
+from hgs_core.train.control.lives import haunting, trimmed
 from tests.hgs_core.render.scenes import dynamic_splats
 from tests.synthetic import ring_of_cameras
 

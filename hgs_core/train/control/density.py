@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
+import numpy as np
 import torch
 from torch import Tensor
 
@@ -18,9 +19,12 @@ from hgs_core.render.projection import rotation_matrices
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.round import RoundContext, is_density_round
+from hgs_core.train.splat_sets import joined
 
-__all__ = ["DensityRound", "is_fog", "joined", "peak_opacity", "refine"]
+__all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -30,6 +34,38 @@ _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 @dataclasses.dataclass(frozen=True)
 class DensityRound:
+    """Prunes, clones and splits both sets, each within its own budget; children inherit their parent's label."""
+
+    name: ClassVar[str] = "density"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        return is_density_round(self.config, cycle)
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        schedule, statics, seen = context.schedule, len(state.static), state.statistics
+        seed = int(np.random.default_rng((self.config.seed, 3, context.cycle)).integers(2**62))
+        generator = torch.Generator().manual_seed(seed)
+
+        def plan(first: int, most: int) -> DensityPlan:
+            budget = schedule.budget(context.cycle, first, most)
+            half_width = 0.5 * max(context.camera.width, context.camera.height)
+            return DensityPlan(budget, schedule.extent, half_width, self.config, generator)
+
+        first, most = context.first_counts, schedule.splat_budgets
+        static, dynamic = state.static, state.dynamic
+        if context.statics_learn and statics:
+            static = refine(static, state.static_adam, seen.rows(slice(0, statics)), plan(first[0], most[0]))
+        if len(dynamic):
+            dynamic = refine(dynamic, state.dynamic_adam, seen.rows(slice(statics, None)), plan(first[1], most[1]))
+        state.replace(static, dynamic)
+
+
+@dataclasses.dataclass(frozen=True)
+class DensityPlan:
     """What one round may do to one set of splats."""
 
     budget: int  # splats allowed afterwards
@@ -44,7 +80,7 @@ class DensityRound:
         return self.config.clone_scale * self.extent
 
 
-def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityRound) -> S:
+def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityPlan) -> S:
     """Prune what cannot be seen, then clone or split what the loss pulls at most; `adam` follows.
 
     Args:
@@ -122,9 +158,3 @@ def _halves(parents: S, generator: torch.Generator) -> S:
         else:
             pieces.append(dataclasses.replace(parents, means=parents.means + offset, log_scales=smaller))
     return joined(*pieces)
-
-
-def joined(*sets: S) -> S:
-    """Return the rows of all sets, in order, as one set."""
-    kind = type(sets[0])
-    return kind(*(torch.cat(arrays) for arrays in zip(*((a for _, a in s.items()) for s in sets), strict=True)))

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,8 +13,9 @@ from torch import Tensor
 
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.relabel import as_dynamics, as_statics, standing_still
-from tests.synthetic import ring_of_cameras
+from hgs_core.train.control.labels import LabelRound, as_dynamics, as_statics, standing_still
+from tests.hgs_core.train.conftest import CONFIG, state_of
+from tests.synthetic import ring_of_cameras, synthetic_scene
 
 CAMERAS = ring_of_cameras(3, 64, 48)  # three units from the origin, 76.8 pixels of focal length: 26 pixels per unit
 
@@ -78,3 +81,27 @@ def test_a_static_splat_is_divided_into_two_lives_that_overlap() -> None:
     for time in (0.25, 0.5, 0.75):  # as opaque as before, within a fifth
         one, two = picture(static, None, time), picture(None, lives, time)
         assert np.abs(one - two).max() < 0.2
+
+
+def test_labels_move_splats_between_the_sets(applied: Callable[..., None]) -> None:
+    static, dynamic = synthetic_scene()
+    still = dynamic.map(Tensor.clone)  # the first one stands still, and is visible all the time
+    still.motion[0, 1:] = 0
+    still.time_log_precisions[0] = -9.0
+    state = state_of(static, still)
+    config = dataclasses.replace(CONFIG, restless_error=0.0)
+    applied(LabelRound(config), state, config)
+    assert (len(state.static), len(state.dynamic)) == (len(static) + 1, len(dynamic) - 1)
+    torch.testing.assert_close(state.static.means[-1], still.motion[0, 0])
+    assert state.history.labels_changed == {"to_static": 1, "to_dynamic": 0}
+
+
+def test_a_static_splat_in_the_way_of_motion_becomes_dynamic(applied: Callable[..., None]) -> None:
+    static, dynamic = synthetic_scene()
+    state = state_of(static, dynamic.take(slice(0, 0)))  # what moves is missing: statics must stand in
+    config = dataclasses.replace(CONFIG, restless_error=0.005)
+    applied(LabelRound(config), state, config)
+    changed = state.history.labels_changed["to_dynamic"]
+    assert 0 < changed <= 0.02 * len(static)
+    assert len(state.dynamic) == 2 * changed
+    assert len(state.static) == len(static) - changed

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +21,14 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import evaluate
-from hgs_core.train.density import joined
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.hull import ever_inside
+from hgs_core.train.control.residuals import temporal_residuals
+from hgs_core.train.control.round import RoundContext, is_one_of_ten
+from hgs_core.train.splat_sets import joined, kept, rows_of
 
-__all__ = ["as_dynamics", "as_statics", "standing_still"]
+__all__ = ["LabelRound", "as_dynamics", "as_statics", "standing_still"]
 
 Floats = npt.NDArray[np.float32]
 Doubles = npt.NDArray[np.float64]
@@ -30,6 +37,48 @@ _MOMENTS = 9  # of the segment at which a splat's place and opacity are looked a
 _STEADY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
 _CENTERS = (0.25, 0.75)  # lives that a splat which will not stand still is divided into
 _HALF_LIFE = 0.3  # normalised time after which these have faded to half: they overlap
+_MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
+
+
+@dataclass(frozen=True)
+class LabelRound:
+    """Makes dynamic splats that stand still static, and statics under which the error varies with time dynamic.
+
+    The config's `still_pixels` and `restless_error` are the two thresholds. Where it is known what moves, a static must
+    lie in the hull of it at a moment: the error under a false point in the air varies, too, with what passes behind it.
+    """
+
+    name: ClassVar[str] = "labels"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        return self.config.adaptive_labels and is_one_of_ten(self.config, cycle)
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        config, views, schedule = self.config, context.views, context.schedule
+        restless = np.zeros(len(state.static), np.bool_)
+        room = schedule.splat_budgets[1] - len(state.dynamic)
+        if config.restless_error > 0 and room > 1 and len(state.static):
+            samples = views.samples(context.cycle)
+            varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
+            most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)
+            worst = np.argsort(-varies, kind="stable")[:most]
+            worst = worst[varies[worst] > config.restless_error]
+            if views.masked:
+                places = state.static.means.numpy()[worst]
+                worst = worst[ever_inside(places, views.cameras, schedule.frames, views.moving)]
+            restless[worst] = True
+        still = standing_still(state.dynamic, views.cameras, config.still_pixels)
+        to_static = as_statics(state.dynamic.take(rows_of(still)))
+        to_dynamic = as_dynamics(state.static.take(rows_of(restless)), state.dynamic.motion.shape[1])
+        state.replace(
+            kept(state.static, state.static_adam, ~restless, to_static),
+            kept(state.dynamic, state.dynamic_adam, ~still, to_dynamic),
+        )
+        state.history.relabelled(len(to_static), int(restless.sum()))
 
 
 def standing_still(dynamic: DynamicSplats[Tensor], cameras: Sequence[Camera], pixels: float) -> npt.NDArray[np.bool_]:

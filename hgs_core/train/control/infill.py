@@ -8,21 +8,56 @@ worst still pixels are swept for points, as births are for what moves.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.births import chosen_births, find_births, picture_error
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.missing_points import chosen_points, find_missing_points, picture_error
+from hgs_core.train.control.round import RoundContext, is_one_of_ten
+from hgs_core.train.initialise import initial_splats
+from hgs_core.train.splat_sets import kept
 from hgs_core.train.training_views import TrainingView
 
-__all__ = ["find_infill"]
+__all__ = ["InfillRound", "find_infill"]
 
 _MOST_PIXELS = 4000  # of one picture that are swept
+_OPACITY = 0.5
+
+
+@dataclass(frozen=True)
+class InfillRound:
+    """Adds static splats where still pixels are wrong, at most the share `infill` of the budget."""
+
+    name: ClassVar[str] = "infill"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0: the ten in which labels change, too."""
+        return self.config.infill > 0 and self.config.labels != "dynamic" and is_one_of_ten(self.config, cycle)
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        config, budget = self.config, context.schedule.splat_budgets[0]
+        generator = np.random.default_rng((config.seed, 6, context.cycle))
+        most = min(round(config.infill * budget), budget - len(state.static))
+        if most <= 0:
+            return
+        ranges = depth_ranges(context.views.cameras, state.static.means.numpy())
+        views = context.views.everywhere(context.cycle)
+        points = find_infill(state.static, state.dynamic, views, config, state.shown, ranges, most, generator)
+        added, _ = initial_splats(points, context.segment.clock, context.segment.frames, opacity=_OPACITY)
+        state.replace(kept(state.static, state.static_adam, None, added), state.dynamic)
+        state.history.infilled += len(added)
 
 
 def find_infill(
@@ -60,5 +95,5 @@ def find_infill(
         errors.append(picture_error(drawn, picture))
         everywhere = torch.ones(camera.height, camera.width, dtype=torch.bool)
         still.append((~torch.stack(moving).any(0) if moving else everywhere).numpy())
-    found = find_births(seen_by, pictures, still, errors, ranges, hull=False, pixels=_MOST_PIXELS)
-    return chosen_births([found], most, generator)
+    found = find_missing_points(seen_by, pictures, still, errors, ranges, hull=False, pixels=_MOST_PIXELS)
+    return chosen_points([found], most, generator)

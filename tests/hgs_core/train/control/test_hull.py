@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from hgs_core.scene.splats import DynamicSplats
-from hgs_core.train.hull import ever_inside, strayed
+from hgs_core.train.control.hull import ever_inside, strayed
 from tests.balls import BALL, CAMERAS, balls, truths
 
 FRAMES = 11

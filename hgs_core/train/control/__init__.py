@@ -1,0 +1,40 @@
+"""Which splats there are: what happens to a training's state between steps, one round a file.
+
+A round says after which iterations it is due and what it then does. A new one is a file with a class, and its place in
+`rounds`, which says the order in which rounds follow one iteration.
+"""
+
+from __future__ import annotations
+
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.births import BirthRound
+from hgs_core.train.control.density import DensityRound
+from hgs_core.train.control.infill import InfillRound
+from hgs_core.train.control.labels import LabelRound
+from hgs_core.train.control.pruning import PruningRound
+from hgs_core.train.control.relocation import NoiseRound, RelocationRound
+from hgs_core.train.control.round import Round, RoundContext
+
+__all__ = ["Round", "RoundContext", "rounds"]
+
+
+def rounds(config: TrainConfig, *, masked: bool, statics_learn: bool) -> tuple[Round, ...]:
+    """Return the rounds of a training in the order in which they follow an iteration.
+
+    Args:
+        config: of the run.
+        masked: whether it is known what moves.
+        statics_learn: whether the segment trains the statics; they stay as they are otherwise.
+    """
+    found: list[Round] = [PruningRound(config)]
+    if masked:
+        found.append(BirthRound(config))
+    if statics_learn:
+        found.append(InfillRound(config))
+    if config.density == "relocation":
+        found = [NoiseRound(), *found, RelocationRound(config)]
+    else:
+        found.append(DensityRound(config))
+    if statics_learn:
+        found.append(LabelRound(config))
+    return tuple(found)

@@ -1,0 +1,85 @@
+"""Rounds of births: dynamic splats where and when something moves that the scene does not show yet.
+
+Density control multiplies splats that exist; what lives shorter than the gap between two initialised moments, or was
+missed there, has none. So the scene is drawn at many moments, and moving pixels that are wrong are swept for points.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import torch
+
+from hgs_core.points.sweep import depth_ranges
+from hgs_core.render.fixed_view import FixedView
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.lives import haunting, trimmed
+from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
+from hgs_core.train.control.round import RoundContext
+from hgs_core.train.initialise import initial_splats
+from hgs_core.train.splat_sets import kept, rows_of
+
+__all__ = ["BIRTHS_AT", "BirthRound"]
+
+BIRTHS_AT = (0.3, 0.45)
+"""Shares of the iterations after which splats are born."""
+
+_INSTANTS = 30  # of the segment that a round looks at
+_OPACITY = 0.6
+
+
+@dataclass(frozen=True)
+class BirthRound:
+    """Adds dynamic splats where moving pixels are wrong, all over the segment, in half of the room that is left.
+
+    Before, the lives of those there are end where still pixels are wrong. There must be masks.
+    """
+
+    name: ClassVar[str] = "births"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        return cycle + 1 in {round(share * self.config.cycles) for share in BIRTHS_AT[: self.config.birth_rounds]}
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        config, views, segment = self.config, context.views, context.segment
+        generator = np.random.default_rng((config.seed, 5, context.cycle))
+        instants = min(_INSTANTS, segment.frames)
+        most = max(0, context.schedule.splat_budgets[1] - len(state.dynamic)) // 2
+        known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
+        ranges = depth_ranges(views.cameras, known)
+        fixed = [
+            FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
+            for camera in views.cameras
+        ]
+        missing, moments, ghosts = [], [], []
+        for instant in views.instants(instants, generator):
+            errors = [
+                picture_error(view.frame(state.dynamic, instant.moment).rgb, truth)
+                for view, truth in zip(fixed, instant.pictures, strict=True)
+            ]
+            moments.append(instant.moment)
+            ghosts.append(haunting(state.dynamic, views.cameras, instant.moment, instant.moving, errors))
+            if most == 0:
+                continue
+            found = find_missing_points(views.cameras, instant.pictures, instant.moving, errors, ranges)
+            count = len(found.points)
+            alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
+            missing.append(MissingPoints(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
+        shortened, changed = trimmed(state.dynamic, np.array(moments), np.stack(ghosts))
+        dynamic = kept(state.dynamic, state.dynamic_adam, ~changed, shortened.take(rows_of(changed)))
+        # They live for about a frame: what lives longer will learn to. So few iterations show them that they start
+        # opaque.
+        points = chosen_points(missing, most, generator)
+        _, born = initial_splats(
+            points, segment.clock, segment.frames, opacity=_OPACITY, coefficients=dynamic.motion.shape[1]
+        )
+        state.replace(state.static, kept(dynamic, state.dynamic_adam, None, born))
+        state.history.births += len(born)

@@ -1,0 +1,59 @@
+"""Removing the splats that no training view needs, fog, and what has left the hull of what moves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from hgs_core.render.fixed_view import FixedView
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.births import BIRTHS_AT
+from hgs_core.train.control.density import is_fog
+from hgs_core.train.control.hull import strayed
+from hgs_core.train.control.round import RoundContext
+from hgs_core.train.splat_sets import kept
+
+__all__ = ["PruningRound"]
+
+_PRUNED_AT = (*BIRTHS_AT, 0.65, 0.85)  # shares of the iterations; before births, to make room
+_MOMENTS = 60  # of the segment at which blending weights are looked at, at most
+_FRAMES_APART = 2  # the briefest splat, gone by half in half a frame, still has a sixteenth a frame on
+
+
+@dataclass(frozen=True)
+class PruningRound:
+    """Removes splats whose largest blending weight in any pixel of any training view is too small.
+
+    So are dynamic splats that are fog, or that have left the hull of what moves.
+    """
+
+    name: ClassVar[str] = "pruning"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        wanted = self.config.prune_contribution > 0
+        return wanted and cycle + 1 in {round(share * self.config.cycles) for share in _PRUNED_AT}
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        config, views, statics = self.config, context.views, len(state.static)
+        frames, extent = context.segment.frames, context.schedule.extent
+        peak = np.zeros(statics + len(state.dynamic), np.float32)
+        for camera, moments in views.poses(min(_MOMENTS, -(-frames // _FRAMES_APART))):
+            fixed = FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
+            for moment in moments:
+                np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
+        needed = peak >= config.prune_contribution
+        needed[statics:] &= ~is_fog(state.dynamic, extent, config).numpy()
+        if views.masked:
+            needed[statics:] &= ~strayed(state.dynamic, views.cameras, frames, views.moving)
+        static = state.static
+        if context.statics_learn:
+            static = kept(static, state.static_adam, needed[:statics])
+        state.replace(static, kept(state.dynamic, state.dynamic_adam, needed[statics:]))
+        state.history.pruned += len(peak) - len(state.static) - len(state.dynamic)

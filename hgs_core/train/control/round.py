@@ -1,0 +1,58 @@
+"""What every round of control has in common: when it is due, and what it may look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+from hgs_core.scene.camera import Camera
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.schedule import Schedule
+from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.training_views import TrainingViews
+
+__all__ = ["Round", "RoundContext", "is_density_round", "is_one_of_ten"]
+
+_FIRST_OF_TEN = 0.1  # share of the iterations that pass before them
+
+
+@dataclass(frozen=True)
+class RoundContext:
+    """What a round may look at besides the state that it changes."""
+
+    cycle: int  # the iteration it follows, from 0
+    schedule: Schedule
+    views: TrainingViews
+    segment: CaptureSegment
+    camera: Camera  # of the iteration's view
+    first_counts: tuple[int, int]  # static and dynamic splats that the training began with
+    statics_learn: bool
+
+
+class Round(Protocol):
+    """One thing that is done to the sets between iterations."""
+
+    name: ClassVar[str]  # of the activity in the profile of train.json
+    on_host: ClassVar[bool]  # whether the state is brought to the host first; frequent rounds run where it is
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+
+
+def is_one_of_ten(config: TrainConfig, cycle: int) -> bool:
+    """Return whether one of ten evenly spaced rounds follows this iteration, all while splats are still added."""
+    first, last = (share * config.cycles for share in (_FIRST_OF_TEN, config.densify_until))
+    every = max(1, round((last - first) / 10))
+    done = cycle + 1
+    return first < done <= last and (done - round(first)) % every == 0
+
+
+def is_density_round(config: TrainConfig, cycle: int) -> bool:
+    """Return whether a round of density control follows this iteration."""
+    done = cycle + 1
+    first, last = (share * config.cycles for share in (config.densify_from, config.densify_until))
+    return done % config.densify_every == 0 and first <= done <= last

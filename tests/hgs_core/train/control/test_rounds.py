@@ -1,0 +1,64 @@
+"""Which rounds a training has, and after which iterations they are due."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import pytest
+
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control import rounds
+
+CONFIG = TrainConfig(cycles=1000, densify_from=0.1, densify_until=0.6, densify_every=100)
+
+
+def due(config: TrainConfig, *, masked: bool = True, statics_learn: bool = True) -> dict[str, list[int]]:
+    """For every round of a training, the iterations, counted from 1, that it follows."""
+    every = rounds(config, masked=masked, statics_learn=statics_learn)
+    return {control.name: [i + 1 for i in range(config.cycles) if control.due(i)] for control in every}
+
+
+def test_rounds_follow_an_iteration_in_their_order() -> None:
+    assert list(due(CONFIG)) == ["pruning", "births", "infill", "density", "labels"]
+
+
+def test_rounds_have_their_places_in_the_run() -> None:
+    found = due(CONFIG)
+    assert found["pruning"] == [300, 450, 650, 850]
+    assert found["births"] == [300, 450]
+    assert found["density"] == [100, 200, 300, 400, 500, 600]
+
+
+def test_labels_and_infill_have_the_same_ten_while_splats_are_still_added() -> None:
+    found = due(CONFIG)
+    assert found["labels"] == found["infill"] == [150, 200, 250, 300, 350, 400, 450, 500, 550, 600]
+
+
+@pytest.mark.parametrize(
+    ("changed", "name", "left"),
+    [
+        ({"birth_rounds": 1}, "births", 1),
+        ({"birth_rounds": 0}, "births", 0),
+        ({"adaptive_labels": False}, "labels", 0),
+        ({"infill": 0.0}, "infill", 0),
+        ({"labels": "dynamic"}, "infill", 0),
+        ({"prune_contribution": 0.0}, "pruning", 0),
+    ],
+)
+def test_the_config_turns_rounds_off(changed: dict[str, object], name: str, left: int) -> None:
+    assert len(due(dataclasses.replace(CONFIG, **changed))[name]) == left  # type: ignore[arg-type]
+
+
+def test_without_masks_nothing_is_born() -> None:
+    assert "births" not in due(CONFIG, masked=False)
+
+
+def test_statics_that_do_not_learn_are_neither_added_nor_relabelled() -> None:
+    assert list(due(CONFIG, statics_learn=False)) == ["pruning", "births", "density"]
+
+
+def test_relocation_brings_noise_after_every_iteration_and_takes_the_place_of_density_control() -> None:
+    relocation = dataclasses.replace(CONFIG, density="relocation")
+    assert len(due(relocation)["noise"]) == 1000
+    assert due(relocation)["density"] == due(CONFIG)["density"]
+    assert type(rounds(relocation, masked=True, statics_learn=True)[4]).__name__ == "RelocationRound"
