@@ -8,6 +8,7 @@ camera-to-world and the columns of R point down, right and backwards.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,14 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
+from hgs_core.capture.layout import Layout
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import list_folder
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.video import VideoReader
 from hgs_core.scene.camera import Camera
 
-__all__ = ["POSES_FILE", "VIDEO_NAME", "camera_from_pose", "load_n3dv"]
+__all__ = ["N3DV", "POSES_FILE", "VIDEO_NAME", "camera_from_pose", "load_n3dv"]
 
 POSES_FILE = "poses_bounds.npy"
 VIDEO_NAME = re.compile(r"cam(\d+)\.mp4")
@@ -47,6 +49,10 @@ def load_n3dv(path: Path, masks: Path | None) -> Recording:
     """
     found = list_folder(path)
     names = sorted((name for name in found if VIDEO_NAME.fullmatch(name)), key=lambda name: (int(name[3:-4]), name))
+    if not names:
+        raise InputError(path, f"there is a {POSES_FILE} but no camNN.mp4", "put the videos beside it")
+    if POSES_FILE not in found:
+        raise InputError(path, f"there are videos but no {POSES_FILE}", "put the cameras' poses beside them")
     poses = _read_poses(path / POSES_FILE)
     if len(poses) != len(names):
         problem = f"{len(poses)} poses for {len(names)} videos"
@@ -125,3 +131,11 @@ def _require_agreement(path: Path, videos: list[VideoReader]) -> None:
         if abs(video.rate / videos[0].rate - 1) > 0.001:
             problem = f"{float(video.rate):g} frames per second, {videos[0].path.name} has {float(videos[0].rate):g}"
             raise InputError(video.path, problem, "export all videos at the same rate")
+
+
+def _is_n3dv(names: Iterable[str]) -> bool:
+    """Whether some of what the layout needs is there; `load_n3dv` says what is not."""
+    return any(name == POSES_FILE or VIDEO_NAME.fullmatch(name) for name in names)
+
+
+N3DV = Layout("N3DV", f"{POSES_FILE}, camNN.mp4", _is_n3dv, load_n3dv)

@@ -6,17 +6,15 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.n3dv import POSES_FILE, VIDEO_NAME, load_n3dv
-from hgs_core.capture.panoptic import META_FILE, load_panoptic
+from hgs_core.capture.n3dv import N3DV
+from hgs_core.capture.panoptic import PANOPTIC_SPORTS
 from hgs_core.capture.picture import list_folder
-from hgs_core.capture.recording import Recording
-from hgs_core.capture.transforms import TRANSFORMS_FILE, load_transforms
+from hgs_core.capture.transforms import NERFSTUDIO
 
-__all__ = ["open_capture"]
+__all__ = ["LAYOUTS", "open_capture"]
 
-_LAYOUTS = (
-    f"PanopticSports ({META_FILE}, ims/), N3DV ({POSES_FILE}, camNN.mp4) and nerfstudio ({TRANSFORMS_FILE}, images/)"
-)
+LAYOUTS = (PANOPTIC_SPORTS, N3DV, NERFSTUDIO)
+"""In the order in which a folder is tried; a new layout is a module and an entry."""
 
 
 def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, cache_bytes: int = 1 << 30) -> Capture:
@@ -37,20 +35,10 @@ def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, c
         raise InputError(path, problem, "give the folder of a capture")
     if downscale < 1:
         raise InputError("downscale", f"{downscale} is too small", "give 1 or more")
-    return _load(path, masks).capture(downscale=downscale, cache_bytes=cache_bytes)
-
-
-def _load(path: Path, masks: Path | None) -> Recording:
     names = list_folder(path)
-    if META_FILE in names:
-        return load_panoptic(path, masks)
-    if POSES_FILE in names:
-        if not any(VIDEO_NAME.fullmatch(name) for name in names):
-            raise InputError(path, f"there is a {POSES_FILE} but no camNN.mp4", "put the videos beside it")
-        return load_n3dv(path, masks)
-    if TRANSFORMS_FILE in names:
-        return load_transforms(path, masks)
-    if any(VIDEO_NAME.fullmatch(name) for name in names):
-        raise InputError(path, f"there are videos but no {POSES_FILE}", "put the cameras' poses beside them")
+    for layout in LAYOUTS:
+        if layout.recognises(names):
+            return layout.load(path, masks).capture(downscale=downscale, cache_bytes=cache_bytes)
     problem = "the folder is of no known layout" if any(path.iterdir()) else "the folder is empty"
-    raise InputError(path, problem, f"the layouts known are {_LAYOUTS}")
+    known = ", ".join(f"{layout.name} ({layout.files})" for layout in LAYOUTS)
+    raise InputError(path, problem, f"the layouts known are {known}")

@@ -16,12 +16,13 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
+from hgs_core.capture.layout import Layout
 from hgs_core.capture.mask_files import MaskFiles, find_masks
 from hgs_core.capture.picture import check_size, list_folder, read_picture
 from hgs_core.capture.recording import Recording
 from hgs_core.scene.camera import Camera
 
-__all__ = ["META_FILE", "load_panoptic"]
+__all__ = ["META_FILE", "PANOPTIC_SPORTS", "load_panoptic"]
 
 META_FILE = "train_meta.json"
 _RATE = 30.0  # pictures per second of the Panoptic Studio's HD cameras; the layout does not store it
@@ -157,3 +158,6 @@ def _require(folder: Path, names: list[str], problem: str) -> list[tuple[Path, i
             raise InputError(path, "the file is empty", "restore the file")
         found.append((path, size))
     return found
+
+
+PANOPTIC_SPORTS = Layout("PanopticSports", f"{META_FILE}, ims/", lambda names: META_FILE in names, load_panoptic)

@@ -18,12 +18,13 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.distortion import Distortion, straight_camera, straightened
+from hgs_core.capture.layout import Layout
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import picture_size, read_picture
 from hgs_core.capture.recording import Recording
 from hgs_core.scene.camera import Camera
 
-__all__ = ["TRANSFORMS_FILE", "camera_from_transform", "load_transforms"]
+__all__ = ["NERFSTUDIO", "TRANSFORMS_FILE", "camera_from_transform", "load_transforms"]
 
 TRANSFORMS_FILE = "transforms.json"
 _LENSES = ("", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV")
@@ -180,3 +181,8 @@ def _number(values: dict[str, Any], name: str, where: str, default: float | None
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise InputError(where, f"{name} is {value!r}", "it is a number")
     return float(value)
+
+
+NERFSTUDIO = Layout(
+    "nerfstudio", f"{TRANSFORMS_FILE}, images/", lambda names: TRANSFORMS_FILE in names, load_transforms
+)
