@@ -14,9 +14,9 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["FULL", "ROWS", "Row", "rows_named"]
 
-_SHARES = (20, 40, 60, 80, 95)  # per cent of the picture
-_PIXELS = 3  # that masks are eroded or dilated by
-_DROPPED = 0.3  # share of the components
+_MASK_SHARES = (20, 40, 60, 80, 95)  # per cent of the picture
+_MASK_PIXELS = 3  # that masks are eroded or dilated by
+_DROPPED_SHARE = 0.3  # share of the components
 _BLOBS, _BLOB_SHARE = 8, 0.05  # discs in each picture, and what they cover of it
 
 
@@ -76,13 +76,19 @@ ROWS: Mapping[str, Row] = {
                 f"masks-{share}", f"What if masks call {share} % of every picture moving?",
                 masks=_grown(share / 100),
             )
-            for share in _SHARES
+            for share in _MASK_SHARES
         ),
-        Row("masks-eroded", f"What if masks are {_PIXELS} pixels too narrow?", masks=lambda m, _: eroded(m, _PIXELS)),
-        Row("masks-dilated", f"What if masks are {_PIXELS} pixels too wide?", masks=lambda m, _: dilate(m, _PIXELS)),
         Row(
-            "masks-dropped", f"What if masks miss {_DROPPED:.0%} of the components that move?",
-            masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED), masks_vary=True,
+            "masks-eroded", f"What if masks are {_MASK_PIXELS} pixels too narrow?",
+            masks=lambda m, _: eroded(m, _MASK_PIXELS),
+        ),  # fmt: skip
+        Row(
+            "masks-dilated", f"What if masks are {_MASK_PIXELS} pixels too wide?",
+            masks=lambda m, _: dilate(m, _MASK_PIXELS),
+        ),  # fmt: skip
+        Row(
+            "masks-dropped", f"What if masks miss {_DROPPED_SHARE:.0%} of the components that move?",
+            masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED_SHARE), masks_vary=True,
         ),
         Row(
             "masks-blobs", f"What if masks call {_BLOBS} random discs, {_BLOB_SHARE:.0%} of the picture, moving too?",

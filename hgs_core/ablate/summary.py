@@ -9,7 +9,7 @@ from typing import Any
 
 from hgs_core.ablate.rows import FULL
 
-__all__ = ["ENOUGH_SEEDS", "FIGURES", "NEAR", "RowSummary", "summarise"]
+__all__ = ["ENOUGH_SEEDS", "FIGURES", "NEAR_DECIBELS", "RowSummary", "summarise"]
 
 FIGURES = (
     "psnr", "ssim", "psnr_dynamic", "flicker", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
@@ -17,7 +17,7 @@ FIGURES = (
 )  # fmt: skip
 """The fields of eval.json that are compared."""
 
-NEAR = 0.5  # dB: runs of published methods that differ in the seed alone differ by 0.2 to 0.3
+NEAR_DECIBELS = 0.5  # dB: runs of published methods that differ in the seed alone differ by 0.2 to 0.3
 ENOUGH_SEEDS = 3
 
 Scores = Mapping[str, Any]
@@ -33,7 +33,7 @@ class RowSummary:
     mean: Mapping[str, float | None]
     deviation: Mapping[str, float | None]  # of the sample, n - 1; None for a single seed
     psnr_difference: float | None  # dB, mean over the seeds of the row minus the full method with the same seed
-    needs_seeds: bool  # nearer to the full method than NEAR with fewer than ENOUGH_SEEDS
+    needs_seeds: bool  # nearer to the full method than NEAR_DECIBELS with fewer than ENOUGH_SEEDS
 
 
 def summarise(scores: Mapping[str, Mapping[int, Scores]]) -> list[RowSummary]:
@@ -57,5 +57,5 @@ def _summary(name: str, by_seed: Mapping[int, Scores], full: Mapping[int, Scores
         mean,
         deviation,
         difference,
-        difference is not None and abs(difference) < NEAR and len(both) < ENOUGH_SEEDS,
+        difference is not None and abs(difference) < NEAR_DECIBELS and len(both) < ENOUGH_SEEDS,
     )

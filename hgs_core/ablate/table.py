@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from hgs_core.ablate.summary import ENOUGH_SEEDS, NEAR
+from hgs_core.ablate.summary import ENOUGH_SEEDS, NEAR_DECIBELS
 
 __all__ = ["table_text"]
 
@@ -29,7 +29,10 @@ def table_text(result: Mapping[str, Any]) -> str:
     cells = [["row", "seeds", "moving", "to full", *_COLUMNS], *(_cells(row) for row in rows)]
     lines = _aligned(cells)
     if any(row["needs_seeds"] for row in rows):
-        lines += ["", f"* less than {NEAR} dB from the full method: needs {ENOUGH_SEEDS} seeds to mean anything"]
+        lines += [
+            "",
+            f"* less than {NEAR_DECIBELS} dB from the full method: needs {ENOUGH_SEEDS} seeds to mean anything",
+        ]
     return "\n".join(lines)
 
 

@@ -37,7 +37,7 @@ from hgs_core.train.config import TrainConfig
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
 
 SWEEP = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
-REPEATS = 5  # of decoding; the fastest counts, which other work on the machine disturbs least
+DECODING_REPEATS = 5  # of decoding; the fastest counts, which other work on the machine disturbs least
 
 Floats = NDArray[np.float32]
 
@@ -176,7 +176,7 @@ def _decode_rates(folder: Path) -> dict[str, float]:
     for kind in Kind:
         of_kind = [data for chunk, data in chunks if chunk.kind == kind]
         if of_kind:
-            fastest = min(_decoding_seconds(of_kind) for _ in range(REPEATS))
+            fastest = min(_decoding_seconds(of_kind) for _ in range(DECODING_REPEATS))
             rates[kind.name.lower()] = sum(chunk.count for chunk, _ in chunks if chunk.kind == kind) / fastest
     return rates
 

@@ -13,9 +13,9 @@ from hgs_core.codec.format.manifest import ChunkEntry
 from hgs_core.fit.coarseness import Loss
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
-__all__ = ["PREFIX", "prefix_losses"]
+__all__ = ["PREFIX_SHARE", "prefix_losses"]
 
-PREFIX = 0.25  # of the bytes of the static chunks, and of those of every slice
+PREFIX_SHARE = 0.25  # of the bytes of the static chunks, and of those of every slice
 SHUFFLES = 3
 
 
@@ -42,7 +42,7 @@ def prefix_losses(folder: Path, loss: Loss, seed: int = 0) -> tuple[float, float
 def _first(entries: Sequence[ChunkEntry], rng: np.random.Generator | None) -> list[ChunkEntry]:
     """Return the chunks that fit into the share of all bytes; the first always does."""
     order = list(entries) if rng is None else [entries[i] for i in rng.permutation(len(entries))]
-    left = PREFIX * sum(entry.bytes for entry in entries)
+    left = PREFIX_SHARE * sum(entry.bytes for entry in entries)
     found: list[ChunkEntry] = []
     for entry in order:
         if found and entry.bytes > left:

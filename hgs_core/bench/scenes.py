@@ -23,11 +23,11 @@ WIDTH, HEIGHT = 676, 507  # pixels of the picture on which the scene is laid out
 FOCAL = 0.9  # focal length in picture widths
 NEAREST, FARTHEST = 2.0, 10.0  # depth of the splats, world units
 CLUSTERS, CLUSTERED = 40, 0.6  # how many, and the share of the splats in them
-OVERSCAN = 0.03  # of the picture's side, beyond each edge
+OVERSCAN_SHARE = 0.03  # of the picture's side, beyond each edge
 RADIUS_SPREAD = 0.6  # of ln(radius)
 LARGE, LARGE_FACTOR = 0.02, 10.0  # share of the splats that are ten times as large
-FAINT = 0.55  # share of the splats in the lower of the two opacity modes
-LIFE = 0.09  # normalised time in which a dynamic splat's opacity falls to exp(-1/2) of its peak
+FAINT_SHARE = 0.55  # share of the splats in the lower of the two opacity modes
+LIFE_SPAN = 0.09  # normalised time in which a dynamic splat's opacity falls to exp(-1/2) of its peak
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _statics(rng: np.random.Generator, count: int) -> StaticSplats[Floats]:
     pixels = np.where(
         clustered[:, None],
         centres[cluster] + rng.normal(size=(count, 2)) * spreads[cluster, None],
-        rng.uniform(-OVERSCAN * side, (1 + OVERSCAN) * side, (count, 2)),
+        rng.uniform(-OVERSCAN_SHARE * side, (1 + OVERSCAN_SHARE) * side, (count, 2)),
     )
     z = np.where(clustered, depths[cluster] * np.exp(rng.normal(0, 0.03, count)), rng.uniform(NEAREST, FARTHEST, count))
     focal = FOCAL * WIDTH
@@ -115,7 +115,7 @@ def _statics(rng: np.random.Generator, count: int) -> StaticSplats[Floats]:
     quats = rng.normal(size=(count, 4))
     scales = axes * (radii / 3 / _seen_length(axes, quats, R) * z / focal)[:, None]
 
-    faint = rng.random(count) < FAINT
+    faint = rng.random(count) < FAINT_SHARE
     opacities = np.where(faint, rng.beta(0.9, 6, count), rng.beta(3, 1.2, count)).clip(0.004, 0.995)
     arrays = (
         (local - shift) @ R,
@@ -153,7 +153,7 @@ def _dynamics(rng: np.random.Generator, still: StaticSplats[Floats]) -> DynamicS
         still.log_scales,
         still.opacity_logits,
         rng.uniform(0, 1, count),
-        rng.normal(-np.log(2 * LIFE * LIFE), 0.5, count),
+        rng.normal(-np.log(2 * LIFE_SPAN * LIFE_SPAN), 0.5, count),
         still.rgb,
     )
     return DynamicSplats(*(np.ascontiguousarray(array, dtype=np.float32) for array in arrays))

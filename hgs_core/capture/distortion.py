@@ -21,8 +21,8 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["Distortion", "straight_camera", "straightened"]
 
-_STRIP = 128  # rows at a time, so that resampling needs little memory
-_STEPS = 50  # of the inversion; it gains a digit or more per step
+_STRIP_ROWS = 128  # rows at a time, so that resampling needs little memory
+_INVERSION_STEPS = 50  # of the inversion; it gains a digit or more per step
 _EDGE_SAMPLES = 65  # points on each side of the picture
 
 Floats = npt.NDArray[np.float64]
@@ -59,7 +59,7 @@ class Distortion:
         Where the model cannot be inverted the result is what the iteration came to.
         """
         straight_x, straight_y = x.copy(), y.copy()
-        for _ in range(_STEPS):
+        for _ in range(_INVERSION_STEPS):
             reached_x, reached_y = self.apply(straight_x, straight_y)
             straight_x, straight_y = straight_x + (x - reached_x), straight_y + (y - reached_y)
         return straight_x, straight_y
@@ -118,8 +118,8 @@ def straightened(
         return picture
     result = np.empty((straight.height, straight.width, 3), np.uint8)
     x = (np.arange(straight.width) + 0.5 - straight.cx) / straight.fx
-    for first in range(0, straight.height, _STRIP):
-        rows = np.arange(first, min(first + _STRIP, straight.height))
+    for first in range(0, straight.height, _STRIP_ROWS):
+        rows = np.arange(first, min(first + _STRIP_ROWS, straight.height))
         y = (rows + 0.5 - straight.cy) / straight.fy
         bent_x, bent_y = lens.apply(*np.broadcast_arrays(x, y[:, None]))
         result[rows] = _bilinear(picture, bent_x * camera.fx + camera.cx, bent_y * camera.fy + camera.cy)

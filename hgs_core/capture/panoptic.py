@@ -25,7 +25,7 @@ from hgs_core.scene.camera import Camera
 __all__ = ["META_FILE", "PANOPTIC_SPORTS", "load_panoptic"]
 
 META_FILE = "train_meta.json"
-_RATE = 30.0  # pictures per second of the Panoptic Studio's HD cameras; the layout does not store it
+_FRAME_RATE = 30.0  # pictures per second of the Panoptic Studio's HD cameras; the layout does not store it
 _FIELDS = ("k", "w2c", "fn", "cam_id")
 
 
@@ -63,7 +63,7 @@ def load_panoptic(path: Path, masks: Path | None) -> Recording:
         check_size(path / "ims" / names[0], camera)
     given = find_masks(masks, cameras, frames, required=True) if masks else _own_masks(path / "seg", cameras, files)
     pictures = [[path / "ims" / name for name in names] for names in files]
-    times = np.arange(frames) / _RATE
+    times = np.arange(frames) / _FRAME_RATE
     return Recording(path, cameras, times, _ImageFolders(cameras, pictures), given, present, meta_path)
 
 

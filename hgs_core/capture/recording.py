@@ -19,7 +19,7 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["PictureSource", "Recording"]
 
-_SMALLEST = 16  # pixels; no side of a reduced picture may be shorter
+_SMALLEST_SIDE = 16  # pixels; no side of a reduced picture may be shorter
 
 
 class PictureSource(Protocol):
@@ -50,9 +50,9 @@ class Recording:
         """
         cameras = [camera.scaled(1 / downscale) for camera in self.cameras]
         for whole, camera in zip(self.cameras, cameras, strict=True):
-            if downscale != 1 and min(camera.width, camera.height) < _SMALLEST:
+            if downscale != 1 and min(camera.width, camera.height) < _SMALLEST_SIDE:
                 problem = f"{downscale} is too much for the {whole.width}x{whole.height} pictures of {whole.name}"
-                raise InputError("downscale", problem, f"no side may become shorter than {_SMALLEST} pixels")
+                raise InputError("downscale", problem, f"no side may become shorter than {_SMALLEST_SIDE} pixels")
         masks, notes = self.masks, [*self.notes, *self.masks.notes(self.cameras)]
         if len(self.times) == 1 and masks.files:
             masks, notes = MaskFiles({}), [*self.notes, "the masks are not used: at one moment nothing moves"]

@@ -29,7 +29,7 @@ __all__ = ["NERFSTUDIO", "TRANSFORMS_FILE", "camera_from_transform", "load_trans
 TRANSFORMS_FILE = "transforms.json"
 _LENSES = ("", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV")
 _COEFFICIENTS = ("k1", "k2", "k3", "k4", "p1", "p2")
-_NAMED = 5  # pictures that a note names
+_MOST_NAMED = 5  # pictures that a note names
 
 
 class _Photographs:
@@ -160,7 +160,7 @@ def _camera_names(root: Path, files: list[Path]) -> list[str]:
 
 
 def _missing_note(missing: list[str], listed: int) -> str:
-    named = ", ".join(missing[:_NAMED]) + (", ..." if len(missing) > _NAMED else "")
+    named = ", ".join(missing[:_MOST_NAMED]) + (", ..." if len(missing) > _MOST_NAMED else "")
     return f"{len(missing)} of the {listed} pictures that {TRANSFORMS_FILE} lists are not there and left out: {named}"
 
 

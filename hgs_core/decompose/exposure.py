@@ -11,14 +11,14 @@ import numpy.typing as npt
 
 __all__ = ["compensated"]
 
-_PIXELS = 8192  # about so many are compared
-_ROUNDS = 6  # of reweighting; the fit settles in three or four
-_WITHIN = 2.5  # standard deviations: what is farther off moves, and does not count
-_AGREEING = 0.4  # share of the pixels that must follow one gain and offset
+_COMPARED_PIXELS = 8192  # about so many are compared
+_REWEIGHTINGS = 6  # of reweighting; the fit settles in three or four
+_INLIER_DEVIATIONS = 2.5  # standard deviations: what is farther off moves, and does not count
+_AGREEING_SHARE = 0.4  # share of the pixels that must follow one gain and offset
 _DARK, _BRIGHT = 5, 250  # levels of 255 between which a channel is not clipped
-_GAIN = 1.3  # a larger change, or its inverse, is light that changes, which moves
-_OFFSET = 25.0  # levels of 255, likewise
-_PRIOR = 0.01  # weight, in shares of the pixels, of no change: it decides for pictures without contrast
+_LARGEST_GAIN = 1.3  # a larger change, or its inverse, is light that changes, which moves
+_LARGEST_OFFSET = 25.0  # levels of 255, likewise
+_PRIOR_WEIGHT = 0.01  # weight, in shares of the pixels, of no change: it decides for pictures without contrast
 _PRIOR_GAIN, _PRIOR_OFFSET = 0.05, 5.0  # what the prior thinks likely
 
 
@@ -29,7 +29,7 @@ def compensated(picture: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8
     too few pixels agree on a fit, or that changed by more than a camera would, stays as it is. Clipped pixels, whose
     true value nobody knows, never end up darker than the background.
     """
-    step = max(1, int(np.sqrt(picture.shape[0] * picture.shape[1] / _PIXELS)))
+    step = max(1, int(np.sqrt(picture.shape[0] * picture.shape[1] / _COMPARED_PIXELS)))
     sample, reference = picture[::step, ::step].reshape(-1, 3), background[::step, ::step].reshape(-1, 3)
     result = picture
     for channel in range(3):
@@ -57,15 +57,15 @@ def _fit(values: npt.NDArray[np.float64], reference: npt.NDArray[np.float64]) ->
     if len(x) < 16:
         return 1.0, 0.0
     gain, offset = float(np.median(y / x)), 0.0
-    for _ in range(_ROUNDS):
+    for _ in range(_REWEIGHTINGS):
         miss = np.abs(y - gain * x - offset)
-        near = miss <= _WITHIN * max(1.0, 1.4826 * float(np.median(miss)))
-        weight = _PRIOR * len(x)
+        near = miss <= _INLIER_DEVIATIONS * max(1.0, 1.4826 * float(np.median(miss)))
+        weight = _PRIOR_WEIGHT * len(x)
         a, b = x[near], y[near]
         # Normal equations of the pixels, and of the prior gain = 1 +- 0.05 and offset = 0 +- 5 levels.
         slope_prior, shift_prior = weight / _PRIOR_GAIN**2, weight / _PRIOR_OFFSET**2
         matrix = np.array([[a @ a + slope_prior, a.sum()], [a.sum(), len(a) + shift_prior]])
         gain, offset = (float(v) for v in np.linalg.solve(matrix, np.array([a @ b + slope_prior, b.sum()])))
-    if near.mean() < _AGREEING or not 1 / _GAIN < gain < _GAIN or abs(offset) > _OFFSET:
+    if near.mean() < _AGREEING_SHARE or not 1 / _LARGEST_GAIN < gain < _LARGEST_GAIN or abs(offset) > _LARGEST_OFFSET:
         return 1.0, 0.0
     return gain, offset

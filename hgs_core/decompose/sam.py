@@ -21,12 +21,12 @@ from hgs_core.decompose.morphology import dilate
 
 __all__ = ["Sam2Refiner"]
 
-_WINDOW = 16  # frames that an object is followed through, from the one in their middle
-_OBJECTS = 6  # per window
-_SMALLEST = 5e-4  # of the picture; smaller parts are left to the automatic masks
+_WINDOW_FRAMES = 16  # frames that an object is followed through, from the one in their middle
+_MOST_OBJECTS = 6  # per window
+_SMALLEST_SHARE = 5e-4  # of the picture; smaller parts are left to the automatic masks
 _BOX_LABELS = (2, 3)  # SAM's prompt labels of a box's upper left and lower right corner
-_AGREEMENT = 0.5  # share of an object's pixels that the automatic mask must see move
-_BAND = 4  # pixels around an object where its border replaces the automatic one
+_AGREEMENT_SHARE = 0.5  # share of an object's pixels that the automatic mask must see move
+_BORDER_PIXELS = 4  # pixels around an object where its border replaces the automatic one
 _MEAN = (0.485, 0.456, 0.406)  # of the pictures that the model was trained with (ImageNet), sRGB in [0, 1]
 _DEVIATION = (0.229, 0.224, 0.225)
 
@@ -64,8 +64,8 @@ class Sam2Refiner:
         Shadows and small things, which the model does not follow, keep the masks they have.
         """
         refined: list[Mask] = []
-        for first in range(0, len(pictures), _WINDOW):
-            window = slice(first, first + _WINDOW)
+        for first in range(0, len(pictures), _WINDOW_FRAMES):
+            window = slice(first, first + _WINDOW_FRAMES)
             objects = self._objects(pictures[window], masks[window])
             refined += [_merged(mask, found) for mask, found in zip(masks[window], objects, strict=True)]
         return refined
@@ -77,7 +77,7 @@ class Sam2Refiner:
 
         middle = len(pictures) // 2
         height, width = masks[middle].shape
-        boxes = component_boxes(masks[middle], _OBJECTS, max(1, round(_SMALLEST * height * width)))
+        boxes = component_boxes(masks[middle], _MOST_OBJECTS, max(1, round(_SMALLEST_SHARE * height * width)))
         found: list[list[Mask]] = [[] for _ in pictures]
         if not boxes:
             return found
@@ -112,6 +112,6 @@ def _merged(mask: Mask, objects: Sequence[Mask]) -> Mask:
     """Return a mask with the borders of those objects that it says move, and its own elsewhere."""
     moving = np.zeros_like(mask)
     for found in objects:
-        if found.any() and mask[found].mean() >= _AGREEMENT:
+        if found.any() and mask[found].mean() >= _AGREEMENT_SHARE:
             moving |= found
-    return np.asarray(moving | (mask & ~dilate(moving, _BAND)), bool)
+    return np.asarray(moving | (mask & ~dilate(moving, _BORDER_PIXELS)), bool)

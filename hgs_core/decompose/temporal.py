@@ -19,18 +19,18 @@ from hgs_core.decompose.morphology import box_sum, close, despeckle, dilate
 
 __all__ = ["Background", "Frame", "estimate_background", "median_picture", "moving_pixels", "sample_frames"]
 
-_SAMPLES = 25  # frames that the median and the noise are taken from
-_STRIP = 64  # rows at a time, so that the median needs little memory
-_LARGE = 1 << 19  # pixels; larger pictures are judged at half resolution, which their noise and details allow
+_SAMPLED_FRAMES = 25  # frames that the median and the noise are taken from
+_STRIP_ROWS = 64  # rows at a time, so that the median needs little memory
+_LARGE_PICTURE = 1 << 19  # pixels; larger pictures are judged at half resolution, which their noise and details allow
 _MAX_RADIUS = 3  # pixels; of the window that differences are averaged over
-_SMOOTHED = 1.5  # levels of 255: the window grows until noise averages out to less
-_DEVIATION = 0.79  # standard deviations per median of the largest of three Gaussian sizes: 1 / 1.265
+_SMOOTHED_NOISE = 1.5  # levels of 255: the window grows until noise averages out to less
+_DEVIATION_PER_MEDIAN = 0.79  # standard deviations per median of the largest of three Gaussian sizes: 1 / 1.265
 _NOISE_FACTOR = 4.5  # standard deviations of the smoothed difference that count as motion
 _NOISE_FLOOR = 5.0  # levels of 255 that no threshold goes below: slow drift and quantisation
 _NOISE_SPAN = 1.75  # a pixel's own threshold is at most this much above the picture's, or motion would hide itself
-_TEXTURE = 0.16  # of the local contrast: coding errors follow it, and jump where the encoder starts afresh
-_RESTLESS = 0.5  # share of the frames that differ, from which on there is no background
-_MARGIN = 2  # pixels added around what was seen to move, for soft borders
+_TEXTURE_SHARE = 0.16  # of the local contrast: coding errors follow it, and jump where the encoder starts afresh
+_RESTLESS_SHARE = 0.5  # share of the frames that differ, from which on there is no background
+_MARGIN_PIXELS = 2  # pixels added around what was seen to move, for soft borders
 
 Frame = Callable[[int], npt.NDArray[np.uint8]]
 """Gives the picture [H, W, 3] of a frame."""
@@ -49,9 +49,9 @@ class Background:
 
 def estimate_background(frame: Frame, frames: int) -> Background:
     """Estimate the background from at most 25 of a video's `frames` pictures."""
-    chosen = sample_frames(frames, _SAMPLES)
+    chosen = sample_frames(frames, _SAMPLED_FRAMES)
     first = frame(chosen[0])
-    halved = first.shape[0] * first.shape[1] > _LARGE
+    halved = first.shape[0] * first.shape[1] > _LARGE_PICTURE
     stack = np.stack([_reduced(frame(index), halved) for index in chosen])  # S pictures [h, w, 3]
     first_guess = median_picture(stack)
     stack = np.stack([compensated(picture, first_guess) for picture in stack])
@@ -60,11 +60,11 @@ def estimate_background(frame: Frame, frames: int) -> Background:
     differences = np.stack([_difference(picture, rgb, radius) for picture in stack])  # [S, h, w]
     # The median over time is deaf to what passes by.
     deviation = np.partition(differences, len(chosen) // 2, axis=0)[len(chosen) // 2]
-    noise = np.float32(_DEVIATION) * deviation.astype(np.float32)
+    noise = np.float32(_DEVIATION_PER_MEDIAN) * deviation.astype(np.float32)
     base = max(_NOISE_FLOOR, _NOISE_FACTOR * float(np.median(noise)))  # of the still pixels: they are the most
-    texture = np.float32(_TEXTURE * 3 / (2 * radius + 1)) * _contrast(rgb)
+    texture = np.float32(_TEXTURE_SHARE * 3 / (2 * radius + 1)) * _contrast(rgb)
     threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + texture
-    restless = (differences > threshold).mean(axis=0) > _RESTLESS
+    restless = (differences > threshold).mean(axis=0) > _RESTLESS_SHARE
     return Background(rgb, threshold, restless, halved, radius)
 
 
@@ -72,8 +72,8 @@ def median_picture(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     """Return the median over S pictures [S, H, W, 3] of one camera, [H, W, 3]."""
     middle = len(stack) // 2
     median: npt.NDArray[np.uint8] = np.empty_like(stack[0])
-    for top in range(0, median.shape[0], _STRIP):
-        median[top : top + _STRIP] = np.partition(stack[:, top : top + _STRIP], middle, axis=0)[middle]
+    for top in range(0, median.shape[0], _STRIP_ROWS):
+        median[top : top + _STRIP_ROWS] = np.partition(stack[:, top : top + _STRIP_ROWS], middle, axis=0)[middle]
     return median
 
 
@@ -82,7 +82,7 @@ def moving_pixels(picture: npt.NDArray[np.uint8], background: Background) -> npt
     exposed = compensated(_reduced(picture, background.halved), background.rgb)
     differs = _difference(exposed, background.rgb, background.radius) > background.threshold
     moving = despeckle(differs | background.restless, 2, 0.3)
-    moving = dilate(close(moving, 3), _MARGIN)
+    moving = dilate(close(moving, 3), _MARGIN_PIXELS)
     if background.halved:
         moving = moving.repeat(2, axis=0).repeat(2, axis=1)[: picture.shape[0], : picture.shape[1]]
     return moving
@@ -97,7 +97,7 @@ def _radius(stack: npt.NDArray[np.uint8], rgb: npt.NDArray[np.uint8]) -> int:
     """Return the radius of the window in which the noise of S pictures [S, h, w, 3] averages out."""
     sizes = np.abs(stack[:, ::4, ::4].astype(np.int16) - rgb[::4, ::4])
     noise = 1.4826 * float(np.median(np.median(sizes, axis=0)))
-    return int(np.clip(np.ceil((noise / _SMOOTHED - 1) / 2), 1, _MAX_RADIUS))
+    return int(np.clip(np.ceil((noise / _SMOOTHED_NOISE - 1) / 2), 1, _MAX_RADIUS))
 
 
 def _difference(

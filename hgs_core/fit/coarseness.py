@@ -26,16 +26,16 @@ from hgs_core.train.config import BUDGETS, TrainConfig
 
 __all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit"]
 
-VIEWS = 12  # in which the loss is measured
-ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
-LEFT = 0.5  # of a loss after training further, about
-ROUNDS_OF_TUNING = 3  # each with the coarseness that the loss after the one before suggests
-LARGEST_CHANGE = 1.4  # factor from one to the next
+LOSS_VIEWS = 12  # in which the loss is measured
+COARSENESS_ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
+LOSS_LEFT_AFTER_TUNING = 0.5  # of a loss after training further, about
+TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before suggests
+LARGEST_TUNING_RATIO = 1.4  # factor from one to the next
 FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
-NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
+BUDGET_SHARE_NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.25, 8.0)
-FARTHEST = 4.0  # factor between two coarsenesses tried
-GOLDEN = 0.618  # fractional parts of its multiples spread evenly
+LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
+GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
 Floats = NDArray[np.float32]
@@ -65,7 +65,8 @@ class Loss:
         self._cameras, self._times, self._antialiased = cameras, views.times, antialiased
         indices = sorted(cameras)
         self._views = [
-            (indices[i * len(indices) // VIEWS], int(i * GOLDEN % 1 * len(views.times))) for i in range(VIEWS)
+            (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
+            for i in range(LOSS_VIEWS)
         ]
         own = self._pictures(scene)
         self._reference = own if views.truth is None else [views.truth(*view) for view in self._views]
@@ -137,23 +138,23 @@ def fit(
 
     # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
     start = 0.4 * math.sqrt(allowed / 0.1)
-    if cycles < ROUNDS_OF_TUNING or views.capture is None:
+    if cycles < TUNING_ROUNDS or views.capture is None:
         return coarsest(allowed, start)
     loses = lost(scene, utility, EncodeSettings(coarseness=start))
-    coarseness = _nearer(start, loses, allowed / LEFT, FARTHEST)
+    coarseness = _nearer(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
     tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
-    for done in range(ROUNDS_OF_TUNING):
-        first, last = (cycles * part // ROUNDS_OF_TUNING for part in (done, done + 1))
+    for done in range(TUNING_ROUNDS):
+        first, last = (cycles * part // TUNING_ROUNDS for part in (done, done + 1))
         settings = EncodeSettings(coarseness=coarseness)
         tune.run(settings, range(first, last), trained)
         # What training further gains is for the viewer: the codes may not spend it.
         decibels = lost(tune.scene, tune.utility, settings) - min(0.0, loss.of(tune.scene))
         if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
             best = Fitted(tune.scene, tune.utility, settings, decibels)
-        aim = allowed if decibels <= allowed else NEAR_ENOUGH * allowed
-        coarseness = _nearer(coarseness, decibels, aim, LARGEST_CHANGE)
+        aim = allowed if decibels <= allowed else BUDGET_SHARE_NEAR_ENOUGH * allowed
+        coarseness = _nearer(coarseness, decibels, aim, LARGEST_TUNING_RATIO)
     return best or coarsest(allowed, start)
 
 
@@ -175,13 +176,13 @@ def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> t
     tried: list[tuple[float, float]] = []  # ln of coarseness and of loss, the latest first
     fitting, loses = COARSENESS[0], math.nan
     coarseness = _within(start)
-    for _ in range(ROUNDS):
+    for _ in range(COARSENESS_ROUNDS):
         decibels = lost(coarseness)
         tried.insert(0, (math.log(coarseness), math.log(max(decibels, 1e-3 * allowed))))
         if coarseness == COARSENESS[0] or (decibels <= allowed and coarseness >= fitting):
             fitting, loses = coarseness, decibels
         if decibels <= allowed:
-            if decibels >= NEAR_ENOUGH * allowed or coarseness == COARSENESS[1]:
+            if decibels >= BUDGET_SHARE_NEAR_ENOUGH * allowed or coarseness == COARSENESS[1]:
                 break
         elif coarseness == COARSENESS[0]:
             break
@@ -191,6 +192,6 @@ def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> t
         if len(nearest) > 1:
             x2, y2 = nearest[1]
             slope = min(max((y2 - y) / (x2 - x), 0.5), 6.0)
-        step = min(max((goal - y) / slope, -math.log(FARTHEST)), math.log(FARTHEST))
+        step = min(max((goal - y) / slope, -math.log(LARGEST_COARSENESS_RATIO)), math.log(LARGEST_COARSENESS_RATIO))
         coarseness = _within(math.exp(x + step))
     return fitting, lost(fitting) if math.isnan(loses) else loses

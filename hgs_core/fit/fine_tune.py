@@ -34,8 +34,10 @@ from hgs_core.train.training_views import TrainingViews
 
 __all__ = ["FineTune"]
 
-BLOCK = 50  # cycles for which the offset is held
-SHARE = 0.05  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
+CYCLES_PER_OFFSET = 50  # cycles for which the offset is held
+STEP_SIZE_SHARE = (
+    0.05  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
+)
 
 Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
@@ -87,13 +89,15 @@ class FineTune:
         Step sizes fall to nothing within these cycles, whose numbers decide which views are seen. `trained` hears of
         the cycles done after each; what it raises ends the training.
         """
-        blocks = -(-len(cycles) // BLOCK)
+        blocks = -(-len(cycles) // CYCLES_PER_OFFSET)
         with one_torch_thread():
             for i in range(blocks):
                 coded = self._coded(settings)
                 drawn = coded.decoded.map(self._tensor)
                 for place in range(len(cycles) * i // blocks, len(cycles) * (i + 1) // blocks):
-                    self._cycle(drawn, cycles[place], SHARE * 0.5 * (1 + math.cos(math.pi * place / len(cycles))))
+                    self._cycle(
+                        drawn, cycles[place], STEP_SIZE_SHARE * 0.5 * (1 + math.cos(math.pi * place / len(cycles)))
+                    )
                     trained(cycles[place] + 1)
                 self._move(coded, drawn)
 

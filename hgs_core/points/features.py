@@ -11,13 +11,15 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["Features", "extract_features", "fundamental_matrix", "match_features"]
 
-_MARGIN = 24  # pixels around the mask's box: the descriptors there see beyond it
-_SMALL = 60_000  # pixels; a smaller picture is searched at twice its size, which finds about three times as much
+_MASK_MARGIN = 24  # pixels around the mask's box: the descriptors there see beyond it
+_SMALL_PICTURE = (
+    60_000  # pixels; a smaller picture is searched at twice its size, which finds about three times as much
+)
 _MAX_FEATURES = 3000
 _EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
 _MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default
 _MAX_RATIO = 0.8  # of the angles to the best and the second candidate, Lowe's test
-_UNIT = 512.0  # length of a descriptor stored in bytes
+_DESCRIPTOR_LENGTH = 512.0  # length of a descriptor stored in bytes
 
 
 @dataclass(frozen=True)
@@ -42,13 +44,13 @@ def extract_features(
         rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
         if len(rows) == 0:
             return empty
-        left, top = max(0, int(columns[0]) - _MARGIN), max(0, int(rows[0]) - _MARGIN)
-        grey = grey[top : int(rows[-1]) + _MARGIN, left : int(columns[-1]) + _MARGIN]
+        left, top = max(0, int(columns[0]) - _MASK_MARGIN), max(0, int(rows[0]) - _MASK_MARGIN)
+        grey = grey[top : int(rows[-1]) + _MASK_MARGIN, left : int(columns[-1]) + _MASK_MARGIN]
     if min(grey.shape) < 32:
         return empty
     pycolmap.logging.minloglevel = 2  # errors alone
     options = pycolmap.FeatureExtractionOptions(num_threads=1, use_gpu=False)
-    options.sift.first_octave = -1 if grey.size < _SMALL else 0
+    options.sift.first_octave = -1 if grey.size < _SMALL_PICTURE else 0
     options.sift.max_num_features = _MAX_FEATURES
     extractor = pycolmap.FeatureExtractor.create(options, pycolmap.Device.cpu)
     keypoints, descriptors = extractor.extract_from_uint8_array(np.ascontiguousarray(grey))
@@ -85,8 +87,8 @@ def match_features(
     mutual = likeness.argmax(axis=0)[best] == rows
     top = likeness[rows, best]
     likeness[rows, best] = 0.0
-    angle = np.arccos(np.minimum(top / _UNIT**2, 1.0))
-    rival = np.arccos(np.minimum(likeness.max(axis=1) / _UNIT**2, 1.0))
+    angle = np.arccos(np.minimum(top / _DESCRIPTOR_LENGTH**2, 1.0))
+    rival = np.arccos(np.minimum(likeness.max(axis=1) / _DESCRIPTOR_LENGTH**2, 1.0))
     kept = mutual & (angle < _MAX_ANGLE) & (angle < _MAX_RATIO * rival)
     return np.stack((rows[kept], best[kept]), axis=1).astype(np.uint32)
 

@@ -32,12 +32,14 @@ __all__ = ["initial_points"]
 
 _STAGE = "points"
 _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
-_MOVES = 0.5  # share of the views from which on a point is dynamic
-_CONFIRMED = 3  # views that agree on a depth, beyond which more of them mean no more
-_HULL = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
+_MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
+_MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
+_HULL_SHARE = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
 _MIN_VIEWS = 2
 _STILL_FRAMES = 11  # that the still picture of a camera is the median of
-_GHOST = 0.5  # share of the sampled frames in which a pixel moves, from which on its background means nothing
+_UNKNOWN_BACKGROUND_SHARE = (
+    0.5  # share of the sampled frames in which a pixel moves, from which on its background means nothing
+)
 _MAX_SPACING = 3.0  # of the median: what stands alone must not start as a giant
 
 
@@ -69,7 +71,7 @@ def initial_points(
     progress(Progress(_STAGE, 0, steps))
 
     first = _sparse(capture, cameras, masks, moments[0], whole=True)
-    still = first.take(first.dynamic < _MOVES)
+    still = first.take(first.dynamic < _MOVING_SHARE)
     ranges = depth_ranges(views, first.xyz)
     progress(Progress(_STAGE, 1, steps))
 
@@ -81,7 +83,7 @@ def initial_points(
     for number, frame in enumerate(moments):
         quota = dynamic_target * (number + 1) // len(moments) - dynamic_target * number // len(moments)
         sparse = first if number == 0 else _sparse(capture, cameras, masks, frame, whole=False)
-        moving = sparse.take(sparse.dynamic >= _MOVES)
+        moving = sparse.take(sparse.dynamic >= _MOVING_SHARE)
         seeds = _dynamic_seeds(capture, cameras, masks, frame, ranges, max(0, quota - len(moving)), generator)
         moving = PointCloud.concatenate([moving, seeds])
         moving = _spaced(_reduced(moving, quota, generator))
@@ -126,7 +128,7 @@ def _still_picture(
     sampled = sample_frames(len(capture.times), _STILL_FRAMES)
     picture = median_picture(np.stack([capture.frame(camera, frame) for frame in sampled]))
     moving = np.mean([masks.mask(camera, frame) for frame in sampled], axis=0)
-    return picture, np.asarray(moving < _GHOST)
+    return picture, np.asarray(moving < _UNKNOWN_BACKGROUND_SHARE)
 
 
 def _dynamic_seeds(
@@ -145,7 +147,7 @@ def _dynamic_seeds(
         return PointCloud.concatenate([])
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return label_points(views, moving, xyz) >= _HULL
+        return label_points(views, moving, xyz) >= _HULL_SHARE
 
     pictures = [capture.frame(index, frame) for index in cameras]
     swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, in_hull)
@@ -160,7 +162,7 @@ def _choose(swept: SweptPoints, count: int, generator: np.random.Generator) -> n
 
     A point that more views see through than confirm hangs in empty space and is left out.
     """
-    confirmed = np.minimum(swept.agreeing, _CONFIRMED)
+    confirmed = np.minimum(swept.agreeing, _MOST_AGREEING_VIEWS)
     order = np.lexsort((generator.random(len(swept.xyz)), -confirmed))
     return np.sort(order[swept.opposed[order] <= swept.agreeing[order]][:count])
 

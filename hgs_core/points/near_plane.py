@@ -12,8 +12,8 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["with_near_planes"]
 
-_MEDIAN = 0.08  # of the median depth that a camera sees: the least
-_NEAREST = 0.6  # of the depth of the nearest points in view, but for one in a hundred
+_MEDIAN_SHARE = 0.08  # of the median depth that a camera sees: the least
+_NEAREST_SHARE = 0.6  # of the depth of the nearest points in view, but for one in a hundred
 
 
 def with_near_planes(cameras: Sequence[Camera], points: npt.NDArray[np.float32]) -> tuple[Camera, ...]:
@@ -37,4 +37,4 @@ def _near_plane(camera: Camera, points: npt.NDArray[np.float32]) -> float:
         seen = (depth > 0) & (pixels >= 0).all(1) & (pixels < (camera.width, camera.height)).all(1)
     if not seen.any():
         return np.nan
-    return float(max(_MEDIAN * np.median(depth[seen]), _NEAREST * np.percentile(depth[seen], 1)))
+    return float(max(_MEDIAN_SHARE * np.median(depth[seen]), _NEAREST_SHARE * np.percentile(depth[seen], 1)))

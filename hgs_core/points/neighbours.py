@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 __all__ = ["mean_neighbour_distance", "thin"]
 
-_SHIFTS = (0.0, 0.17, 0.41, 0.73)  # of the cube's side: each moves the cells' borders elsewhere
-_REACH = 6  # places before and behind along the curve
-_BITS = 20  # per axis of the Morton code
+_CUBE_SHIFTS = (0.0, 0.17, 0.41, 0.73)  # of the cube's side: each moves the cells' borders elsewhere
+_CURVE_REACH = 6  # places before and behind along the curve
+_MORTON_BITS = 20  # per axis of the Morton code
 
 
 def mean_neighbour_distance(xyz: npt.NDArray[np.floating[Any]], count: int = 3) -> npt.NDArray[np.float32]:
@@ -25,11 +25,11 @@ def mean_neighbour_distance(xyz: npt.NDArray[np.floating[Any]], count: int = 3) 
     points = np.asarray(xyz, np.float64) - xyz.min(axis=0)
     side = float(points.max()) or 1.0
     candidates = []
-    for shift in _SHIFTS:
+    for shift in _CUBE_SHIFTS:
         order = np.argsort(_morton(points / side * 0.5 + 0.5 * shift), kind="stable")
         places = np.empty(len(order), np.int64)
         places[order] = np.arange(len(order))
-        for step in (*range(-_REACH, 0), *range(1, _REACH + 1)):
+        for step in (*range(-_CURVE_REACH, 0), *range(1, _CURVE_REACH + 1)):
             candidates.append(order[np.clip(places + step, 0, len(order) - 1)])
     others = np.sort(np.stack(candidates, axis=1), axis=1)  # [P, K]
     squares = ((points[others] - points[:, None]) ** 2).sum(axis=2)
@@ -52,9 +52,9 @@ def thin(xyz: npt.NDArray[np.floating[Any]], distance: float) -> npt.NDArray[np.
 
 def _morton(unit: npt.NDArray[np.float64]) -> npt.NDArray[np.uint64]:
     """Return the Morton codes of points [P, 3] in [0, 1): the bits of x, y and z in turn."""
-    cells = np.clip(unit * (1 << _BITS), 0, (1 << _BITS) - 1).astype(np.uint64)
+    cells = np.clip(unit * (1 << _MORTON_BITS), 0, (1 << _MORTON_BITS) - 1).astype(np.uint64)
     code = np.zeros(len(unit), np.uint64)
-    for bit in range(_BITS):
+    for bit in range(_MORTON_BITS):
         for axis in range(3):
             code |= ((cells[:, axis] >> np.uint64(bit)) & np.uint64(1)) << np.uint64(3 * bit + axis)
     return code

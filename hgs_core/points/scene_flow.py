@@ -22,13 +22,13 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["point_velocities", "scene_flow"]
 
-_LEVELS = ((0.25, 5), (0.5, 2), (1.0, 2))  # size of the pictures, and the pixels around that are looked at
-_BLOCKED = 40.0  # levels of 255: a view that disagrees by more does not see the point, and counts no further
-_EFFORT = 0.3  # levels per pixel: of two equally good places the nearer one
+_PYRAMID = ((0.25, 5), (0.5, 2), (1.0, 2))  # size of the pictures, and the pixels around that are looked at
+_BLOCKED_ERROR = 40.0  # levels of 255: a view that disagrees by more does not see the point, and counts no further
+_EFFORT_PER_PIXEL = 0.3  # levels per pixel: of two equally good places the nearer one
 _NEIGHBOURS = 8  # points that move alike
 _LEADERS = 500  # points that look far around themselves, most of the work; the others begin where the nearest one ended
 _FEWEST_VIEWS = 2
-_SLOW = 1.5  # pixels per frame: what is slower is left at rest, as displacements are found in whole pixels
+_SLOWEST_SPEED = 1.5  # pixels per frame: what is slower is left at rest, as displacements are found in whole pixels
 
 Floats = npt.NDArray[np.floating[Any]]
 
@@ -83,18 +83,18 @@ def scene_flow(
     follow = _squares(points, points[leaders]).argmin(1)
     alike = _nearest(points)
     found = np.zeros_like(points)
-    for level, (size, radius) in enumerate(_LEVELS):
+    for level, (size, radius) in enumerate(_PYRAMID):
         rows, near = (leaders, _nearest(points[leaders])) if level == 0 else (np.arange(len(points)), alike)
         steps = _ball(radius)
         trials = points[rows, None] + found[rows, None] + steps * (unit[rows] / size)[:, None, None]
         cost = _disagreement(cameras, now, later, seen[:, rows], points[rows], trials, size)
-        cost += _EFFORT * np.linalg.norm(steps, axis=1).astype(np.float32) / size
+        cost += _EFFORT_PER_PIXEL * np.linalg.norm(steps, axis=1).astype(np.float32) / size
         if level == 0:
             cost = cost[near].mean(1)  # all of them start from the same place
         best = (trials - points[rows, None])[np.arange(len(rows)), cost.argmin(1)]
         best = np.median(best[near], axis=1)
         found = best[follow] if level == 0 else best
-    quick = np.linalg.norm(found, axis=1) >= _SLOW * unit
+    quick = np.linalg.norm(found, axis=1) >= _SLOWEST_SPEED * unit
     flow[known[quick]] = found[quick]
     return flow.astype(np.float32)
 
@@ -119,10 +119,10 @@ def _disagreement(
         own = np.full((len(asked), 3), -1000, np.int16)
         inside, at = pixels_inside(small, points[asked])
         own[inside] = before[at[:, 1], at[:, 0]]
-        cost = np.full((len(asked), trials.shape[1]), _BLOCKED, np.float32)
+        cost = np.full((len(asked), trials.shape[1]), _BLOCKED_ERROR, np.float32)
         inside, at = pixels_inside(small, trials[asked].reshape(-1, 3))
         difference = np.abs(after[at[:, 1], at[:, 0]] - own[inside // trials.shape[1]]).mean(1, dtype=np.float32)
-        cost.reshape(-1)[inside] = np.minimum(difference, _BLOCKED)
+        cost.reshape(-1)[inside] = np.minimum(difference, _BLOCKED_ERROR)
         total[asked] += cost
     return np.asarray(total / np.maximum(seen.sum(0), 1)[:, None], np.float32)
 

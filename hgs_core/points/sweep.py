@@ -22,11 +22,11 @@ from hgs_core.scene.camera import Camera
 __all__ = ["SweptPoints", "depth_ranges", "sweep"]
 
 _DEPTHS = 64
-_NEIGHBOURS = 4  # views that a picture is compared with, of which one may be blocked
-_BLIND = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
-_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
-_BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
-_FEW = 20  # points below which a camera's depth range is taken from all points
+_NEIGHBOUR_VIEWS = 4  # views that a picture is compared with, of which one may be blocked
+_BLIND_COST = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
+_DEPTH_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
+_SEES_THROUGH_DEPTH = 1.2  # of the depth: a view that sees something farther than this sees through the point
+_FEW_POINTS = 20  # points below which a camera's depth range is taken from all points
 
 Admit = Callable[[npt.NDArray[np.floating[Any]]], npt.NDArray[np.bool_]]
 """Says which points [P, 3] may exist, [P]."""
@@ -60,9 +60,9 @@ def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) 
     ranges = []
     for camera in cameras:
         rows, _ = pixels_inside(camera, xyz)
-        _, depths = camera.project(xyz[rows] if len(rows) >= _FEW else xyz)
+        _, depths = camera.project(xyz[rows] if len(rows) >= _FEW_POINTS else xyz)
         depths = depths[depths > 0]
-        if len(depths) < _FEW:
+        if len(depths) < _FEW_POINTS:
             ranges.append((0.3 * extent, 10.0 * extent))
         else:
             near, far = np.percentile(depths, (1, 99))
@@ -84,7 +84,7 @@ def sweep(
     """
     area = sum(int(mask.sum()) for mask in wanted)
     step = max(2, int(np.sqrt(area / max(rays, 1))))
-    neighbours = nearest_cameras(cameras, _NEIGHBOURS)
+    neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
     def one(view: int) -> _DepthMap:
         return _depth_map(view, neighbours[view], cameras, descriptors, wanted[view], ranges[view], step, admit)
@@ -123,7 +123,7 @@ def _depth_map(
     depths = 1.0 / np.linspace(1.0 / near, 1.0 / far, _DEPTHS)  # evenly in the pixels that a step moves
     rays = camera.rays(np.stack([columns[j] + 0.5, rows[i] + 0.5], 1))
     own = descriptors[view][rows[i] * camera.width + columns[j]]  # [R, 6]
-    costs = np.full((len(neighbours), len(i), _DEPTHS), _BLIND, np.float32)
+    costs = np.full((len(neighbours), len(i), _DEPTHS), _BLIND_COST, np.float32)
     for slot, other in enumerate(neighbours):
         _compare(cameras[other], descriptors[other], camera.position, rays, depths, own, costs[slot])
     costs.sort(axis=0)
@@ -133,7 +133,7 @@ def _depth_map(
         cost[~admit(points.reshape(-1, 3)).reshape(cost.shape)] = np.inf
     cost = _aggregate(cost, i, j, chosen)
     best = cost.argmin(axis=1)
-    seen = cost[np.arange(len(best)), best] < _BLIND
+    seen = cost[np.arange(len(best)), best] < _BLIND_COST
     found.depths[i[seen], j[seen]] = _refine(cost, best, near, far)[seen]
     return found
 
@@ -168,7 +168,7 @@ def _aggregate(
     """Average the costs of each grid pixel and its chosen neighbours: a blank pixel borrows the depth of its edge."""
     volume = np.zeros((chosen.shape[0] + 2, chosen.shape[1] + 2, cost.shape[1]), np.float32)
     count = np.zeros((*volume.shape[:2], 1), np.float32)
-    finite = np.where(np.isfinite(cost), cost, np.float32(2 * _BLIND))
+    finite = np.where(np.isfinite(cost), cost, np.float32(2 * _BLIND_COST))
     volume[i + 1, j + 1] = finite
     count[i + 1, j + 1] = 1
     total, weight = volume[i + 1, j + 1] * 2, count[i + 1, j + 1] * 2  # the pixel itself counts three times
@@ -209,7 +209,7 @@ def _points(
         _, depths = cameras[other].project(xyz[rows])
         cell = np.minimum(pixels // maps[other].step, np.array(maps[other].depths.shape)[::-1] - 1)
         theirs = maps[other].depths[cell[:, 1], cell[:, 0]]  # 0, which is neither, where there is none
-        agreeing[rows] += np.abs(theirs - depths) < _AGREEMENT * depths
-        opposed[rows] += theirs > _BEYOND * depths
+        agreeing[rows] += np.abs(theirs - depths) < _DEPTH_AGREEMENT * depths
+        opposed[rows] += theirs > _SEES_THROUGH_DEPTH * depths
     rgb = picture[row, column].astype(np.float32) / np.float32(255)
     return xyz.astype(np.float32), rgb, agreeing, opposed

@@ -12,7 +12,7 @@ from hgs_core.report.sources import FinishedRun
 
 __all__ = ["picture_section"]
 
-_STOPS = 17  # of the scale's gradient
+_GRADIENT_STOPS = 17  # of the scale's gradient
 
 
 def picture_section(run: FinishedRun, cameras: Sequence[CameraPictures], reason: str) -> str:
@@ -47,7 +47,8 @@ def _scale() -> str:
     """The key of the error maps and of the colour of what moves."""
     table = colour_table()
     stops = ", ".join(
-        "#" + "".join(f"{channel:02x}" for channel in table[round(255 * k / (_STOPS - 1))]) for k in range(_STOPS)
+        "#" + "".join(f"{channel:02x}" for channel in table[round(255 * k / (_GRADIENT_STOPS - 1))])
+        for k in range(_GRADIENT_STOPS)
     )
     ticks = [f"{ERROR_RANGE * k / 4:.2f}" for k in range(5)]
     ticks[-1] = "≥ " + ticks[-1]

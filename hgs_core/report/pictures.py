@@ -29,13 +29,13 @@ from hgs_core.train.targets import target_picture
 __all__ = ["MOVING_COLOUR", "CameraPictures", "Moment", "choose_frames", "draw_pictures", "evenly"]
 
 MOVING_COLOUR = (255, 122, 26)  # sRGB, of pixels that dynamic splats draw
-_MOMENTS = 3  # per camera, beside the worst
-_ALIKE = 10  # frames nearer than the capture's length over this show about the same
+_MOMENTS_PER_CAMERA = 3  # per camera, beside the worst
+_STRETCHES_ALIKE = 10  # frames nearer than the capture's length over this show about the same
 _MOST_CAMERAS = 4  # a report stays a few megabytes
-_MOST_MEASURED = 60  # frames of a camera, where the report measures them itself
+_MOST_FRAMES_MEASURED = 60  # frames of a camera, where the report measures them itself
 _WIDTH = 640  # pixels, at most
-_QUALITY = 86  # JPEG
-_MAP_QUALITY = 75  # JPEG, of error maps: mostly noise, which costs bytes
+_JPEG_QUALITY = 86  # JPEG
+_ERROR_MAP_QUALITY = 75  # JPEG, of error maps: mostly noise, which costs bytes
 
 Bytes = npt.NDArray[np.uint8]
 
@@ -83,7 +83,7 @@ def draw_pictures(run: FinishedRun, capture: Capture, progress: ProgressCallback
             frames = list(range(len(capture.times)))
             figures = known.get(name, [])
             if len(figures) != len(frames):
-                frames = evenly(frames, _MOST_MEASURED)
+                frames = evenly(frames, _MOST_FRAMES_MEASURED)
                 figures = [artist.psnr(frame) for frame in frames]
             chosen, worst = choose_frames(frames, figures)
             of = dict(zip(frames, figures, strict=True))
@@ -98,9 +98,9 @@ def choose_frames(frames: Sequence[int], psnrs: Sequence[float]) -> tuple[list[i
 
     The worst frame replaces a middle that would show about the same.
     """
-    middles = [int((part + 0.5) / _MOMENTS * len(frames)) for part in range(_MOMENTS)]
+    middles = [int((part + 0.5) / _MOMENTS_PER_CAMERA * len(frames)) for part in range(_MOMENTS_PER_CAMERA)]
     worst = int(np.argmin(np.where(np.isfinite(psnrs), psnrs, np.inf)))
-    apart = {place for place in middles if abs(place - worst) * _ALIKE > len(frames)}
+    apart = {place for place in middles if abs(place - worst) * _STRETCHES_ALIKE > len(frames)}
     return [frames[place] for place in sorted({*apart, worst})], frames[worst]
 
 
@@ -143,7 +143,7 @@ class _Artist:
             size=size,
             drawn=_data_uri(picture),
             truth=_data_uri(_reduced(_pixels(truth))),
-            error=_data_uri(error_picture(error), _MAP_QUALITY),
+            error=_data_uri(error_picture(error), _ERROR_MAP_QUALITY),
             moving=_data_uri(_tinted(picture, _reduced_field(share, size))),
             dynamic_share=float((share > 0.5).double().mean()),
         )
@@ -197,7 +197,7 @@ def _tinted(pixels: Bytes, share: npt.NDArray[np.float32]) -> Bytes:
     return np.asarray(np.rint(np.clip((1 - weight) * still + weight * moving, 0, 255)), np.uint8)
 
 
-def _data_uri(pixels: Bytes, quality: int = _QUALITY) -> str:
+def _data_uri(pixels: Bytes, quality: int = _JPEG_QUALITY) -> str:
     """Return a JPEG without colour subsampling, which would smear the maps."""
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "JPEG", quality=quality, subsampling=0, optimize=True)

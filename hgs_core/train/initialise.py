@@ -15,7 +15,7 @@ from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 
 __all__ = ["initial_splats", "scene_extent"]
 
-_DYNAMIC = 0.5  # share of a point's views that must see it move
+_DYNAMIC_SHARE = 0.5  # share of a point's views that must see it move
 _HALF_LIFE = 0.75  # of the gap between initialised frames: opacity halves there, so that neighbours take over
 
 
@@ -47,7 +47,7 @@ def initial_splats(
         opacity: of all splats; 3D Gaussian Splatting starts at 0.1, low enough that wrong points can fade.
         coefficients: of motion, 4 or 6; those above the velocity start at zero.
     """
-    still_points = points.dynamic < _DYNAMIC
+    still_points = points.dynamic < _DYNAMIC_SHARE
     moving = {"auto": ~still_points, "static": still_points & False, "dynamic": still_points | True}[labels]
     size = np.log(np.maximum(points.spacing, 1e-7)).astype(np.float32)
     logit = float(np.log(opacity / (1 - opacity)))

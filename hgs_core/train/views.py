@@ -16,7 +16,7 @@ __all__ = ["ViewSchedule", "training_cameras"]
 _SAMPLE_CAMERAS = 5
 _SAMPLE_FRAMES = 8
 _INFILL_FRAMES = 3
-_PASSES = 20  # over all blocks in one training: what waits for its block's next turn drifts meanwhile
+_BLOCK_PASSES = 20  # over all blocks in one training: what waits for its block's next turn drifts meanwhile
 
 
 def training_cameras(capture: Capture, config: TrainConfig) -> tuple[int, ...]:
@@ -53,7 +53,7 @@ class ViewSchedule:
         """Choose blocks for frames of `frame_bytes` each and `memory` bytes of cache, in a training of `cycles`."""
         fit = max(1, min(frames, memory // max(1, frame_bytes * len(cameras))))
         blocks = -(-frames // fit)
-        return ViewSchedule(cameras, frames, blocks, max(1, cycles // (blocks * _PASSES)), seed)
+        return ViewSchedule(cameras, frames, blocks, max(1, cycles // (blocks * _BLOCK_PASSES)), seed)
 
     def view(self, cycle: int) -> tuple[int, int]:
         """Return (camera, frame) of a cycle."""

@@ -13,8 +13,8 @@ from hgs_core.codec.encoder.utility import LOW_PASS
 
 __all__ = ["strength_weights"]
 
-DIRECTIONS = 24  # of view, evenly spread over a half sphere, as a splat may be turned in any way
-LARGEST = 1e4  # px^2: wider axes change no more
+VIEW_DIRECTIONS = 24  # of view, evenly spread over a half sphere, as a splat may be turned in any way
+LARGEST_VARIANCE = 1e4  # px^2: wider axes change no more
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 Doubles = NDArray[np.float64]
@@ -30,10 +30,10 @@ def strength_weights(deviations: Doubles) -> tuple[Doubles, Doubles]:
         The mean over all directions of view of the squared derivatives by ln of each deviation, [N, 3], and by an angle
         about each axis (per radian), [N, 3].
     """
-    squares = np.clip(deviations**2, 1e-12, LARGEST)
+    squares = np.clip(deviations**2, 1e-12, LARGEST_VARIANCE)
     scale, turn = np.zeros_like(squares), np.zeros_like(squares)
-    for i in range(DIRECTIONS):
-        z = (i + 0.5) / DIRECTIONS
+    for i in range(VIEW_DIRECTIONS):
+        z = (i + 0.5) / VIEW_DIRECTIONS
         angle = GOLDEN_ANGLE * i
         view = np.array([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z])
         seen = view**2
@@ -50,4 +50,4 @@ def strength_weights(deviations: Doubles) -> tuple[Doubles, Doubles]:
         mixed = (view[[1, 2, 0]] * view[[2, 0, 1]])[None]
         b, c = squares[:, (1, 2, 0)], squares[:, (2, 0, 1)]
         turn += (mixed * (b - c) * (fade[:, None] * squares - share[:, None])) ** 2
-    return scale / DIRECTIONS, turn / DIRECTIONS
+    return scale / VIEW_DIRECTIONS, turn / VIEW_DIRECTIONS

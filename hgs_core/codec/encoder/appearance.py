@@ -13,8 +13,8 @@ from hgs_core.codec.format.quantise import uneased
 
 __all__ = ["appearance_numbers", "rotation_numbers", "turning_cost"]
 
-COARSER = 9  # powers of two by which a rotation's numbers may be rounded more coarsely
-THINNEST = 1e-3  # of the blur: thinner axes are taken to be so thick
+COARSEST_ROTATION_ROUNDING = 9  # powers of two by which a rotation's numbers may be rounded more coarsely
+THINNEST_AXIS = 1e-3  # of the blur: thinner axes are taken to be so thick
 
 Doubles = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -56,7 +56,7 @@ def _scale_numbers(splats: Prepared, steps: Steps) -> Whole:
     if not strength.any():
         cost = (((candidates - exact[:, None]) * weight) ** 2).sum(axis=2)
         return choose(numbers[candidates], cost, chain=True)
-    plain = np.maximum(log_scales, floor + np.log(THINNEST)) / steps.shape
+    plain = np.maximum(log_scales, floor + np.log(THINNEST_AXIS)) / steps.shape
     found = neighbours(plain)
     rounded = np.rint(plain).astype(np.int64)
     coarse = []
@@ -86,7 +86,7 @@ def rotation_numbers(splats: Prepared, quats: Doubles, steps: Steps) -> Whole:
     is turned about its own axis), and no rotation at all.
     """
     exact = quats[:, 1:] / steps.rotation
-    found = [np.rint(exact / 2**k) * 2**k for k in range(COARSER)]
+    found = [np.rint(exact / 2**k) * 2**k for k in range(COARSEST_ROTATION_ROUNDING)]
     found.append(np.zeros_like(exact))
     for axis in range(3):
         for k in (2, 4, 6):

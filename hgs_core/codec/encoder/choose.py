@@ -12,7 +12,7 @@ __all__ = ["EXCHANGE", "choose", "neighbours"]
 # What a bit is worth in squared steps. At a high rate the squared error of a uniform quantiser, step^2 / 12, falls by
 # a factor of 4 per bit: its derivative is ln(4) / 12.
 EXCHANGE = float(np.log(4) / 12)
-ROUNDS = 3  # of choosing codes and counting them again
+CHOICE_ROUNDS = 3  # of choosing codes and counting them again
 
 Doubles = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -35,7 +35,7 @@ def choose(candidates: Whole, cost: Doubles, *, chain: bool = False) -> Whole:
     symbols = symbols - symbols.min(axis=(0, 1))
     rows = np.arange(len(candidates))
     chosen = np.zeros(len(candidates), np.intp)
-    for _ in range(ROUNDS):
+    for _ in range(CHOICE_ROUNDS):
         bits = np.zeros(cost.shape)
         for c in range(symbols.shape[-1]):
             counts = np.bincount(symbols[rows, chosen, c], minlength=int(symbols[..., c].max()) + 1) + 0.1

@@ -32,7 +32,7 @@ PRECISION_STEP = 5.0
 CENTER_STEP = 1.2
 LARGEST_PRECISION_STEP = 0.5
 LARGEST_CENTER_STEP = 0.1
-OFF = 1.5 + 1e-3  # steps by which a number may be off its value
+LARGEST_ROUNDING = 1.5 + 1e-3  # steps by which a number may be off its value
 LEAST_OFF = 1e-5
 
 Doubles = NDArray[np.float64]
@@ -55,9 +55,9 @@ class SegmentTime:
         # A chunk's steps are at most those of each of its splats' grades.
         width = settings.coarseness * np.exp2(-grades(splats.values["utility"][:, 0]).astype(np.float64))
         step = np.minimum(settings.opacity_step * width, settings.largest_opacity_step)
-        opacity = np.minimum(1.0, splats.values["opacity"][:, 0] + OFF * np.maximum(step, LEAST_OFF))
+        opacity = np.minimum(1.0, splats.values["opacity"][:, 0] + LARGEST_ROUNDING * np.maximum(step, LEAST_OFF))
         precision = splats.values["time_log_precision"][:, 0]
-        precision = precision - OFF * np.minimum(PRECISION_STEP * step, LARGEST_PRECISION_STEP)
+        precision = precision - LARGEST_ROUNDING * np.minimum(PRECISION_STEP * step, LARGEST_PRECISION_STEP)
         longest = np.exp2(-np.clip(np.floor((precision - 1.75) / math.log(4)), 0, 20))
         radius = np.sqrt(np.log(np.maximum(1.0, 255 * opacity)) / np.exp(precision))
         radius += np.minimum(CENTER_STEP * step, LARGEST_CENTER_STEP) * longest

@@ -16,8 +16,10 @@ from hgs_core.codec.encoder.utility import grades
 
 __all__ = ["Layer", "dynamic_layers", "slice_limits", "static_layers"]
 
-LIKE = 8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
-LONG_LIVED = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
+LARGEST_STEP_RATIO = (
+    8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
+)
+LONG_LIVED_SPLATS = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
 
 Index = NDArray[np.intp]
 Doubles = NDArray[np.float64]
@@ -52,8 +54,8 @@ def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, setting
     """Cut the splats of a segment into chunks by the first slice in which they live, by the last, and by grade.
 
     `limits` [S + 1] are the slices' limits in normalised time. Chunks of splats that die together let a seek leave
-    out what is already dead; a chunk is not made smaller than `LONG_LIVED` for that. Within a slice those that show
-    most come first.
+    out what is already dead; a chunk is not made smaller than `LONG_LIVED_SPLATS` for that. Within a slice those that
+    show most come first.
     """
     if len(splats) == 0:
         return []
@@ -74,8 +76,8 @@ def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, setting
 
 
 def _by_last(members: Index, last: NDArray[np.intp]) -> list[Index]:
-    """Group splats by the last slice they live in; groups smaller than `LONG_LIVED` are joined with the next."""
-    return _without_small([members[last[members] == final] for final in np.unique(last[members])], LONG_LIVED)
+    """Group splats by the last slice they live in; groups smaller than `LONG_LIVED_SPLATS` are joined with the next."""
+    return _without_small([members[last[members] == final] for final in np.unique(last[members])], LONG_LIVED_SPLATS)
 
 
 def _without_small(parts: Iterable[Index], least: int) -> list[Index]:
@@ -104,7 +106,7 @@ def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: i
     parts: list[Index] = []
     for group in groups:
         step = ideal_position_steps(splats.take(group), settings)
-        level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LIKE)), 0)
+        level = np.maximum(np.floor(np.log(step / np.median(step)) / np.log(LARGEST_STEP_RATIO)), 0)
         near = np.abs(splats.values["position"][group]).max(axis=1) * FINEST_SHARE < np.median(step)
         if (level > 0).sum() < settings.small_chunk_splats:
             level[near] = 0  # float32 can hold them on the others' grid, and so few do not pay for a chunk

@@ -17,17 +17,17 @@ from hgs_core.codec.format.quantise import float32_below
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.polynomials import polynomial_fit, powers
 
-__all__ = ["MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
+__all__ = ["CHECKED_MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
 
-MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
-COST_OF_ORDERS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
+CHECKED_MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
+ORDER_COST_BITS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
 COST_OF_TURNING = 24.0
-LARGEST_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
-COARSER = 6  # powers of two by which coefficients may be rounded more coarsely
-NEAR = 27 + 2  # of these roundings: those within a few steps
-LARGEST_MISFIT = 1.0  # squared steps by which a turn may miss its path
-LEAST_W = 0.2  # of a quaternion that is told by its vector part over its w
-LEAST_SHARE = 1e-6  # of a coefficient that lower ones do not make good: less is taken to be this
+LARGEST_PATH_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
+COARSEST_COEFFICIENT_ROUNDING = 6  # powers of two by which coefficients may be rounded more coarsely
+NEAR_ROUNDINGS = 27 + 2  # of these roundings: those within a few steps
+LARGEST_TURN_MISFIT = 1.0  # squared steps by which a turn may miss its path
+LEAST_QUATERNION_W = 0.2  # of a quaternion that is told by its vector part over its w
+LEAST_INDEPENDENT_SHARE = 1e-6  # of a coefficient that lower ones do not make good: less is taken to be this
 CONJUGATE = (1.0, -1.0, -1.0, -1.0)
 
 Doubles = NDArray[np.float64]
@@ -38,15 +38,15 @@ Whole = NDArray[np.int64]
 class Path:
     """Where splats are and how they are turned over their visible lives."""
 
-    times: Doubles  # [N, MOMENTS] normalised, from the first to the last moment at which the splat is seen
-    fade: Doubles  # [N, MOMENTS] opacity over peak opacity
-    positions: Doubles  # [N, MOMENTS, 3]
-    quats: Doubles  # [N, MOMENTS, 4] unit
+    times: Doubles  # [N, CHECKED_MOMENTS] normalised, from the first to the last moment at which the splat is seen
+    fade: Doubles  # [N, CHECKED_MOMENTS] opacity over peak opacity
+    positions: Doubles  # [N, CHECKED_MOMENTS, 3]
+    quats: Doubles  # [N, CHECKED_MOMENTS, 4] unit
 
     @staticmethod
     def of(splats: Prepared, start: Doubles, end: Doubles) -> Path:
         """Sample the splats between normalised times `start` and `end` [N]."""
-        times = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, MOMENTS)
+        times = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, CHECKED_MOMENTS)
         d = times - splats.values["time_center"]
         fade = np.exp(-np.exp(splats.values["time_log_precision"]) * d * d)
         names = ("position", *MOTION_ORDERS[: highest_order(splats)])
@@ -61,7 +61,7 @@ class Path:
 
     @property
     def weights(self) -> Doubles:
-        """The share [N, MOMENTS] of each moment in what a splat does to the pictures."""
+        """The share [N, CHECKED_MOMENTS] of each moment in what a splat does to the pictures."""
         squares = self.fade**2 + 1e-12
         return np.asarray(squares / squares.sum(axis=1, keepdims=True))
 
@@ -74,7 +74,7 @@ def highest_order(splats: Prepared) -> int:
 def motion_numbers(
     path: Path, offsets: Doubles, steps: Steps, highest: int = 3
 ) -> tuple[dict[str, tuple[Whole, float]], Whole]:
-    """Fit polynomials in `offsets` [N, MOMENTS] (from the centre, in scaled time), the lowest order that is worth it.
+    """Fit polynomials in `offsets` [N, 9] (from the centre, in scaled time), of the lowest order that is worth it.
 
     `highest` is the order, 3 or 5, that none is above.
 
@@ -83,18 +83,18 @@ def motion_numbers(
         its step; and the orders [N], 0 to 3 or 5.
     """
     # Relative to the path's middle, so that nothing is lost far from the origin.
-    middle = path.positions[:, MOMENTS // 2]
+    middle = path.positions[:, CHECKED_MOMENTS // 2]
     goal = path.positions - middle[:, None]
     basis = powers(offsets, highest)
-    tried = [order for order in COST_OF_ORDERS if order <= highest]
+    tried = [order for order in ORDER_COST_BITS if order <= highest]
     own = steps.own_position[:, None]
     costs = []
     for order in tried:
         fitted = polynomial_fit(offsets, order, goal, path.weights)
         error = np.abs(goal - basis[..., : order + 1] @ fitted)
         cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
-        excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_SHIFT * steps.position
-        costs.append(cost + EXCHANGE * COST_OF_ORDERS[order] + np.where(excess & (order < highest), np.inf, 0.0))
+        excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_PATH_SHIFT * steps.position
+        costs.append(cost + EXCHANGE * ORDER_COST_BITS[order] + np.where(excess & (order < highest), np.inf, 0.0))
     orders = np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)]
     numbers: dict[str, tuple[Whole, float]] = {}
     left = goal.copy()
@@ -104,14 +104,14 @@ def motion_numbers(
             continue
         some, weights, fade = offsets[members], path.weights[members], path.fade[members]
         rest = _own_part(some, order, weights)
-        share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
-        reach = (np.abs(rest) * fade).max(axis=1) + LEAST_SHARE
-        step = _coefficient_step(own[members, 0] / share, LARGEST_SHIFT * steps.position / reach)
+        share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_INDEPENDENT_SHARE
+        reach = (np.abs(rest) * fade).max(axis=1) + LEAST_INDEPENDENT_SHARE
+        step = _coefficient_step(own[members, 0] / share, LARGEST_PATH_SHIFT * steps.position / reach)
         exact = polynomial_fit(some, order, left[members], weights)[:, order] / step
         candidates = _roundings(exact)
         off = (candidates - exact[:, None]) * step
         cost = ((off * (share / own[members, 0])[:, None, None]) ** 2).sum(axis=2)
-        too_far = np.abs(off).max(axis=2) * reach[:, None] > LARGEST_SHIFT * steps.position
+        too_far = np.abs(off).max(axis=2) * reach[:, None] > LARGEST_PATH_SHIFT * steps.position
         too_far[:, 0] = False
         chosen = choose(candidates, np.where(too_far, np.inf, cost))
         numbers[MOTION_ORDERS[order - 1]] = chosen, step
@@ -128,7 +128,7 @@ def _coefficient_step(own: Doubles, largest: Doubles) -> float:
 
 def _roundings(exact: Doubles) -> Whole:
     """Return whole numbers [M, K, 3] near `exact` [M, 3], the nearest first, then its neighbours and coarser ones."""
-    coarse = [np.rint(exact / 2**k) * 2**k for k in range(1, COARSER)]
+    coarse = [np.rint(exact / 2**k) * 2**k for k in range(1, COARSEST_COEFFICIENT_ROUNDING)]
     return np.concatenate(
         [neighbours(exact), np.stack([*coarse, np.zeros_like(exact)], axis=1).astype(np.int64)], axis=1
     )
@@ -155,11 +155,11 @@ def turning_numbers(
         rotation [N, 3] and, if any splat turns, its turning [M, 4] in scaled time, with steps; and which do, [N].
     """
     still, quats = _still(splats, path)
-    slopes = quats[..., 1:] / np.maximum(quats[..., :1], LEAST_W)
+    slopes = quats[..., 1:] / np.maximum(quats[..., :1], LEAST_QUATERNION_W)
     fitted = polynomial_fit(offsets, 1, slopes, path.weights)  # [N, 2, 3]
     cost = _turned_cost(splats, quats, still[:, None], path.weights, steps)
     turned = _turned_cost(splats, quats, _unit(powers(offsets, 1) @ fitted), path.weights, steps)
-    far = (turned > LARGEST_MISFIT) & (cost > LARGEST_MISFIT + EXCHANGE * COST_OF_TURNING)
+    far = (turned > LARGEST_TURN_MISFIT) & (cost > LARGEST_TURN_MISFIT + EXCHANGE * COST_OF_TURNING)
     turns = far | (turned + EXCHANGE * COST_OF_TURNING < cost)
     rotation = rotation_numbers(splats, still, steps)
     numbers: dict[str, tuple[Whole, float]] = {"rotation": (rotation, steps.rotation)}
@@ -169,7 +169,7 @@ def turning_numbers(
     offset = offsets[turns]
     w = 1 / np.sqrt(1 + (fitted[turns, 0] ** 2).sum(axis=1))[:, None]
     rest = _own_part(offset, 1, weights)
-    share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_SHARE
+    share = np.sqrt((rest**2 * weights).sum(axis=1)) + LEAST_INDEPENDENT_SHARE
     step = float32_below(steps.rotation * float((share**2).mean() ** -0.5))
     exact = fitted[turns, 1] * w / step
     candidates = _roundings(exact)
@@ -185,7 +185,7 @@ def turning_numbers(
         rows[far[turns]] = np.rint(turning / step).astype(np.int64)
     # What does not show of a rotation must yet be near it, since the turn goes on from there.
     exact = constant[:, 1:] / steps.rotation
-    candidates = _roundings(exact)[:, :NEAR]
+    candidates = _roundings(exact)[:, :NEAR_ROUNDINGS]
     vectors = candidates * steps.rotation
     inside = (vectors**2).sum(axis=2) < 1 - 1e-6
     angles = turn_between(constant[:, None], vector_to_quats(np.where(inside[..., None], vectors, 0.0)))
@@ -194,7 +194,7 @@ def turning_numbers(
 
 
 def _still(splats: Prepared, path: Path) -> tuple[Doubles, Doubles]:
-    """Return how splats are turned when they are brightest [N, 4], and at all moments [N, MOMENTS, 4]: near to that."""
+    """Return how splats are turned when they are brightest [N, 4], and near to that at all moments [N, 9, 4]."""
     brightest = path.quats[np.arange(len(path.quats)), path.fade.argmax(axis=1)]
     turn, _ = canonical(brightest, splats.values["log_scale"])
     still = product(brightest, turn)

@@ -26,10 +26,10 @@ __all__ = ["Prepared", "prepare_dynamic", "prepare_static"]
 LARGEST_COORDINATE = 1e30
 LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
 LARGEST_LOG_SCALE = 30.0
-LARGEST_RGB = 8.0  # either sign; training keeps colours near [0, 1]
+LARGEST_COLOUR = 8.0  # either sign; training keeps colours near [0, 1]
 LEAST_UTILITY = 1e-4  # what shows less has the steps of this
 NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
-STEADY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
+STEADY_LOG_OPACITY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
 MEANINGFUL_INFINITIES = {
     "log_scales": (-math.inf,),  # no thickness
     "opacity_logits": (-math.inf, math.inf),  # opacities of 0 and 1
@@ -118,7 +118,7 @@ def prepare_dynamic(
     }
     furthest = np.maximum(np.abs(center), np.abs(shown_until - center))
     with np.errstate(divide="ignore"):
-        steady = np.log(STEADY) - 2 * np.log(furthest)
+        steady = np.log(STEADY_LOG_OPACITY) - 2 * np.log(furthest)
     briefest = math.log(math.log(255.0)) - 2 * math.log(settings.shortest_life * frame)
     precision = np.asarray(splats.time_log_precisions, np.float64)[:, None]
     values["time_log_precision"] = np.clip(precision, np.minimum(steady, briefest), briefest)
@@ -170,7 +170,7 @@ def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -
     return {
         "log_scale": np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE),
         "opacity": np.exp(-np.logaddexp(0.0, -np.asarray(logits, np.float64)))[:, None],
-        "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_RGB, LARGEST_RGB),
+        "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_COLOUR, LARGEST_COLOUR),
         "row": np.arange(len(rgb), dtype=np.float64)[:, None],
     }
 

@@ -12,12 +12,14 @@ from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import LOW_PASS, grades
 from hgs_core.codec.format.quantise import float32_below, uneased
 
-__all__ = ["BLUR", "FINEST_SHARE", "TURN_AGAINST_SCALE", "Steps", "ideal_position_steps", "screen_deviations"]
+__all__ = ["BLUR_DEVIATION", "FINEST_SHARE", "TURN_AGAINST_SCALE", "Steps", "ideal_position_steps", "screen_deviations"]
 
-BLUR = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
+BLUR_DEVIATION = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
 # A turn by t between axes of deviations a and b, (a/b - b/a)^2 t^2 / 4, against a change of one axis by e, 3/4 e^2.
 TURN_AGAINST_SCALE = 1 / 3
-UNEVEN = 98.0  # per cent of splats that are no longer and thinner than what the rotation's step is made for
+ROTATION_STEP_PERCENTILE = (
+    98.0  # per cent of splats that are no longer and thinner than what the rotation's step is made for
+)
 FINEST_OPACITY = 2.0**-9
 FINEST_ROTATION = 2.0**-13
 FINEST_SHARE = 2.0**-21  # a step below this share of a coordinate costs more bits than float32 is worth
@@ -77,11 +79,11 @@ class Steps:
         uneven = deviations[:, 2] / deviations[:, 0] - deviations[:, 0] / deviations[:, 2]
         strength = splats.values["strength_by_turn"].max(axis=1) / TURN_AGAINST_SCALE
         uneven = np.sqrt(uneven**2 + strength)
-        rotation = s.rotation_step / max(float(np.percentile(uneven / own_shape, UNEVEN)), 1e-9)
+        rotation = s.rotation_step / max(float(np.percentile(uneven / own_shape, ROTATION_STEP_PERCENTILE)), 1e-9)
         rotation = min(max(rotation, FINEST_ROTATION), s.largest_rotation_step)
         return Steps(
             position=float32_below(max(float((own_position**-2.0).mean() ** -0.5), finest) * 1.0000002),
-            blur=float(np.float32(BLUR / float(np.median(splats.values["scale"])))),
+            blur=float(np.float32(BLUR_DEVIATION / float(np.median(splats.values["scale"])))),
             shape=float32_below(min(s.shape_step * width, s.largest_shape_step)),
             rotation=float32_below(rotation),
             opacity=float32_below(max(float((own_opacity**-2.0).mean() ** -0.5), FINEST_OPACITY)),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 __all__ = ["Axis", "linear_axis", "tick_text", "ticks_within"]
 
-_ROUNDING = 1e-9  # of a step
+_STEP_ROUNDING = 1e-9  # of a step
 
 
 @dataclass(frozen=True)
@@ -52,20 +52,20 @@ def linear_axis(
         margin = 0.02 * abs(high) or 0.5
         low, high = (low if zero else low - margin), high + margin
     step = round_step((high - low) / count)
-    bottom = math.floor(low / step + _ROUNDING) * step
-    top = high if tight else math.ceil(high / step - _ROUNDING) * step
+    bottom = math.floor(low / step + _STEP_ROUNDING) * step
+    top = high if tight else math.ceil(high / step - _STEP_ROUNDING) * step
     return Axis(bottom, top, start, end, step)
 
 
 def round_step(rough: float) -> float:
     """Return 1, 2 or 5 times a power of ten: the smallest that is not below `rough`."""
     power = 10.0 ** math.floor(math.log10(rough))
-    return next((m * power for m in (1, 2, 5) if m * power >= rough * (1 - _ROUNDING)), 10 * power)
+    return next((m * power for m in (1, 2, 5) if m * power >= rough * (1 - _STEP_ROUNDING)), 10 * power)
 
 
 def ticks_within(low: float, high: float, step: float) -> list[float]:
     """Return the multiples of `step` from `low` to `high`, ascending."""
-    first, last = math.ceil(low / step - _ROUNDING), math.floor(high / step + _ROUNDING)
+    first, last = math.ceil(low / step - _STEP_ROUNDING), math.floor(high / step + _STEP_ROUNDING)
     return [k * step for k in range(first, last + 1)]
 
 
@@ -74,5 +74,5 @@ def tick_text(value: float, step: float) -> str:
     for size, letter in ((1e6, "M"), (1e3, "k")):
         if abs(value) >= size and step * 10 >= size:
             return f"{value / size:g}{letter}"
-    decimals = max(0, -math.floor(math.log10(step) + _ROUNDING))
+    decimals = max(0, -math.floor(math.log10(step) + _STEP_ROUNDING))
     return f"{value + 0.0:.{decimals}f}"

@@ -12,8 +12,8 @@ from hgs_core.report.charts.svg import FONT, WIDTH, box, colour, figure, line, s
 
 __all__ = ["Bar", "Part", "bar_chart", "legend_of"]
 
-_ROW = 23.0  # user units
-_LONGEST = 150.0  # of a bar's name
+_ROW_HEIGHT = 23.0  # user units
+_LONGEST_NAME = 150.0  # of a bar's name
 
 
 @dataclass(frozen=True)
@@ -45,9 +45,9 @@ class Bar:
 def bar_chart(name: str, bars: Sequence[Bar], x_label: str) -> str:
     """Return the chart of at least one bar; pieces of one name share one colour, and a legend if there are several."""
     parts, top = legend_of(bars)
-    left = min(_LONGEST, max(text_width(bar.name) for bar in bars)) + 8
+    left = min(_LONGEST_NAME, max(text_width(bar.name) for bar in bars)) + 8
     right = max(text_width(bar.words) for bar in bars) + 10
-    bottom = top + _ROW * len(bars) + 4
+    bottom = top + _ROW_HEIGHT * len(bars) + 4
     axis = linear_axis([bar.total for bar in bars], left, WIDTH - right, zero=True, tight=True, count=4)
     for value, words in axis.ticks:
         parts += [
@@ -55,17 +55,17 @@ def bar_chart(name: str, bars: Sequence[Bar], x_label: str) -> str:
             text(axis(value), bottom + FONT + 3, words, anchor="middle"),
         ]
     for row, bar in enumerate(bars):
-        y = top + row * _ROW + 4
-        parts.append(text(left - 6, y + FONT, shortened(bar.name, _LONGEST), anchor="end"))
+        y = top + row * _ROW_HEIGHT + 4
+        parts.append(text(left - 6, y + FONT, shortened(bar.name, _LONGEST_NAME), anchor="end"))
         x = left
         for part in bar.parts:
             width = axis(part.value) - axis.start
             if width > 0:
                 tip = f"{bar.name}, {part.name}: {part.words}" if part.name else f"{bar.name}: {part.words}"
-                parts.append(box(x, y, max(0.5, width - 0.7), _ROW - 7, colour(part.colour), tip))
+                parts.append(box(x, y, max(0.5, width - 0.7), _ROW_HEIGHT - 7, colour(part.colour), tip))
             x += width
         if math.isfinite(bar.mark):
-            parts.append(box(axis(bar.mark) - 1.5, y - 2, 3, _ROW - 3, "var(--ink)", bar.mark_words))
+            parts.append(box(axis(bar.mark) - 1.5, y - 2, 3, _ROW_HEIGHT - 3, "var(--ink)", bar.mark_words))
         parts.append(text(x + 6, y + FONT, bar.words))
     parts.append(text((axis.start + axis.end) / 2, bottom + 2 * FONT + 8, x_label, anchor="middle", kind="faint"))
     return figure(bottom + 2 * FONT + 16, name, parts)

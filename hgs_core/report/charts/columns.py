@@ -10,9 +10,9 @@ from hgs_core.report.charts.svg import FONT, WIDTH, box, colour, figure, line, t
 
 __all__ = ["column_chart"]
 
-_HEIGHT = 170.0  # of the area
-_GAP = 14.0  # between groups
-_WIDEST = 46.0  # column
+_AREA_HEIGHT = 170.0  # of the area
+_GROUP_GAP = 14.0  # between groups
+_WIDEST_COLUMN = 46.0  # column
 
 
 def column_chart(name: str, groups: Sequence[tuple[str, Sequence[Bar]]], y_label: str) -> str:
@@ -20,13 +20,13 @@ def column_chart(name: str, groups: Sequence[tuple[str, Sequence[Bar]]], y_label
     columns = [bar for _, bars in groups for bar in bars]
     parts, top = legend_of(columns)
     top += 24
-    y = linear_axis([bar.total for bar in columns], top + _HEIGHT, top, zero=True)
+    y = linear_axis([bar.total for bar in columns], top + _AREA_HEIGHT, top, zero=True)
     left = max(text_width(words) for _, words in y.ticks) + 8
     parts.append(text(0, top - 10, y_label, kind="faint"))
     for value, words in y.ticks:
         parts += [line(left, y(value), WIDTH, y(value)), text(left - 6, y(value) + 4, words, anchor="end")]
-    width = min(_WIDEST, (WIDTH - left - _GAP * (len(groups) + 1)) / len(columns))
-    x = left + _GAP
+    width = min(_WIDEST_COLUMN, (WIDTH - left - _GROUP_GAP * (len(groups) + 1)) / len(columns))
+    x = left + _GROUP_GAP
     for group, bars in groups:
         middle = x + width * len(bars) / 2
         half = text_width(group) / 2
@@ -41,6 +41,6 @@ def column_chart(name: str, groups: Sequence[tuple[str, Sequence[Bar]]], y_label
                     parts.append(box(x + (width - wide) / 2, base - tall, wide, tall, colour(part.colour), tip))
                 base -= tall
             x += width
-        x += _GAP
+        x += _GROUP_GAP
     parts.append(line(left, y.start, WIDTH, y.start, "var(--faint)"))
     return figure(y.start + FONT + 14, name, parts)

@@ -10,10 +10,10 @@ from hgs_core.report.charts.svg import FONT, WIDTH, box, text, text_width
 __all__ = ["Box", "around_points", "legend", "overlap", "spread"]
 
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1
-_RINGS = (11.0, 22.0, 36.0, 52.0)  # distances of a label from its point
-_DIRECTIONS = (0, 180, 270, 90, 315, 225, 45, 135)  # degrees clockwise from the right, the best first
-_HEIGHT = FONT + 2  # of a label's box
-_ROW = 17.0  # of a legend
+_LABEL_DISTANCES = (11.0, 22.0, 36.0, 52.0)  # distances of a label from its point
+_LABEL_DIRECTIONS = (0, 180, 270, 90, 315, 225, 45, 135)  # degrees clockwise from the right, the best first
+_LABEL_HEIGHT = FONT + 2  # of a label's box
+_LEGEND_ROW_HEIGHT = 17.0  # of a legend
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:
@@ -61,21 +61,21 @@ def legend(names: Sequence[str], colours: Sequence[str]) -> tuple[list[str], flo
     for name, fill in zip(names, colours, strict=True):
         width = 16 + text_width(name) + 12
         if x > 0 and x + width > WIDTH:
-            x, y = 0.0, y + _ROW
+            x, y = 0.0, y + _LEGEND_ROW_HEIGHT
         parts += [box(x, y + 2, 11, 11, fill), text(x + 16, y + 12, name)]
         x += width
-    return parts, (y + _ROW + 6 if names else 0.0)
+    return parts, (y + _LEGEND_ROW_HEIGHT + 6 if names else 0.0)
 
 
 def _candidates(x: float, y: float, width: float) -> list[Box]:
     boxes: list[Box] = []
-    for ring in _RINGS:
-        for degrees in _DIRECTIONS:
+    for ring in _LABEL_DISTANCES:
+        for degrees in _LABEL_DIRECTIONS:
             dx, dy = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
             centre_x = x + dx * (ring + width / 2) if abs(dx) > 0.1 else x
-            centre_y = y + dy * (ring + _HEIGHT / 2) if abs(dy) > 0.1 else y
+            centre_y = y + dy * (ring + _LABEL_HEIGHT / 2) if abs(dy) > 0.1 else y
             half = width / 2
-            boxes.append((centre_x - half, centre_y - _HEIGHT / 2, centre_x + half, centre_y + _HEIGHT / 2))
+            boxes.append((centre_x - half, centre_y - _LABEL_HEIGHT / 2, centre_x + half, centre_y + _LABEL_HEIGHT / 2))
     return boxes
 
 

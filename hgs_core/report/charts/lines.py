@@ -26,8 +26,8 @@ from hgs_core.report.charts.svg import (
 
 __all__ = ["Series", "TopAxis", "line_chart"]
 
-_HEIGHT = 180.0  # of the area
-_LONGEST = 110.0  # of a line's name
+_AREA_HEIGHT = 180.0  # of the area
+_LONGEST_NAME = 110.0  # of a line's name
 _TOP_LABEL = FONT + 14  # of the second scale, above the area
 _MOST_POINTS = 400  # of a line: about one per user unit
 _MOST_TIPS = 80  # of a line
@@ -65,12 +65,12 @@ def line_chart(
 ) -> str:  # fmt: skip
     """Return the chart of lines that have at least one finite point each; `unit` follows the numbers in tooltips."""
     drawn = [(line, line.points) for line in series if line.points]
-    labels = [shortened(one.name, _LONGEST) for one, _ in drawn] if len(drawn) > 1 else []
+    labels = [shortened(one.name, _LONGEST_NAME) for one, _ in drawn] if len(drawn) > 1 else []
     right = max((text_width(label) for label in labels), default=0.0) + (24 if labels else 20)
     xs = [x for _, points in drawn for x, _ in points]
     ys = [y for _, points in drawn for _, y in points]
     top = 44.0 if top_axis else 28.0
-    plot = make_plot(xs, ys, top=top, height=_HEIGHT, right=right, x_tight=True, y_zero=y_zero)
+    plot = make_plot(xs, ys, top=top, height=_AREA_HEIGHT, right=right, x_tight=True, y_zero=y_zero)
     if top_axis:
         parts = [*plot.frame(x_label, y_label, _TOP_LABEL), *_top_ticks(plot, top_axis)]
     else:

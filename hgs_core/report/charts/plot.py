@@ -10,7 +10,7 @@ from hgs_core.report.charts.svg import FONT, WIDTH, line, text, text_width
 
 __all__ = ["Plot", "make_plot"]
 
-_BELOW = 40.0  # the x axis: ticks and label
+_AXIS_ROOM = 40.0  # the x axis: ticks and label
 _TICK_ROOM = 1.25  # of a tick's words, so that neighbours stay apart
 
 
@@ -24,7 +24,7 @@ class Plot:
     @property
     def bottom(self) -> float:
         """Return the height of the chart: the lower edge of the x axis's label."""
-        return self.y.start + _BELOW
+        return self.y.start + _AXIS_ROOM
 
     def frame(self, x_label: str, y_label: str, above: float = 10.0) -> list[str]:
         """Return grid, ticks and labels; `y_label` stands `above` the y axis."""

@@ -11,8 +11,8 @@ from hgs_core.report.charts.svg import FONT, WIDTH, colour, dot, figure, line, s
 
 __all__ = ["Point", "scatter_chart"]
 
-_HEIGHT = 220.0  # of the area
-_LONGEST = 130.0  # of a point's name
+_AREA_HEIGHT = 220.0  # of the area
+_LONGEST_NAME = 130.0  # of a point's name
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ def scatter_chart(name: str, points: Sequence[Point], x_label: str, y_label: str
     """Return the chart of at least one point with finite places; x begins at zero."""
     top = 28.0
     plot = make_plot(
-        [p.x for p in points], [p.y for p in points], top=top, height=_HEIGHT, right=16, x_zero=True
+        [p.x for p in points], [p.y for p in points], top=top, height=_AREA_HEIGHT, right=16, x_zero=True
     )  # fmt: skip
     parts = plot.frame(x_label, y_label)
     places = [(plot.x(p.x), plot.y(p.y)) for p in points]
-    labels = [shortened(p.name, _LONGEST) for p in points]
+    labels = [shortened(p.name, _LONGEST_NAME) for p in points]
     boxes = around_points(places, labels, (plot.x.start, top - 8, WIDTH, plot.y.start))
     for point, (x, y), label, place in zip(points, places, labels, boxes, strict=True):
         if place is not None:

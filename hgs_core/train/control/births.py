@@ -28,7 +28,7 @@ __all__ = ["BIRTHS_AT", "BirthRound"]
 BIRTHS_AT = (0.3, 0.45)
 """Shares of the iterations after which splats are born."""
 
-_INSTANTS = 30  # of the segment that a round looks at
+_MOST_INSTANTS = 30  # of the segment that a round looks at
 _OPACITY = 0.6
 
 
@@ -51,7 +51,7 @@ class BirthRound:
         """Change the state in place."""
         config, views, segment = self.config, context.views, context.segment
         generator = np.random.default_rng((config.seed, 5, context.cycle))
-        instants = min(_INSTANTS, segment.frames)
+        instants = min(_MOST_INSTANTS, segment.frames)
         most = max(0, context.schedule.splat_budgets[1] - len(state.dynamic)) // 2
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()
         ranges = depth_ranges(views.cameras, known)

@@ -28,7 +28,7 @@ __all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
-_FOG = 0.3  # of the extent (3DGS removes any splat above 0.1; parts of what moves can be as large as that)
+_FOG_SIZE = 0.3  # of the extent (3DGS removes any splat above 0.1; parts of what moves can be as large as that)
 _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 
@@ -134,7 +134,7 @@ def is_fog(splats: StaticSplats[Tensor] | DynamicSplats[Tensor], extent: float, 
     """
     if isinstance(splats, StaticSplats) or config.labels == "dynamic":
         return torch.zeros(len(splats), dtype=torch.bool)
-    return splats.log_scales.amax(1) > math.log(_FOG * extent)
+    return splats.log_scales.amax(1) > math.log(_FOG_SIZE * extent)
 
 
 def _halved(logits: Tensor) -> Tensor:

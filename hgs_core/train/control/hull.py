@@ -21,10 +21,12 @@ from hgs_core.scene.temporal import evaluate
 
 __all__ = ["ever_inside", "strayed"]
 
-_INSIDE = 0.5  # mean share of the views that must see something move there
-_LOOKS = 16  # moments of the segment at which something still is looked for in the hull
-_BRIEF = 0.25  # normalised time to half the opacity; what lives longer may be a restless static, outside of masks
-_MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
+_INSIDE_SHARE = 0.5  # mean share of the views that must see something move there
+_LOOKED_AT_MOMENTS = 16  # moments of the segment at which something still is looked for in the hull
+_BRIEF_HALF_LIFE = (
+    0.25  # normalised time to half the opacity; what lives longer may be a restless static, outside of masks
+)
+_LIFE_MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
 
 
 def ever_inside(
@@ -42,8 +44,8 @@ def ever_inside(
         moving: gives the masks [H, W] of all cameras at a frame of the segment.
     """
     inside = np.zeros(len(xyz), np.bool_)
-    for frame in sample_frames(frames, _LOOKS):
-        inside |= label_points(cameras, moving(frame), xyz) >= _INSIDE
+    for frame in sample_frames(frames, _LOOKED_AT_MOMENTS):
+        inside |= label_points(cameras, moving(frame), xyz) >= _INSIDE_SHARE
     return inside
 
 
@@ -67,11 +69,11 @@ def strayed(
     half_life = np.sqrt(np.log(2) / np.exp(arrays.time_log_precisions.astype(np.float64)))
     share, looked = np.zeros(len(dynamic)), np.zeros(len(dynamic))
     last = max(1, frames - 1)
-    moments = np.stack([arrays.time_centers + part * half_life for part in _MOMENTS])  # [3, M]
+    moments = np.stack([arrays.time_centers + part * half_life for part in _LIFE_MOMENTS])  # [3, M]
     at = np.where((moments >= 0) & (moments <= 1), np.rint(moments * last), -1).astype(np.int64)
     for frame in np.unique(at[at >= 0]):
         rows = np.flatnonzero((at == frame).any(0))
         xyz, _, _ = evaluate(arrays.take(rows), float(frame / last))
         share[rows] += label_points(cameras, moving(int(frame)), xyz)
         looked[rows] += 1
-    return np.asarray((half_life < _BRIEF) & (looked > 0) & (share < _INSIDE * looked))
+    return np.asarray((half_life < _BRIEF_HALF_LIFE) & (looked > 0) & (share < _INSIDE_SHARE * looked))

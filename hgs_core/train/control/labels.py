@@ -33,8 +33,8 @@ __all__ = ["LabelRound", "as_dynamics", "as_statics", "standing_still"]
 Floats = npt.NDArray[np.float32]
 Doubles = npt.NDArray[np.float64]
 
-_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at; odd: one is the middle
-_STEADY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
+_CHECKED_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at; odd: one is the middle
+_STEADY_OPACITY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
 _CENTERS = (0.25, 0.75)  # lives that a splat which will not stand still is divided into
 _HALF_LIFE = 0.3  # normalised time after which these have faded to half: they overlap
 _MOST_AT_ONCE = 0.02  # share of the statics that one round may make dynamic, the most restless first (as Ex4DGS)
@@ -90,14 +90,14 @@ def standing_still(dynamic: DynamicSplats[Tensor], cameras: Sequence[Camera], pi
     arrays = dynamic.map(lambda array: array.detach().numpy())
     moments = _over_the_segment(arrays)
     opacities = np.stack([opacity for _, _, opacity in moments])
-    steady = opacities.min(0) >= _STEADY * opacities.max(0)
+    steady = opacities.min(0) >= _STEADY_OPACITY * opacities.max(0)
     candidates = np.flatnonzero(steady & (opacities.max(0) > 0))
     if len(candidates) == 0:
         return np.zeros(len(steady), np.bool_)
     sizes = np.exp(np.asarray(arrays.log_scales, np.float64))[candidates]
     ends = np.stack([_axis_ends(m[candidates], q[candidates], sizes) for m, q, _ in moments])  # [9, K, 3, 3]
     travel = np.linalg.norm(ends - ends.mean(0), axis=-1).max((0, 2))  # [K] world units
-    middle = moments[_MOMENTS // 2][0][candidates]
+    middle = moments[_CHECKED_MOMENTS // 2][0][candidates]
     still = np.ones(len(candidates), np.bool_)
     for camera in cameras:
         _, depth = camera.project(middle)
@@ -112,7 +112,7 @@ def as_statics(dynamic: DynamicSplats[Tensor]) -> StaticSplats[Tensor]:
     """Fold the motion in: static splats as the given dynamic ones are in the middle of the segment."""
     arrays = dynamic.map(lambda array: array.detach().numpy())
     moments = _over_the_segment(arrays)
-    means, quats, _ = moments[_MOMENTS // 2]
+    means, quats, _ = moments[_CHECKED_MOMENTS // 2]
     opacity = np.clip(np.mean([opacity for _, _, opacity in moments], axis=0), 1e-6, 1 - 1e-6)
     return StaticSplats(
         _tensor(means), dynamic.log_scales.detach().clone(), _tensor(quats),
@@ -142,7 +142,7 @@ def as_dynamics(static: StaticSplats[Tensor], coefficients: int = COEFFICIENTS[0
 
 def _over_the_segment(dynamic: DynamicSplats[Floats]) -> list[tuple[Doubles, Doubles, Doubles]]:
     """Return positions, quaternions and opacities at moments from the segment's start to its end."""
-    return [evaluate(dynamic, float(t)) for t in np.linspace(0, 1, _MOMENTS)]
+    return [evaluate(dynamic, float(t)) for t in np.linspace(0, 1, _CHECKED_MOMENTS)]
 
 
 def _axis_ends(

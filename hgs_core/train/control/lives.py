@@ -24,10 +24,10 @@ from hgs_core.scene.temporal import evaluate
 
 __all__ = ["haunting", "trimmed"]
 
-_SEEN = 0.02  # opacity from which on a splat is looked at
-_WRONG = 15  # levels of 255: a ghost is faint, so less than what births call wrong
-_VOTES = 0.5  # share of the views
-_END = 0.05  # of its peak: what is left of a splat's opacity at the ends of its life
+_VISIBLE_OPACITY = 0.02  # opacity from which on a splat is looked at
+_WRONG_LEVELS = 15  # levels of 255: a ghost is faint, so less than what births call wrong
+_VIEW_SHARE = 0.5  # share of the views
+_FINAL_OPACITY_SHARE = 0.05  # of its peak: what is left of a splat's opacity at the ends of its life
 
 Mask = npt.NDArray[np.bool_]
 
@@ -44,10 +44,10 @@ def haunting(
     Both must hold. A splat on something still that is dynamic without need is as it should be when nothing moves.
     """
     places, _, opacities = evaluate(dynamic.map(lambda array: array.detach().numpy()), moment)
-    haunted = [~mask & (error > _WRONG) for mask, error in zip(moving, errors, strict=True)]
+    haunted = [~mask & (error > _WRONG_LEVELS) for mask, error in zip(moving, errors, strict=True)]
     ghost = np.zeros(len(dynamic), np.bool_)
-    visible = np.flatnonzero(opacities >= _SEEN)
-    ghost[visible] = label_points(cameras, haunted, places[visible]) >= _VOTES
+    visible = np.flatnonzero(opacities >= _VISIBLE_OPACITY)
+    ghost[visible] = label_points(cameras, haunted, places[visible]) >= _VIEW_SHARE
     return ghost
 
 
@@ -67,7 +67,7 @@ def trimmed(
     """
     center = dynamic.time_centers.double().numpy()
     log_precision = dynamic.time_log_precisions.double().numpy()
-    reach = np.sqrt(-math.log(_END)) * np.exp(-0.5 * log_precision)
+    reach = np.sqrt(-math.log(_FINAL_OPACITY_SHARE)) * np.exp(-0.5 * log_precision)
     first, last = center - reach, center + reach
     away = np.where(ghosts, np.inf, np.abs(moments[:, None] - center))
     best = away.argmin(0)
@@ -79,7 +79,7 @@ def trimmed(
     middle = np.where(changed, 0.5 * (start + end), center)
     half = np.where(changed, 0.5 * (end - start), reach)
     result = _shifted(dynamic, torch.from_numpy(middle - center))
-    precision = np.where(changed, math.log(-math.log(_END)) - 2 * np.log(half), log_precision)
+    precision = np.where(changed, math.log(-math.log(_FINAL_OPACITY_SHARE)) - 2 * np.log(half), log_precision)
     return dataclasses.replace(result, time_log_precisions=torch.from_numpy(precision).float()), changed
 
 

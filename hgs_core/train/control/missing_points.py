@@ -21,12 +21,12 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["MissingPoints", "chosen_points", "find_missing_points", "picture_error"]
 
-_WRONG = 20  # levels of 255 that count as wrong
-_HULL = 0.75  # share of the views that must see a new point move, as in initialisation
+_WRONG_LEVELS = 20  # levels of 255 that count as wrong
+_HULL_SHARE = 0.75  # share of the views that must see a new point move, as in initialisation
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
-_SIZE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
-_VOTES = 0.5  # share of the views whose pixel there must be wrong
-_CONFIRMED = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
+_SIZE_SHARE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
+_WRONG_SHARE = 0.5  # share of the views whose pixel there must be wrong
+_CONFIRMING_VIEWS = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
 
 
 @dataclass(frozen=True)
@@ -63,18 +63,18 @@ def find_missing_points(
     most views is there already. With `hull` it must also lie in the hull of the pixels that are asked for. Of every
     picture at most `pixels` are swept.
     """
-    wrong = [error > _WRONG for error in errors]
+    wrong = [error > _WRONG_LEVELS for error in errors]
     wanted = [_worst(error, m & w, pixels) for error, m, w in zip(errors, asked, wrong, strict=True)]
     area = sum(int(mask.sum()) for mask in wanted)
     if area == 0:
         return MissingPoints(PointCloud.concatenate([]), np.zeros(0))
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return label_points(cameras, asked, xyz) >= _HULL
+        return label_points(cameras, asked, xyz) >= _HULL_SHARE
 
     swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull if hull else None)
-    chosen = np.flatnonzero((swept.agreeing >= _CONFIRMED) & (swept.opposed <= swept.agreeing))
-    chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _VOTES]
+    chosen = np.flatnonzero((swept.agreeing >= _CONFIRMING_VIEWS) & (swept.opposed <= swept.agreeing))
+    chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _WRONG_SHARE]
     xyz = swept.xyz[chosen]
     none = np.zeros(len(xyz), np.float32)
     points = PointCloud.at_rest(xyz, swept.rgb[chosen], none, none, _sizes(cameras, xyz))
@@ -108,4 +108,4 @@ def _sizes(cameras: Sequence[Camera], xyz: npt.NDArray[np.float32]) -> npt.NDArr
         return np.zeros(0, np.float32)
     depths = [(camera, camera.project(xyz)[1]) for camera in cameras]
     pixels = np.stack([np.where(z > camera.near, z, np.nan) / camera.fx for camera, z in depths])
-    return np.asarray(_SIZE * _RAY_STEP * np.nanmean(pixels, axis=0), np.float32)
+    return np.asarray(_SIZE_SHARE * _RAY_STEP * np.nanmean(pixels, axis=0), np.float32)

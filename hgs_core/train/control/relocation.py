@@ -30,11 +30,11 @@ __all__ = ["NoiseRound", "RelocationRound", "disturb", "relocate", "shared_among
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
-_NOISE = 5e5  # of equation 8, in the authors' code, times the step size of positions
+_NOISE_FACTOR = 5e5  # of equation 8, in the authors' code, times the step size of positions
 _STEEPNESS = 100.0  # of the sigmoid of 1 - opacity by which noise fades
-_TRANSPARENT = 0.995  # where that is a half: opacity 0.005
-_STILL = 0.1  # opacity above which noise is less than a ten-thousandth and left out
-_TERMS = 150  # of equation 9: later ones are less than 14^j / j!, for any number of copies
+_TRANSPARENCY_HALFWAY = 0.995  # where that is a half: opacity 0.005
+_STILL_OPACITY = 0.1  # opacity above which noise is less than a ten-thousandth and left out
+_MOST_TERMS = 150  # of equation 9: later ones are less than 14^j / j!, for any number of copies
 _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
 
 
@@ -131,7 +131,7 @@ def shared_among(
     for n in np.unique(copies):
         rows = copies == n
         term, total = -np.ones(int(rows.sum())), np.zeros(int(rows.sum()))
-        for j in range(1, min(int(n), _TERMS) + 1):
+        for j in range(1, min(int(n), _MOST_TERMS) + 1):
             term = -term * shared[rows] * (n - j + 1) / j  # binom(n, j) (-1)^(j+1) o'^j
             total += term / math.sqrt(j)
         size[rows] = opacity[rows] / total
@@ -149,13 +149,13 @@ def disturb(splats: S, step: float, extent: float, generator: np.random.Generato
         generator: of the noise.
     """
     with torch.no_grad():
-        rows = torch.nonzero(torch.sigmoid(splats.opacity_logits) < _STILL)[:, 0]
+        rows = torch.nonzero(torch.sigmoid(splats.opacity_logits) < _STILL_OPACITY)[:, 0]
         faint = splats.take(rows)
-        fade = torch.sigmoid(_STEEPNESS * (1 - torch.sigmoid(faint.opacity_logits) - _TRANSPARENT))
+        fade = torch.sigmoid(_STEEPNESS * (1 - torch.sigmoid(faint.opacity_logits) - _TRANSPARENCY_HALFWAY))
         quats = faint.rotation[:, 0] if isinstance(faint, DynamicSplats) else faint.quats
         axes = rotation_matrices(quats) * torch.exp(faint.log_scales)[:, None, :]
         normal = torch.from_numpy(generator.standard_normal((len(rows), 3, 1), np.float32)).to(axes.device)
-        shift = (axes @ (axes.transpose(1, 2) @ normal))[..., 0] * (_NOISE * step / extent**2 * fade)[:, None]
+        shift = (axes @ (axes.transpose(1, 2) @ normal))[..., 0] * (_NOISE_FACTOR * step / extent**2 * fade)[:, None]
         positions = splats.motion[:, 0] if isinstance(splats, DynamicSplats) else splats.means
         positions[rows] += shift
 

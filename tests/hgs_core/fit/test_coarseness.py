@@ -9,7 +9,7 @@ import torch
 
 from hgs_core.capture.open import open_capture
 from hgs_core.codec.encoder.preview import quantised_scene
-from hgs_core.fit.coarseness import NEAR_ENOUGH, Loss, _coarsest, fit
+from hgs_core.fit.coarseness import BUDGET_SHARE_NEAR_ENOUGH, Loss, _coarsest, fit
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.render.reference import rasterize_reference
@@ -34,7 +34,7 @@ def test_the_coarsest_that_fits_is_found_whatever_the_curve(allowed: float, curv
         return 0.3 * coarseness**curve
 
     found, loss = _coarsest(lost, allowed, 0.4)
-    assert NEAR_ENOUGH * allowed <= loss <= allowed
+    assert BUDGET_SHARE_NEAR_ENOUGH * allowed <= loss <= allowed
     assert len(tried) <= 5
     assert loss == lost(found)
 

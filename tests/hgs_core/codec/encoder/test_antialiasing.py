@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hgs_core.codec.encoder.antialiasing import DIRECTIONS, GOLDEN_ANGLE, strength_weights
+from hgs_core.codec.encoder.antialiasing import GOLDEN_ANGLE, VIEW_DIRECTIONS, strength_weights
 from hgs_core.codec.encoder.rotations import matrices
 from tests.tolerances import assert_close
 
@@ -24,16 +24,16 @@ def test_weights_are_mean_squares_of_derivatives() -> None:
     for deviations in ([2.0, 1.0, 0.5], [5.0, 0.7, 0.02], [3.0, 2.5, 0.01]):
         given = np.array(deviations)
         scale, turn = np.zeros(3), np.zeros(3)
-        for i in range(DIRECTIONS):
-            z = (i + 0.5) / DIRECTIONS
+        for i in range(VIEW_DIRECTIONS):
+            z = (i + 0.5) / VIEW_DIRECTIONS
             across = np.sqrt(1 - z * z)
             view = np.array([across * np.cos(GOLDEN_ANGLE * i), across * np.sin(GOLDEN_ANGLE * i), z])
             for axis in range(3):
                 step = 1e-5 * np.eye(3)[axis]
                 up, down = (strength(given * np.exp(s * step), np.zeros(3), view) for s in (1, -1))
-                scale[axis] += ((up - down) / 2e-5) ** 2 / DIRECTIONS
+                scale[axis] += ((up - down) / 2e-5) ** 2 / VIEW_DIRECTIONS
                 up, down = (strength(given, s * step, view) for s in (1, -1))
-                turn[axis] += ((up - down) / 2e-5) ** 2 / DIRECTIONS
+                turn[axis] += ((up - down) / 2e-5) ** 2 / VIEW_DIRECTIONS
         found = strength_weights(given[None])
         np.testing.assert_allclose(found[0][0], scale, rtol=1e-3, atol=1e-6)
         np.testing.assert_allclose(found[1][0], turn, rtol=1e-3, atol=1e-6)
