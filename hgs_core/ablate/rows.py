@@ -81,11 +81,11 @@ ROWS: Mapping[str, Row] = {
         Row(
             "masks-eroded", f"What if masks are {_MASK_PIXELS} pixels too narrow?",
             masks=lambda m, _: eroded(m, _MASK_PIXELS),
-        ),  # fmt: skip
+        ),
         Row(
             "masks-dilated", f"What if masks are {_MASK_PIXELS} pixels too wide?",
             masks=lambda m, _: dilate(m, _MASK_PIXELS),
-        ),  # fmt: skip
+        ),
         Row(
             "masks-dropped", f"What if masks miss {_DROPPED_SHARE:.0%} of the components that move?",
             masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED_SHARE), masks_vary=True,

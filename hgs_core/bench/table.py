@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
 
+from hgs_core.base.wording import counted
 from hgs_core.bench.raster import STAGES, Point, RasterReport
 
 __all__ = ["aligned", "report_text"]
@@ -16,7 +17,7 @@ def report_text(report: RasterReport) -> str:
     lines = [
         f"{machine['cpu']}, {machine['cores']} cores, {machine['system']}, kernels {kernels}, torch {machine['torch']}",
         f"load {machine['load']}, seed {report.settings.seed}, {report.settings.dynamic_share:.0%} dynamic splats",
-        *(f"FMA peak with {n} threads: {peak / 1e9:.1f} Gflop/s" for n, peak in report.fma_peaks.items()),
+        *(f"FMA peak with {counted(n, 'thread')}: {peak / 1e9:.1f} Gflop/s" for n, peak in report.fma_peaks.items()),
     ]
     tables = [
         ("Milliseconds of a training iteration (median)", _times(report.points)),

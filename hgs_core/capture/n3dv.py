@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import counted
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.layout import Layout
 from hgs_core.capture.mask_files import find_masks
@@ -55,7 +56,7 @@ def load_n3dv(path: Path, masks: Path | None) -> Recording:
         raise InputError(path, f"there are videos but no {POSES_FILE}", "put the cameras' poses beside them")
     poses = _read_poses(path / POSES_FILE)
     if len(poses) != len(names):
-        problem = f"{len(poses)} poses for {len(names)} videos"
+        problem = f"{counted(len(poses), 'pose')} for {counted(len(names), 'video')}"
         raise InputError(path / POSES_FILE, problem, "every camNN.mp4 needs one row, in the order of the names")
     videos = [VideoReader(path / name) for name in names]
     _require_agreement(path, videos)

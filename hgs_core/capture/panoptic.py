@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import counted
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.layout import Layout
 from hgs_core.capture.mask_files import MaskFiles, find_masks
@@ -44,8 +45,9 @@ def load_panoptic(path: Path, masks: Path | None) -> Recording:
     """Read a capture in the PanopticSports layout; `masks` replaces its own folder seg/.
 
     Raises:
-        InputError: train_meta.json is unreadable or inconsistent, a camera moves or misses a frame, a file is missing,
-            or the first picture of a camera has the wrong size. Damage inside later pictures shows at first use.
+        InputError: train_meta.json is unreadable or inconsistent, a camera moves or has no picture for a frame, a
+            file is missing, or the first picture of a camera has the wrong size. Damage inside later pictures shows at
+            first use.
     """
     meta_path = path / META_FILE
     meta = _read_meta(meta_path)
@@ -59,7 +61,7 @@ def load_panoptic(path: Path, masks: Path | None) -> Recording:
 
     present: list[tuple[Path, int]] = []
     for camera, names in zip(cameras, files, strict=True):
-        present += _require(path / "ims", names, f"camera {camera.name} misses a frame")
+        present += _require(path / "ims", names, camera, "picture")
         check_size(path / "ims" / names[0], camera)
     given = find_masks(masks, cameras, frames, required=True) if masks else _own_masks(path / "seg", cameras, files)
     pictures = [[path / "ims" / name for name in names] for names in files]
@@ -73,7 +75,7 @@ def _own_masks(folder: Path, cameras: list[Camera], files: list[list[str]]) -> M
     for camera, names in zip(cameras, files, strict=True):
         mask_names = [str(Path(name).with_suffix(".png")) for name in names]
         if (folder / mask_names[0]).parent.is_dir():
-            _require(folder, mask_names, f"camera {camera.name} misses the mask of a frame")
+            _require(folder, mask_names, camera, "mask")
             check_size(folder / mask_names[0], camera)
             given[camera.name] = [folder / name for name in mask_names]
     return MaskFiles(given, folder)
@@ -97,7 +99,7 @@ def _read_meta(path: Path) -> dict[str, Any]:
         if not isinstance(meta[name], list) or not all(isinstance(row, list) for row in meta[name]):
             raise InputError(path, f"{name} is not a list with one list per frame", "restore the file from its source")
         if len(meta[name]) != len(meta["fn"]):
-            problem = f"{name} has {len(meta[name])} frames and fn has {len(meta['fn'])}"
+            problem = f"{name} has {counted(len(meta[name]), 'frame')} and fn has {len(meta['fn'])}"
             raise InputError(path, problem, "every field needs one entry per frame")
     if not meta["fn"] or not meta["fn"][0]:
         raise InputError(path, "fn lists no picture", "restore the file from its source")
@@ -105,12 +107,13 @@ def _read_meta(path: Path) -> dict[str, Any]:
     for frame, row in enumerate(meta["cam_id"]):
         if row != ids:
             odd = sorted({str(camera) for camera in ids} ^ {str(camera) for camera in row})
-            problem = f"frame {frame} lists {len(row)} cameras and frame 0 lists {len(ids)}"
+            problem = f"frame {frame} lists {counted(len(row), 'camera')} and frame 0 lists {len(ids)}"
             cure = f"every frame needs the same cameras in the same order (look at {', '.join(odd) or 'their order'})"
             raise InputError(path, problem, cure)
         for name in _FIELDS:
             if len(meta[name][frame]) != len(ids):
-                problem = f"frame {frame} has {len(meta[name][frame])} entries in {name} for {len(ids)} cameras"
+                entries, wanted = counted(len(meta[name][frame]), "entry", "entries"), counted(len(ids), "camera")
+                problem = f"frame {frame} has {entries} in {name} for {wanted}"
                 raise InputError(path, problem, "every camera needs one entry per frame")
     return meta
 
@@ -143,17 +146,17 @@ def _camera(path: Path, meta: dict[str, Any], column: int) -> Camera:
         raise InputError(where, error.problem, error.cure) from error
 
 
-def _require(folder: Path, names: list[str], problem: str) -> list[tuple[Path, int]]:
-    """Return the paths and sizes of the files, all of which must be there."""
+def _require(folder: Path, names: list[str], camera: Camera, kind: str) -> list[tuple[Path, int]]:
+    """Return the paths and sizes of a camera's pictures or masks, one per frame, all of which must be there."""
     listings: dict[Path, dict[str, int]] = {}
     found = []
-    for name in names:
+    for frame, name in enumerate(names):
         path = folder / name
         if path.parent not in listings:
             listings[path.parent] = list_folder(path.parent)
         size = listings[path.parent].get(path.name)
         if size is None:
-            raise InputError(path, problem, "restore the file")
+            raise InputError(path, f"camera {camera.name} has no {kind} for frame {frame}", "restore the file")
         if size == 0:
             raise InputError(path, "the file is empty", "restore the file")
         found.append((path, size))

@@ -118,14 +118,14 @@ class Raster:
         self._workspace = _take_workspace()
         self._draw(dynamic, depth)
 
-    def again(self, dynamic: DynamicSplats[Floats] | None, time: float, depth: bool = False) -> None:
+    def redraw(self, dynamic: DynamicSplats[Floats] | None, time: float, depth: bool = False) -> None:
         """Draw the same statics from the same camera with other dynamics, or at another time, into new pictures.
 
         The statics are neither projected nor sorted again. Raises what the constructor raises; RuntimeError also after
         `release`.
         """
         if self._workspace is None:
-            raise RuntimeError("again after release")
+            raise RuntimeError("redraw after release")
         self._view.time = time
         self._view.reuse_statics = 1
         self._draw(dynamic, depth)
@@ -182,7 +182,7 @@ class Raster:
 
         Raises:
             ValueError: an array of another shape or type, or a gradient of a depth that was not asked for.
-            RuntimeError: `release` was called, or `again` has failed.
+            RuntimeError: `release` was called, or `redraw` has failed.
             MemoryError: not enough memory for the gradients of the tiles.
         """
         if self._workspace is None or not self._drawn:

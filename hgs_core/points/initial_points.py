@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import median_picture, sample_frames
@@ -63,7 +64,9 @@ def initial_points(
         StageStopped: the callback wishes so.
     """
     if len(cameras) < _MIN_VIEWS:
-        raise InputError(capture.path, f"{len(cameras)} cameras to start from", "points need at least two views")
+        raise InputError(
+            capture.path, f"{counted(len(cameras), 'camera')} to start from", "points need at least two views"
+        )
     generator = np.random.default_rng(seed)
     views = [capture.cameras[index] for index in cameras]
     moments = list(range(0, len(capture.times), max(1, every)))

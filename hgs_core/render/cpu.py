@@ -74,7 +74,7 @@ class FixedViewCpu:
                 view = dataclasses.replace(self._view, time=time, depth=depth)
                 self._raster = _raster(_arrays(self._static), _arrays(dynamic), view)
             else:
-                self._raster.again(_arrays(dynamic), time, depth)
+                self._raster.redraw(_arrays(dynamic), time, depth)
         return self._raster
 
 

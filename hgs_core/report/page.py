@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from hgs_core.base.wording import counted
 from hgs_core.report.chart_sections import (
     comparison_section,
     decomposition_section,
@@ -91,8 +92,8 @@ def _header(content: PageContent) -> str:
     held_out = ", ".join(run.spec.config.hold_out) or "none"
     changed = len(config_changes(run.spec.config))
     facts = [
-        f"{run.manifest.title}: {len(cameras)} cameras, {', '.join(sizes)}"
-        + (f", {frames} frames" if frames else "")
+        f"{run.manifest.title}: {counted(len(cameras), 'camera')}, {', '.join(sizes)}"
+        + (f", {counted(frames, 'frame')}" if frames else "")
         + f", {run.manifest.end - run.manifest.start:.2f} s; held out: {held_out}.",
         f"Preset {run.spec.config.preset}"
         + (f", {changed} setting{'s' * (changed > 1)} changed." if changed else ", unchanged."),

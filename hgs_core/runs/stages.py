@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.runs.folder import RunFolder, RunSpec
@@ -46,7 +47,7 @@ def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | N
     if left < _MIN_CAMERAS:
         raise InputError(
             "config.hold_out",
-            f"leaves {left} of {len(opened.cameras)} cameras to train on",
+            f"leaves {left} of {counted(len(opened.cameras), 'camera')} to train on",
             f"keep at least {_MIN_CAMERAS}",
         )
     spec = RunSpec(capture.resolve(), opened.fingerprint(), config, masks and masks.resolve())

@@ -17,7 +17,7 @@ from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control.lives import haunting, trimmed
+from hgs_core.train.control.lives import visible_where_still, with_lives_shortened
 from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.initialise import initial_splats
@@ -66,14 +66,14 @@ class BirthRound:
                 for view, truth in zip(fixed, instant.pictures, strict=True)
             ]
             moments.append(instant.moment)
-            ghosts.append(haunting(state.dynamic, views.cameras, instant.moment, instant.moving, errors))
+            ghosts.append(visible_where_still(state.dynamic, views.cameras, instant.moment, instant.moving, errors))
             if most == 0:
                 continue
             found = find_missing_points(views.cameras, instant.pictures, instant.moving, errors, ranges)
             count = len(found.points)
             alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
             missing.append(MissingPoints(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
-        shortened, changed = trimmed(state.dynamic, np.array(moments), np.stack(ghosts))
+        shortened, changed = with_lives_shortened(state.dynamic, np.array(moments), np.stack(ghosts))
         dynamic = kept(state.dynamic, state.dynamic_adam, ~changed, shortened.take(rows_of(changed)))
         # They live for about a frame: what lives longer will learn to. So few iterations show them that they start
         # opaque.

@@ -19,7 +19,7 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate
 
-__all__ = ["ever_inside", "strayed"]
+__all__ = ["ever_inside", "outside_moving_hull"]
 
 _INSIDE_SHARE = 0.5  # mean share of the views that must see something move there
 _LOOKED_AT_MOMENTS = 16  # moments of the segment at which something still is looked for in the hull
@@ -49,7 +49,7 @@ def ever_inside(
     return inside
 
 
-def strayed(
+def outside_moving_hull(
     dynamic: DynamicSplats[Tensor],
     cameras: Sequence[Camera],
     frames: int,

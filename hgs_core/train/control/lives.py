@@ -2,7 +2,7 @@
 
 A dynamic splat fades as a Gaussian of time, and one that began wide, around a moment of initialisation, reaches far
 beyond an abrupt event. Gradients shorten it slowly, because the same width is what shows the thing between the events.
-The masks know better: where nothing moves and the picture is wrong, a dynamic splat has no business.
+The masks know better: where nothing moves and the picture is wrong, a dynamic splat should not be visible.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from hgs_core.scene.motion import recentred
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate
 
-__all__ = ["haunting", "trimmed"]
+__all__ = ["visible_where_still", "with_lives_shortened"]
 
 _VISIBLE_OPACITY = 0.02  # opacity from which on a splat is looked at
 _WRONG_LEVELS = 15  # levels of 255: a ghost is faint, so less than what births call wrong
@@ -32,7 +32,7 @@ _FINAL_OPACITY_SHARE = 0.05  # of its peak: what is left of a splat's opacity at
 Mask = npt.NDArray[np.bool_]
 
 
-def haunting(
+def visible_where_still(
     dynamic: DynamicSplats[Tensor],
     cameras: Sequence[Camera],
     moment: float,  # normalised time
@@ -51,7 +51,7 @@ def haunting(
     return ghost
 
 
-def trimmed(
+def with_lives_shortened(
     dynamic: DynamicSplats[Tensor], moments: npt.NDArray[np.float64], ghosts: Mask
 ) -> tuple[DynamicSplats[Tensor], Mask]:
     """Return splats whose lives end where they would be ghosts, and which [M] have changed.
@@ -63,7 +63,7 @@ def trimmed(
     Args:
         dynamic: the splats, float32 on the CPU.
         moments: [K] normalised times, ascending.
-        ghosts: [K, M] as `haunting` says.
+        ghosts: [K, M] as `visible_where_still` says.
     """
     center = dynamic.time_centers.double().numpy()
     log_precision = dynamic.time_log_precisions.double().numpy()

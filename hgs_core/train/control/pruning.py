@@ -12,7 +12,7 @@ from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.births import BIRTHS_AT
 from hgs_core.train.control.density import is_fog
-from hgs_core.train.control.hull import strayed
+from hgs_core.train.control.hull import outside_moving_hull
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.splat_sets import kept
 
@@ -51,7 +51,7 @@ class PruningRound:
         needed = peak >= config.prune_contribution
         needed[statics:] &= ~is_fog(state.dynamic, extent, config).numpy()
         if views.masked:
-            needed[statics:] &= ~strayed(state.dynamic, views.cameras, frames, views.moving)
+            needed[statics:] &= ~outside_moving_hull(state.dynamic, views.cameras, frames, views.moving)
         static = state.static
         if context.statics_learn:
             static = kept(static, state.static_adam, needed[:statics])

@@ -107,7 +107,7 @@ def test_different_rates_are_refused(n3dv: Path, write_video: VideoWriter) -> No
 
 def test_missing_video_and_missing_poses(n3dv: Path) -> None:
     shutil.move(n3dv / "cam01.mp4", n3dv / "elsewhere.mp4")
-    with pytest.raises(InputError, match="2 poses for 1 videos"):
+    with pytest.raises(InputError, match="2 poses for 1 video"):
         open_capture(n3dv)
     (n3dv / "cam00.mp4").unlink()
     with pytest.raises(InputError, match=r"no camNN\.mp4"):

@@ -48,13 +48,13 @@ def test_real_capture_reprojects_a_known_point(test_data: Callable[[str], Path])
 
 def test_missing_picture_is_named(panoptic: Path) -> None:
     (panoptic / "ims" / "17" / "000004.jpg").unlink()
-    with pytest.raises(InputError, match=r"000004\.jpg: camera 17 misses a frame"):
+    with pytest.raises(InputError, match=r"000004\.jpg: camera 17 has no picture for frame 4"):
         open_capture(panoptic)
 
 
 def test_missing_mask_is_named(panoptic: Path) -> None:
     (panoptic / "seg" / "3" / "000001.png").unlink()
-    with pytest.raises(InputError, match=r"000001\.png: camera 3 misses the mask"):
+    with pytest.raises(InputError, match=r"000001\.png: camera 3 has no mask for frame 1"):
         open_capture(panoptic)
 
 
@@ -144,7 +144,7 @@ def bad_width(meta: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (drop_camera, "frame 4 lists 1 cameras and frame 0 lists 2.*17"),
+        (drop_camera, "frame 4 lists 1 camera and frame 0 lists 2.*17"),
         (move_camera, "camera 17: w2c changes at frame 3.*fixed cameras"),
         (nan_pose, "camera 3: w2c of frame 2 holds NaN"),
         (mirror, "camera 3: world_to_camera is a reflection"),

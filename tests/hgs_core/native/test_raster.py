@@ -174,14 +174,14 @@ def test_drawing_again_gives_the_bits_of_a_new_rendering() -> None:
     for threads in (1, 3):
         raster = Raster(static, dynamic, camera(120, 88), 0.1, threads=threads, antialiased=True)
         for time, depth in ((0.3, False), (0.9, True)):
-            raster.again(dynamic, time, depth)
+            raster.redraw(dynamic, time, depth)
             fresh = Raster(static, dynamic, camera(120, 88), time, threads=threads, antialiased=True, depth=depth)
             np.testing.assert_array_equal(raster.rgb, fresh.rgb)
             if depth:
                 np.testing.assert_array_equal(raster.depth, fresh.depth)
             else:
                 assert raster.depth is None
-        raster.again(None, 0.0)
+        raster.redraw(None, 0.0)
         np.testing.assert_array_equal(raster.rgb, Raster(static, None, camera(120, 88), antialiased=True).rgb)
 
 

@@ -107,7 +107,7 @@ def test_the_callback_can_stop_the_stage(capture: Capture, masks: MotionMasks) -
 
 
 def test_one_camera_is_too_few(capture: Capture, masks: MotionMasks) -> None:
-    with pytest.raises(InputError, match="1 cameras to start from"):
+    with pytest.raises(InputError, match="1 camera to start from"):
         initial_points(capture, VIEWS[:1], masks, progress=silent, **TARGETS)
 
 

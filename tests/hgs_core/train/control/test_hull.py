@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from hgs_core.scene.splats import DynamicSplats
-from hgs_core.train.control.hull import ever_inside, strayed
+from hgs_core.train.control.hull import ever_inside, outside_moving_hull
 from tests.balls import BALL, CAMERAS, balls, truths
 
 FRAMES = 11
@@ -26,7 +26,7 @@ def splat(place: np.ndarray, velocity: float = 0.0, centre: float = 0.5, log_pre
         motion, torch.zeros(1, 2, 4), torch.zeros(1, 3), torch.zeros(1), torch.tensor([centre]),
         torch.tensor([log_precision]), torch.zeros(1, 3),
     )  # fmt: skip
-    return bool(strayed(one, CAMERAS, FRAMES, lambda frame: moving)[0])
+    return bool(outside_moving_hull(one, CAMERAS, FRAMES, lambda frame: moving)[0])
 
 
 def test_what_is_in_the_hull_stays() -> None:
