@@ -8,7 +8,7 @@ from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, en
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.scene import HybridScene, Segment
 from hgs_core.scene.camera import Camera
-from tests.hgs_core.codec.encoder.test_encode import dynamics, statics
+from tests.hgs_core.codec.scenes import dynamics, statics
 
 TIMES = np.arange(60) / 30
 
