@@ -147,6 +147,12 @@ class TrainConfig:
 
         Raises:
             InputError: an unknown preset or field, or a value of the wrong type or range.
+
+        Example:
+            >>> import hgs_core as hgs
+            >>> config = hgs.TrainConfig.for_preset("preview", hold_out=["cam00"], learning_rates={"rgb": 0.01})
+            >>> config.cycles, config.hold_out, config.learning_rates.rgb
+            (2500, ('cam00',), 0.01)
         """
         if preset not in PRESETS:
             raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")
