@@ -2,9 +2,9 @@
 
     .venv/bin/python -m scripts.record_viewer docs/images/viewer.webp
 
-Trains samples/studio with the preview preset (minutes; `--run RUN` takes a finished run instead), publishes and serves
-it, opens the page in headless Chromium, and takes one screenshot per frame: time and camera are set for each, so that
-a slow machine records the same film as a fast one. Needs Chromium.
+Trains samples/studio with the preview preset (minutes; `--run RUN` takes a finished run instead), serves it, opens
+the page in headless Chromium, and takes one screenshot per frame. Time and camera are set for each frame, so that a
+slow machine records the same film as a fast one. Needs Chromium.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from PIL import Image
 
 from hgs_core import TrainConfig, load_manifest, train_scene
 from scripts.browser_check import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
-from scripts.demo import HOLD_OUT, REPOSITORY, free_port, start_server, stop, wait_for
+from scripts.demo import HOLD_OUT, REPOSITORY, stop
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -36,7 +36,6 @@ _RATE = 15  # frames per second of the film
 _PLAYS = 2  # of the scene during one swing of the camera
 _SWING = 55.0  # CSS pixels that the pointer moves to either side; the viewer turns by 0.006 radians for each
 _LIMIT = 3_000_000  # bytes of the file
-_SCENE = "studio"
 
 
 def main() -> int:
@@ -52,7 +51,7 @@ def main() -> int:
         return 2
     with tempfile.TemporaryDirectory(prefix="hgs-film-") as scratch:
         run = options.run or train_scene(
-            REPOSITORY / "samples" / _SCENE,
+            REPOSITORY / "samples" / "studio",
             Path(scratch) / "run",
             TrainConfig.for_preset("preview", hold_out=[HOLD_OUT]),
         )
@@ -91,17 +90,15 @@ def write_webp(out: Path, frames: list[Image.Image], quality: int) -> int:
 
 def _recorded(run: Path, home: Path, camera: str, chromium: str) -> Iterator[Image.Image]:
     manifest = load_manifest(run / "scene")
-    port = free_port()
-    server = start_server(home, port)
+    command = [sys.executable, "-m", "server.cli", "serve", str(run.resolve()), "--port", "0", "--workers", "0"]
+    environment = os.environ | {"HGS_HOME": str(home)}
+    server = subprocess.Popen(command, cwd=REPOSITORY, env=environment, stdout=subprocess.PIPE, text=True)
     try:
-        address = f"http://127.0.0.1:{port}"
-        wait_for(address, server)
-        publish = [sys.executable, "-m", "server.cli", "publish", str(run.resolve()), "--id", _SCENE]
-        subprocess.run(publish, cwd=REPOSITORY, env=os.environ | {"HGS_HOME": str(home)}, check=True)
-        page_address = f"{address}/view/{_SCENE}?paused=1&camera={camera}"
+        assert server.stdout is not None
+        address = f"{server.stdout.readline().strip()}?paused=1&camera={camera}"
         with (
             open_browser(chromium) as browser,
-            open_viewer(browser, page_address, width=_SIZE[0], height=_SIZE[1]) as page,
+            open_viewer(browser, address, width=_SIZE[0], height=_SIZE[1]) as page,
         ):
             yield from film(page, manifest.start, manifest.end)
     finally:
