@@ -28,6 +28,15 @@ def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, c
 
     Raises:
         InputError: the folder is missing, empty, of no known layout, or its files are missing, damaged or inconsistent.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> capture = hgs.open_capture(Path("capture"))
+        >>> [camera.name for camera in capture.cameras]
+        ['0', '1', '2', '3', '4']
+        >>> capture.frame(0, 5).shape  # camera 0, frame 5: height, width, sRGB
+        (48, 64, 3)
     """
     path = Path(path)
     if not path.is_dir():

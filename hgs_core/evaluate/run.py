@@ -12,7 +12,7 @@ from torch import Tensor
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, decode_scene, load_manifest
 from hgs_core.evaluate.camera_scores import CameraScores, combine
@@ -28,7 +28,7 @@ __all__ = ["evaluate_run"]
 
 def evaluate_run(
     run: Path,
-    progress: ProgressCallback,
+    progress: ProgressCallback = silent,
     *,
     cameras: Sequence[str] | None = None,
     all_cameras: bool = False,
@@ -57,6 +57,13 @@ def evaluate_run(
     Raises:
         InputError: the run is not finished, its capture is gone or has changed, a camera is unknown, a file of the
             truth, the masks or the weights is missing or wrong, FLIP is not installed, or the backend cannot run here.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> scores = hgs.evaluate_run(Path("run"))
+        >>> scores["cameras"], scores["frames"], scores["psnr"] > 10
+        (['2'], 6, True)
     """
     folder = RunFolder(run)
     spec = folder.read_spec()

@@ -56,6 +56,20 @@ def rasterize(
         InputError: an unknown backend or one that cannot run here, an unknown gradient set, a mask of another shape, or
             a parameter that is not finite.
         RuntimeError: more than 2^31 - 1 pairs of splats and tiles.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> import torch
+        >>> from pathlib import Path
+        >>> manifest = hgs.load_manifest(Path("run/scene"))
+        >>> scene = hgs.decode_scene(Path("run/scene")).map(torch.from_numpy)
+        >>> segment = scene.segment_at(scene.start)
+        >>> picture = hgs.rasterize(
+        ...     scene.static, segment.dynamic, manifest.cameras[0], segment.normalised(scene.start),
+        ...     background=manifest.background, antialiased=manifest.antialiased,
+        ... )
+        >>> picture.rgb.shape  # sRGB, not clamped: channels, height, width
+        torch.Size([3, 48, 64])
     """
     red, green, blue = background
     view = View(camera, time, (red, green, blue), tile_mask, antialiased, depth, gradients, statistics)

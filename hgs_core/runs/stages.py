@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
@@ -26,7 +26,7 @@ from hgs_core.train.views import training_cameras
 if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
 
-__all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train"]
+__all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train", "train_scene"]
 
 _MIN_CAMERAS = 2
 _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
@@ -167,6 +167,46 @@ STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
     "encode": encode,
 }
 """The stages in order, by name."""
+
+
+def train_scene(
+    capture: Path,
+    out: Path,
+    config: TrainConfig | None = None,
+    *,
+    masks: Path | None = None,
+    progress: ProgressCallback = silent,
+) -> Path:
+    """Train a capture and encode the scene; calling it again resumes from the last checkpoint, to the same bits.
+
+    Args:
+        capture: folder of a multi-view capture (docs/captures.md).
+        out: folder of the run: new, empty, or of an equal run to resume or to keep.
+        config: how to train; by default the preset "standard".
+        masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
+        progress: called after every step of a stage; it may raise `StageStopped` to stop.
+
+    Returns:
+        `out`. The trained splats are in `out`/scene.npz, the encoded scene is the folder `out`/scene.
+
+    Raises:
+        InputError: the capture is unusable, a held-out camera is unknown, the folder is taken, or another process
+            works on the run.
+        StageStopped: `progress` raised it; what was done so far is kept.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> config = hgs.TrainConfig.for_preset("preview", cycles=20, hold_out=["2"])
+        >>> run = hgs.train_scene(Path("capture"), Path("new_run"), config)
+        >>> sorted(path.name for path in (run / "scene").iterdir())
+        ['chunks', 'manifest.json', 'thumbnail.jpg']
+    """
+    create_run(out, capture, config or TrainConfig(), masks=masks)
+    with RunFolder(out).exclusive():
+        for stage in STAGES.values():
+            stage(out, progress)
+    return out
 
 
 def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:

@@ -33,6 +33,14 @@ def save_scene(path: Path, scene: HybridScene[Floats]) -> None:
 
     Raises:
         OSError: the folder cannot be written.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> scene = hgs.decode_scene(Path("run/scene"))
+        >>> hgs.save_scene(Path("decoded.npz"), scene)
+        >>> len(hgs.load_scene(Path("decoded.npz")).static) == len(scene.static)
+        True
     """
     entries: dict[str, NDArray[Any]] = {
         "format": np.array(FORMAT, np.int64),
@@ -52,6 +60,15 @@ def load_scene(path: Path) -> HybridScene[Floats]:
 
     Raises:
         InputError: the file is missing, unreadable, of another version, or an entry is missing or of the wrong shape.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> scene = hgs.load_scene(Path("run/scene.npz"))
+        >>> scene.static.means.shape[1], len(scene.segments)
+        (3, 1)
+        >>> scene.segments[0].dynamic.motion.shape[1:]  # four coefficients of the position polynomial: x, y, z
+        (4, 3)
     """
     try:
         with path.open("rb") as file:

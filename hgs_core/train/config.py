@@ -11,7 +11,7 @@ from hgs_core.base.errors import InputError
 __all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
 
 BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
-"""What encoding may cost the training views, dB; other cameras lose about half of it (docs/benchmarks.md)."""
+"""What encoding may cost the training views, dB; others lose less (docs/experiments/)."""
 
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
@@ -54,7 +54,7 @@ class TrainConfig:
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     seed: int = 0
     cycles: int = 12_000
-    static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths (docs/benchmarks.md)
+    static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths
     dynamic_points: int = 8_000  # the same of what moves, for every second of the capture
     init_interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     max_static: int = 80_000  # splat budgets
@@ -148,6 +148,12 @@ class TrainConfig:
 
         Raises:
             InputError: an unknown preset or field, or a value of the wrong type or range.
+
+        Example:
+            >>> import hgs_core as hgs
+            >>> config = hgs.TrainConfig.for_preset("preview", hold_out=["cam00"], learning_rates={"rgb": 0.01})
+            >>> config.cycles, config.hold_out, config.learning_rates.rgb
+            (2500, ('cam00',), 0.01)
         """
         if preset not in PRESETS:
             raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")

@@ -33,14 +33,11 @@ def _run(options: argparse.Namespace) -> int:
         from hgs_core.render.backends import training_device
 
         training_device(config.backend)
-    from hgs_core.runs.folder import RunFolder
-    from hgs_core.runs.stages import STAGES, create_run
+    from hgs_core.runs.stages import train_scene
 
-    create_run(options.out, options.capture, config, masks=options.masks)
-    with RunFolder(options.out).exclusive(), Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
-            for stage in STAGES.values():
-                stage(options.out, bars)
+            train_scene(options.capture, options.out, config, masks=options.masks, progress=bars)
         except StageStopped:
             bars.close()
             print("stopped; run the same command again to resume", file=sys.stderr)

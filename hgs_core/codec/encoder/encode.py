@@ -69,6 +69,16 @@ def encode_scene(
         InputError: the scene, the cameras or the times hold what cannot be encoded.
         RuntimeError: a chunk does not decode within its declared bounds (a fault of this program).
         OSError: the folder cannot be written.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> capture, scene = hgs.open_capture(Path("capture")), hgs.load_scene(Path("run/scene.npz"))
+        >>> manifest = hgs.encode_scene(
+        ...     scene, Path("encoded"), cameras=capture.cameras, times=capture.times, title="Spheres", antialiased=True
+        ... )
+        >>> manifest.totals.splats_static == len(hgs.decode_scene(Path("encoded")).static)
+        True
     """
     settings = settings or EncodeSettings()
     times = np.asarray(times, np.float64)

@@ -31,6 +31,13 @@ def load_manifest(path: Path) -> Manifest:
 
     Raises:
         InputError: it is missing, not JSON, or a field is wrong; names the file and the field.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> manifest = hgs.load_manifest(Path("run/scene"))
+        >>> manifest.cameras[0].width, manifest.cameras[0].height, len(manifest.segments)
+        (64, 48, 1)
     """
     file = path / MANIFEST if path.is_dir() else path
     try:
@@ -77,6 +84,13 @@ def decode_scene(path: Path) -> HybridScene[Floats]:
 
     Raises:
         InputError: the manifest or a chunk is missing or wrong.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> scene = hgs.decode_scene(Path("run/scene"))
+        >>> scene.static.rgb.shape[1], scene.start <= scene.end  # numpy, float32; seconds
+        (3, True)
     """
     manifest = load_manifest(path)
     folder = path if path.is_dir() else path.parent

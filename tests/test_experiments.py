@@ -1,0 +1,46 @@
+"""The scripts behind docs/experiments/, on cases with a known answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+
+from hgs_core.scene import StaticSplats
+from hgs_core.scene.camera import Camera
+from scripts.experiments.near_duplicates import has_duplicate
+from scripts.experiments.unseen_pixels import times_seen
+
+
+def camera_at(x: float) -> Camera:
+    """A camera of 8x6 pixels at (x, 0, 0) that looks along z."""
+    pose = np.eye(4)
+    pose[0, 3] = -x
+    return Camera(f"at {x}", 8, 6, 8.0, 8.0, 4.0, 3.0, pose)
+
+
+def test_a_wall_is_seen_where_pictures_overlap_and_nothing_stands_before_it() -> None:
+    wall = np.full((6, 8), 2.0)
+    hidden = wall.copy()
+    hidden[:, 4:] = 1.0  # something stands before the right half of the second camera's picture
+    beside = camera_at(0.5)  # the wall moves by 8 * 0.5 / 2 = 2 pixels to the left
+    assert np.array_equal(times_seen(camera_at(0.0), wall, [(beside, wall)])[0], [0, 0, 1, 1, 1, 1, 1, 1])
+    assert np.array_equal(times_seen(camera_at(0.0), wall, [(beside, hidden)])[0], [0, 0, 1, 1, 1, 1, 0, 0])
+    assert times_seen(camera_at(0.0), wall, [(beside, wall), (camera_at(0.0), wall)])[0, 7] == 2
+
+
+def test_duplicates_are_alike_in_place_shape_and_colour() -> None:
+    place = torch.tensor([[0.0, 0, 0], [0.01, 0, 0], [0, 5, 0], [0, 5, 0], [0, 0, 9], [0, 0, 9], [3, 0, 0]])
+    scales = torch.full((7, 3), -2.0)
+    scales[3, 0] = 0.0  # of another shape
+    colour = torch.full((7, 3), 0.5)
+    colour[5, 2] = 0.7  # of another colour
+    splats = StaticSplats(place, scales, torch.tensor([[1.0, 0, 0, 0]] * 7), torch.zeros(7), colour)
+    assert has_duplicate(splats).tolist() == [True, True, False, False, False, False, False]
+
+
+def test_the_distance_is_bhattacharyyas_for_turned_splats() -> None:
+    """A needle along x and one turned by 90 degrees about z at the same place, beside one turned by 180 degrees."""
+    scales = torch.tensor([[0.0, -3, -3]] * 3)
+    turned = torch.tensor([[1.0, 0, 0, 0], [0.5**0.5, 0, 0, 0.5**0.5], [0, 0, 0, 1.0]])
+    splats = StaticSplats(torch.zeros(3, 3), scales, turned, torch.zeros(3), torch.zeros(3, 3))
+    assert has_duplicate(splats).tolist() == [True, False, True]
