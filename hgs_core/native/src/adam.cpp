@@ -28,11 +28,14 @@ extern "C" int32_t hgs_adam(int64_t n, float *parameters, const float *gradients
       if (factors == nullptr) {
         std::fill(rates, rates + (end - begin), rate);
       } else {
-        int64_t row = begin / values_per_factor;
-        for (int64_t i = begin; i < end; ++row) {
-          const int64_t stop = std::min(end, (row + 1) * values_per_factor);
-          std::fill(rates + (i - begin), rates + (stop - begin), rate * factors[row]);
-          i = stop;
+        const float *factor = factors + begin / values_per_factor;
+        int64_t left = values_per_factor - begin % values_per_factor;  // values of this factor
+        for (int64_t i = begin; i < end; ++i, --left) {
+          if (left == 0) {
+            left = values_per_factor;
+            ++factor;
+          }
+          rates[i - begin] = rate * *factor;
         }
       }
       float *__restrict p = parameters, *__restrict m = first_moments, *__restrict v = second_moments;
