@@ -96,7 +96,10 @@ def bench_codec(
         done += 1
         progress(Progress("codec", done, steps))
 
-    utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
+    utility = measure_utility(
+        scene, list(views.trained.values()), views.times, antialiased=antialiased,
+        any_background=views.any_background,
+    )  # fmt: skip
     tell()
     seen = Loss(scene, views, views.trained, antialiased=antialiased)
     unseen = Loss(scene, views, held_out, antialiased=antialiased) if held_out else None
@@ -114,8 +117,8 @@ def bench_codec(
         with tempfile.TemporaryDirectory() as out:
             began = time.process_time()
             manifest = encode_scene(
-                found.scene, Path(out), cameras=views.cameras, times=views.times, title=views.title,
-                settings=found.settings, antialiased=antialiased, utility=found.utility,
+                found.scene, Path(out), cameras=views.cameras, closer=views.closer, times=views.times,
+                title=views.title, settings=found.settings, antialiased=antialiased, utility=found.utility,
             )  # fmt: skip
             seconds = fitting + time.process_time() - began
             decoded = decode_scene(Path(out))
@@ -131,17 +134,17 @@ def bench_codec(
         tell()
     moving = [segment.dynamic for segment in scene.segments]
     still = not any(map(len, moving))
-    splatv = sum(len(splatv_file(scene.static.take(slice(0, None if i == 0 else 0)), part, views.cameras))
+    splatv = sum(len(splatv_file(scene.static.take(slice(0, None if i == 0 else 0)), part, views.cameras).data)
                  for i, part in enumerate(moving))  # fmt: skip
     errors: dict[str, StaticErrors] = {}
     spz: dict[str, int] = {}
     if still:
-        versions = {f"spz {version}": spz_file(scene.static, version=version) for version in (2, 3)}
+        versions = {f"spz {version}": spz_file(scene.static, version=version).data for version in (2, 3)}
         spz = {name: len(data) for name, data in versions.items()}
         errors = {name: spz_errors(scene.static, data) for name, data in versions.items()}
         for name, found, _ in chosen:
             errors[name] = coded_errors(
-                found.scene.static, views.cameras, found.utility, found.settings, antialiased=antialiased
+                found.scene.static, views.every_camera, found.utility, found.settings, antialiased=antialiased
             )
     tell()
     return CodecReport(
@@ -157,7 +160,8 @@ def _opened(
     if source.is_file():
         imported = import_scene(source, 50 / 30)
         config = TrainConfig(antialiased=imported.antialiased)
-        return imported.scene, views_around(imported.scene, source.stem), config, (), {}
+        views = views_around(imported.scene, source.stem, antialiased=config.antialiased)
+        return imported.scene, views, config, (), {}
     folder = RunFolder(source)
     spec = folder.read_spec()
     if not folder.trained.is_file():

@@ -33,7 +33,7 @@ TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before
 LARGEST_TUNING_RATIO = 1.4  # factor from one to the next
 FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
 BUDGET_SHARE_NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
-COARSENESS = (0.25, 8.0)
+COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
@@ -51,7 +51,7 @@ class Loss:
     """What quantisation costs some views: the mean loss of PSNR, dB.
 
     Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
-    add.
+    add; it may then stand before anything, so that the loss is the larger one of those on black and on white.
     """
 
     def __init__(
@@ -68,21 +68,24 @@ class Loss:
             (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
             for i in range(LOSS_VIEWS)
         ]
+        self._backgrounds = (0.0, 1.0) if views.any_background else (0.0,)
         own = self._pictures(scene)
-        self._reference = own if views.truth is None else [views.truth(*view) for view in self._views]
+        self._reference = own if views.truth is None else [torch.stack([views.truth(*view)]) for view in self._views]
         self._least = IMPORTED_ERROR if views.truth is None else 1e-12
-        self.psnr = self._decibels(own)
+        self._psnr = self._decibels(own)
 
     def of(self, scene: HybridScene[Floats]) -> float:
         """Return by how much `scene` is worse than the one given first."""
-        return self.psnr - self._decibels(self._pictures(scene))
+        return float((self._psnr - self._decibels(self._pictures(scene))).max())
 
-    def _decibels(self, pictures: Sequence[Tensor]) -> float:
+    def _decibels(self, pictures: Sequence[Tensor]) -> Doubles:
+        """Return the mean PSNR on each background, [B]."""
         pairs = zip(pictures, self._reference, strict=True)
-        errors = [float(((picture - true) ** 2).mean()) for picture, true in pairs]
-        return float(np.mean([-10 * math.log10(error + self._least) for error in errors]))
+        errors = np.array([((picture - true) ** 2).mean(dim=(1, 2, 3)).double().numpy() for picture, true in pairs])
+        return np.asarray(-10 * np.log10(errors + self._least).mean(axis=0))
 
     def _pictures(self, scene: HybridScene[Floats]) -> list[Tensor]:
+        """Draw each view on each background: [B, 3, H, W]."""
         tensors = scene.map(torch.from_numpy)
         pictures = []
         with one_torch_thread():
@@ -90,7 +93,9 @@ class Loss:
                 seconds = float(self._times[frame])
                 segment = tensors.segment_at(seconds)
                 view = FixedView(tensors.static, self._cameras[index], antialiased=self._antialiased)
-                pictures.append(view.frame(segment.dynamic, segment.normalised(seconds)).rgb.clamp(0, 1))
+                drawn = view.frame(segment.dynamic, segment.normalised(seconds))
+                grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
+                pictures.append(torch.stack(grounds).clamp(0, 1))
         return pictures
 
 
@@ -127,7 +132,9 @@ def fit(
     loss = Loss(scene, views, views.trained, antialiased=config.antialiased)
 
     def lost(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> float:
-        found = quantised_scene(scene, views.cameras, views.times, utility, settings, antialiased=config.antialiased)
+        found = quantised_scene(
+            scene, views.every_camera, views.times, utility, settings, antialiased=config.antialiased
+        )
         return loss.of(found.decoded)
 
     def coarsest(allowed: float, start: float) -> Fitted:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.codec.encoder.utility import SetUtility, Utility
+from hgs_core.codec.encoder.utility import SetUtility, Utility, estimated_utility, pixels_per_unit
 from hgs_core.render.contribution import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.threads import one_torch_thread
@@ -33,11 +33,20 @@ S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
 
 def measure_utility(
-    scene: HybridScene[Floats], cameras: Sequence[Camera], times: Doubles, *, antialiased: bool
+    scene: HybridScene[Floats],
+    cameras: Sequence[Camera],
+    times: Doubles,
+    *,
+    antialiased: bool,
+    any_background: bool = False,
 ) -> Utility:
     """Weigh every splat in every frame, from some of `cameras` in turn; `times` [F] are the frames' seconds.
 
-    Whole pictures are drawn for the static splats; for the others the tiles that they touch do.
+    Whole pictures are drawn for the static splats; for the others the tiles that they touch do. The background is
+    black, or, with `any_background`, black or white at random in every pixel and channel: what is missed is then the
+    mean over black and white. Of a splat that shows in no picture nothing is known: it is missed without limit, so
+    that it is never left out, and is taken to show as its size and opacity let expect, in one picture of two more than
+    were drawn.
     """
     static, dynamic = _Weighed.of(scene.static), [_Weighed.of(segment.dynamic) for segment in scene.segments]
     signs = torch.Generator().manual_seed(0)
@@ -54,10 +63,13 @@ def measure_utility(
             seen = contributions(
                 static.splats, moving.splats, view.camera, view.moment, antialiased=antialiased, tile_mask=tiles
             )
-            picture = rasterize(
+            render = rasterize(
                 static.eased, moving.eased, view.camera, view.moment,
                 gradients="all" if view.whole else "dynamic", tile_mask=tiles, antialiased=antialiased,
-            ).rgb  # fmt: skip
+            )  # fmt: skip
+            picture = render.rgb
+            if any_background:
+                picture = picture + (1 - render.alpha) * torch.randint(0, 2, picture.shape, generator=signs)
             sign = torch.randint(0, 2, picture.shape, generator=signs).to(picture.dtype) * 2 - 1
             picture.backward(sign)  # type: ignore[no-untyped-call]
             squares = seen.total.astype(np.float64) * seen.peak / 2
@@ -65,7 +77,32 @@ def measure_utility(
             if view.whole:
                 static.add(squares[: len(scene.static)])
                 whole += 1
-    return Utility(static.mean(whole), tuple(sums.mean(len(views)) for sums in dynamic))
+    return Utility(
+        _with_unseen(static.mean(whole), scene.static, scene.static.means, cameras, whole),
+        tuple(
+            _with_unseen(sums.mean(len(views)), part.dynamic, part.dynamic.motion[:, 0], cameras, len(views))
+            for sums, part in zip(dynamic, scene.segments, strict=True)
+        ),
+    )
+
+
+def _with_unseen(
+    measured: SetUtility,
+    splats: StaticSplats[Floats] | DynamicSplats[Floats],
+    places: Floats,
+    cameras: Sequence[Camera],
+    views: int,
+) -> SetUtility:
+    """Guess the utility of splats that none of the `views` shows: the chance to show in one is 1 / (views + 2)."""
+    unseen = measured.shown == 0
+    if not unseen.any():
+        return measured
+    opacity = np.exp(-np.logaddexp(0.0, -splats.opacity_logits[unseen].astype(np.float64)))
+    scale = pixels_per_unit(places[unseen].astype(np.float64), cameras)
+    guess = estimated_utility(splats.log_scales[unseen].astype(np.float64), opacity, scale) / (views + 2)
+    shown, missed = measured.shown.copy(), measured.missed.copy()
+    shown[unseen], missed[unseen] = guess, np.inf
+    return SetUtility(shown, missed)
 
 
 @dataclass(frozen=True)

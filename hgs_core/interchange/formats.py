@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.changes import Action, Change, Written, nonzero
 from hgs_core.interchange.cubic import as_cubics
 from hgs_core.interchange.gaussian_ply import gaussian_ply, gaussian_splats
 from hgs_core.interchange.moment import scene_at
@@ -28,10 +29,17 @@ __all__ = ["EXPORTED", "IMPORTED", "Imported", "export_scene", "import_scene"]
 
 IMPORTED = (".ply", ".splat", ".spz")
 EXPORTED = (".ply", ".splat", ".splatv", ".spz")
-_NOT_STORED = "the scene was trained antialiased, which this format cannot say: without it thin splats show too strong"
 
-LARGEST_LOGIT = 13.8  # an opacity of 1 - 1e-6
-LEAST_LOG_SCALE = -30.0
+LARGEST_LOGIT = 13.82  # an opacity of 1 - 1e-6
+LARGEST_LOG_SCALE = 30.0
+LARGEST_RGB = 8.0
+LEAST_OPACITY = 1 / 255  # below it no pixel is touched
+BLACK = (0.0, 0.0, 0.0)
+_WORDS = {
+    "means": "position", "motion": "position or motion", "log_scales": "scale", "quats": "rotation",
+    "rotation": "rotation or turning", "opacity_logits": "opacity", "rgb": "colour", "time_centers": "middle of life",
+    "time_log_precisions": "life",
+}  # fmt: skip
 
 Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[NDArray[np.float32]], DynamicSplats[NDArray[np.float32]])
@@ -43,39 +51,48 @@ class Imported:
 
     scene: HybridScene[Floats]
     antialiased: bool
-    notes: tuple[str, ...]  # what was left out, for people
+    splats: int  # in the file
+    changes: tuple[Change, ...]  # what was left out or changed of them
 
 
 def import_scene(path: Path, duration: float) -> Imported:
     """Read a file of splats; a 4D one lasts `duration` seconds, a still one no time. Splats that are no numbers go.
 
     Raises:
-        InputError: an unknown suffix, or the file is missing, damaged or holds no splats.
+        InputError: an unknown suffix, or the file is missing, damaged, or holds no splat that can be seen.
     """
     if path.suffix not in IMPORTED:
         raise InputError(path, f"has the suffix {path.suffix or 'none'!r}", f"give one of {', '.join(IMPORTED)}")
     static, dynamic = StaticSplats.empty(), DynamicSplats.empty()
     antialiased, end = False, 0.0
-    notes: list[str] = []
+    changes: list[Change] = []
     if path.suffix == ".spz":
-        static, antialiased, notes = read_spz(path)
+        static, antialiased, changes = read_spz(path)
     elif path.suffix == ".splat":
         static = read_splat(path)
     else:
-        table = read_ply(path)
+        table, changes = read_ply(path)
         if is_spacetime(table):
-            static, dynamic, notes = spacetime_splats(path, table)
+            static, dynamic, more = spacetime_splats(path, table)
             end = duration
         else:
-            static, notes = gaussian_splats(path, table)
-    counts = len(static) + len(dynamic)
-    static, dynamic = _drawable(static.take(_numbers(static))), _drawable(dynamic.take(_numbers(dynamic)))
-    lost = counts - len(static) - len(dynamic)
-    if lost:
-        notes = [*notes, f"{lost} of {counts} splats left out: they have numbers that are not finite"]
-    if counts == lost:
+            static, more = gaussian_splats(path, table)
+        changes += more
+    total = len(static) + len(dynamic)
+    if total == 0:
         raise InputError(path, "holds no splats", "give a file with at least one")
-    return Imported(HybridScene(static, (Segment(0.0, end, dynamic),)), antialiased, tuple(notes))
+    static, lost = _finite(static)
+    dynamic, lost_moving = _finite(dynamic)
+    for words in dict.fromkeys((*lost, *lost_moving)):
+        count = lost.get(words, 0) + lost_moving.get(words, 0)
+        changes.append(Change(Action.LEFT_OUT, "splats", count, total, f"{words} is no finite number"))
+    changes += _limits(static, dynamic)
+    static, dynamic = _drawable(static), _drawable(dynamic)
+    if not any((_opacity(splats) >= LEAST_OPACITY).any() for splats in (static, dynamic)):
+        told = "; ".join(map(str, nonzero(changes)))
+        raise InputError(path, "holds no splat that can be seen" + (f": {told}" if told else ""), "export it again")
+    scene = HybridScene(static, (Segment(0.0, end, dynamic),))
+    return Imported(scene, antialiased, total, nonzero(changes))
 
 
 def export_scene(
@@ -86,8 +103,9 @@ def export_scene(
     antialiased: bool,
     time: float | None = None,
     segment: int | None = None,
-) -> list[str]:
-    """Write a scene to `path`, in the format of its suffix, atomically; returns notes on what the format lacks.
+    background: tuple[float, float, float] = BLACK,
+) -> tuple[Change, ...]:
+    """Write a scene to `path`, in the format of its suffix, atomically; returns what the file lacks of it.
 
     With `time` (seconds) the scene as it stands then. Without it, .ply is 3DGS's if nothing moves and else, like
     .splatv, the whole of a segment: `segment` names which, and is needed where there are several.
@@ -99,27 +117,57 @@ def export_scene(
     if path.suffix not in EXPORTED:
         raise InputError(path, f"has the suffix {path.suffix or 'none'!r}", f"give one of {', '.join(EXPORTED)}")
     moving = any(len(part.dynamic) for part in scene.segments)
-    notes = [_NOT_STORED] if antialiased and path.suffix != ".spz" else []
+    changes: list[Change] = []
+    if antialiased and path.suffix != ".spz":
+        reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
+        changes.append(Change.whole(Action.LEFT_OUT, "antialiasing", reason))
+    if background != BLACK:
+        changes.append(Change.whole(Action.LEFT_OUT, "background", "the format has none"))
     if path.suffix == ".splatv" and time is not None:
         raise InputError("--time", "is not for .splatv, which holds all times", "leave it out, or export .splat")
     if time is not None and not scene.start <= time <= scene.end:
         raise InputError("--time", f"{time} s is outside the scene", f"give {scene.start:g} to {scene.end:g}")
     if path.suffix == ".splatv" or (path.suffix == ".ply" and time is None and moving):
-        part = _segment(scene, segment)
-        dynamic, fifth, error = as_cubics(part.dynamic)
-        if fifth:
-            notes.append(f"{fifth} motions of the fifth order became cubics, off by at most {error:.3g} world units")
-        if path.suffix == ".ply":
-            write_bytes(path, spacetime_ply(scene.static, dynamic))
-        else:
-            write_bytes(path, splatv_file(scene.static, dynamic, cameras))
-        return [*notes, f"its times 0 to 1 are {part.start:g} to {part.end:g} s"]
-    if moving and time is None:
+        written, more = _moving_file(scene, _segment(scene, segment), path.suffix, cameras)
+    elif moving and time is None:
         raise InputError(path, "holds one moment, and this scene moves", f"add --time {scene.start:g} to {scene.end:g}")
-    splats = scene.static if time is None else scene_at(scene, time)
-    write = {".ply": gaussian_ply, ".splat": splat_file}.get(path.suffix)
-    write_bytes(path, spz_file(splats, antialiased=antialiased) if write is None else write(splats))
-    return notes
+    else:
+        splats = scene.static if time is None else scene_at(scene, time)
+        write = {".ply": gaussian_ply, ".splat": splat_file}.get(path.suffix)
+        written = spz_file(splats, antialiased=antialiased) if write is None else write(splats)
+        more = [] if time is None else _lost_in_a_moment(scene, splats, time)
+    write_bytes(path, written.data)
+    return nonzero((*changes, *more, *written.changes))
+
+
+def _moving_file(
+    scene: HybridScene[Floats], part: Segment[Floats], suffix: str, cameras: Sequence[Camera]
+) -> tuple[Written, list[Change]]:
+    """Write a segment in a format of moving splats, .ply or .splatv."""
+    total = _splats(scene)
+    others = total - len(scene.static) - len(part.dynamic)
+    dynamic, fifth, error = as_cubics(part.dynamic)
+    nearest = f"a motion of the fifth order, by the nearest cubic, off by at most {error:.3g} world units"
+    changes = [
+        Change(Action.LEFT_OUT, "splats", others, total, "they are of other segments"),
+        Change(Action.REPLACED, "motion", fifth, total, nearest),
+        Change.whole(Action.REPLACED, "time", f"0 to 1 stands for {part.start:g} to {part.end:g} s"),
+    ]
+    if suffix == ".ply":
+        return spacetime_ply(scene.static, dynamic), changes
+    return splatv_file(scene.static, dynamic, cameras), changes
+
+
+def _lost_in_a_moment(scene: HybridScene[Floats], kept: StaticSplats[Floats], time: float) -> list[Change]:
+    total, moment = _splats(scene), f"the file holds {time:g} s alone"
+    return [
+        Change(Action.LEFT_OUT, "splats", total - len(kept), total, f"they are not seen then, and {moment}"),
+        Change(Action.LEFT_OUT, "motion and life", len(kept) - len(scene.static), total, moment),
+    ]
+
+
+def _splats(scene: HybridScene[Floats]) -> int:
+    return len(scene.static) + sum(len(segment.dynamic) for segment in scene.segments)
 
 
 def _segment(scene: HybridScene[Floats], number: int | None) -> Segment[Floats]:
@@ -131,23 +179,51 @@ def _segment(scene: HybridScene[Floats], number: int | None) -> Segment[Floats]:
     return scene.segments[number or 0]
 
 
+def _opacity(splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> NDArray[np.float64]:
+    return np.asarray(np.exp(-np.logaddexp(0.0, -splats.opacity_logits.astype(np.float64))))
+
+
+def _limits(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> list[Change]:
+    """Return what `_drawable` changes."""
+    logits, scales, rgb = (
+        np.concatenate([getattr(static, name), getattr(dynamic, name)])
+        for name in ("opacity_logits", "log_scales", "rgb")
+    )
+    return [
+        Change.where(Action.LIMITED, "opacity", np.abs(logits) > LARGEST_LOGIT, "to 0.000001 to 0.999999"),
+        Change.where(
+            Action.LIMITED, "scale", np.abs(scales) > LARGEST_LOG_SCALE,
+            f"to e^{-LARGEST_LOG_SCALE:g} to e^{LARGEST_LOG_SCALE:g}",
+        ),
+        Change.where(Action.LIMITED, "colour", (rgb < 0) | (rgb > LARGEST_RGB), f"to 0 to {LARGEST_RGB:g}"),
+    ]  # fmt: skip
+
+
 def _drawable(splats: S) -> S:
     """Give opacities of 0 and 1 a logit, and flat axes a logarithm: renderers take finite numbers alone."""
     return dataclasses.replace(
         splats,
         opacity_logits=np.clip(splats.opacity_logits, -LARGEST_LOGIT, LARGEST_LOGIT),
-        log_scales=np.maximum(splats.log_scales, LEAST_LOG_SCALE),
+        log_scales=np.clip(splats.log_scales, -LARGEST_LOG_SCALE, LARGEST_LOG_SCALE),
+        rgb=np.clip(splats.rgb, 0, LARGEST_RGB),
     )
 
 
-def _numbers(splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> NDArray[np.bool_]:
-    """Tell which splats are finite; no thickness, and opacities of 0 and 1, are."""
+def _finite(splats: S) -> tuple[S, dict[str, int]]:
+    """Return the splats that are finite, and how many of the others each attribute was the first to fail.
+
+    No thickness, and opacities of 0 and 1, count as finite.
+    """
     good = np.ones(len(splats), np.bool_)
+    lost: dict[str, int] = {}
     for name, array in splats.items():
         valid = np.isfinite(array)
         if name == "log_scales":
             valid |= np.isneginf(array)
         if name == "opacity_logits":
             valid |= np.isinf(array)
-        good &= valid.reshape(len(splats), -1).all(axis=1) if len(splats) else good
-    return good
+        failed = good & ~valid.reshape(len(splats), -1).all(axis=1) if len(splats) else good
+        if failed.any():
+            lost[_WORDS[name]] = int(failed.sum())
+        good &= ~failed
+    return splats.take(good), lost

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.changes import Action, Change
 
-__all__ = ["columns", "read_ply", "write_ply"]
+__all__ = ["columns", "left_over", "read_ply", "write_ply"]
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2", "ushort": "<u2",
@@ -24,8 +25,8 @@ Floats = NDArray[np.float32]
 Table = Mapping[str, Floats]
 
 
-def read_ply(path: Path) -> dict[str, Floats]:
-    """Read the vertices of a binary little-endian PLY file: one float32 array [N] per property.
+def read_ply(path: Path) -> tuple[dict[str, Floats], list[Change]]:
+    """Read the vertices of a binary little-endian PLY file: one float32 array [N] per property, and what that changes.
 
     Raises:
         InputError: the file is missing, is no such file, or is shorter than its header says.
@@ -37,19 +38,34 @@ def read_ply(path: Path) -> dict[str, Floats]:
     end = data.find(b"end_header\n", 0, _LONGEST_HEADER)
     if not data.startswith(b"ply\n") or end < 0:
         raise InputError(path, "is not a PLY file: it has no PLY header", "give a .ply file of splats")
-    dtype, count = _layout(path, data[:end].decode("ascii", "replace").split("\n"))
+    dtype, count, others = _layout(path, data[:end].decode("ascii", "replace").split("\n"))
     begin = end + len(b"end_header\n")
     if len(data) - begin < count * dtype.itemsize:
         raise InputError(
             path, f"has {len(data) - begin} bytes of vertices, {count} need {count * dtype.itemsize}", "copy it again"
         )
     rows = np.frombuffer(data, dtype, count, begin)
-    return {name: rows[name].astype(np.float32) for name in dtype.names or ()}
+    with np.errstate(over="ignore"):
+        table = {name: rows[name].astype(np.float32) for name in dtype.names or ()}
+    changed = np.zeros(count, np.bool_)
+    for name, values in table.items():
+        changed |= (values != rows[name]) & np.isfinite(values)
+    changes = [Change.where(Action.ROUNDED, "numbers", changed, "they have more bits than the 32 of a float")]
+    changes += [Change.whole(Action.LEFT_OUT, f"element {name}", "only vertices are splats") for name in others]
+    return table, changes
 
 
-def _layout(path: Path, header: Sequence[str]) -> tuple[np.dtype[Any], int]:
-    """Return type and number of the vertices; they must be the file's first element."""
+def left_over(table: Table, known: Sequence[str], prefixes: tuple[str, ...] = ()) -> list[Change]:
+    """Return the properties that are not among the `known` ones, nor begin with one of `prefixes`, as left out."""
+    names = [name for name in table if name not in known and not name.startswith(("nx", "ny", "nz", *prefixes))]
+    reason = "they are no part of a splat"
+    return [Change.whole(Action.LEFT_OUT, f"properties {', '.join(names)}", reason)] if names else []
+
+
+def _layout(path: Path, header: Sequence[str]) -> tuple[np.dtype[Any], int, list[str]]:
+    """Return type and number of the vertices, which must be the file's first element, and the others that are there."""
     count, element = -1, ""
+    others: list[str] = []
     fields: list[tuple[str, str]] = []
     for line in header:
         match line.split():
@@ -59,7 +75,10 @@ def _layout(path: Path, header: Sequence[str]) -> tuple[np.dtype[Any], int]:
                 element = name
                 if count < 0 and (name != "vertex" or not number.isdecimal()):
                     raise InputError(path, f"begins with the element {name} {number}", "its vertices must come first")
-                count = int(number) if name == "vertex" else count
+                if name == "vertex":
+                    count = int(number)
+                elif number != "0":
+                    others.append(name)
             case ["property", kind, name] if element == "vertex":
                 if kind not in _TYPES or name in dict(fields):
                     raise InputError(path, f"has the vertex property {kind} {name}, unknown or twice")
@@ -68,7 +87,7 @@ def _layout(path: Path, header: Sequence[str]) -> tuple[np.dtype[Any], int]:
                 raise InputError(path, "has vertices with lists: it holds no splats", "give a .ply file of splats")
     if count < 0:
         raise InputError(path, "has no vertices", "give a .ply file of splats")
-    return np.dtype(fields), count
+    return np.dtype(fields), count, others
 
 
 def columns(path: Path, table: Table, names: Sequence[str]) -> Floats:

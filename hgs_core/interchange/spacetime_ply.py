@@ -12,18 +12,20 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.interchange.gaussian_ply import ROT, SCALE
-from hgs_core.interchange.ply_table import columns, write_ply
+from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.gaussian_ply import LARGEST_LOGIT, NO_NEGATIVE_COLOUR, ROT, SCALE
+from hgs_core.interchange.ply_table import columns, left_over, write_ply
 from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
 
-__all__ = ["BRIEFEST", "STEADIEST", "is_spacetime", "spacetime_ply", "spacetime_splats"]
+__all__ = ["BRIEFEST", "STEADIEST", "is_spacetime", "life_limited", "spacetime_ply", "spacetime_splats"]
 
 CLOCK = ("trbf_center", "trbf_scale")
 MOTION = tuple(f"motion_{i}" for i in range(9))
 OMEGA = tuple(f"omega_{i}" for i in range(4))
 DC = ("f_dc_0", "f_dc_1", "f_dc_2")
+FEATURES = ("f_t", "f_dir", "f_rest")  # prefixes of what the full model's network takes
 STEADY = 5.0  # trbf_scale with which an opacity changes by less than 1 / 20,000 in [0, 1]
 STEADIEST = 10.0  # trbf_scale written for splats that never fade, and the largest
 BRIEFEST = -20.0  # of splats that live for one instant, and the least
@@ -38,8 +40,8 @@ def is_spacetime(table: Mapping[str, Floats]) -> bool:
 
 def spacetime_splats(
     path: Path, table: Mapping[str, Floats]
-) -> tuple[StaticSplats[Floats], DynamicSplats[Floats], list[str]]:
-    """Return the splats of a table that `read_ply` read, and notes on what was left out.
+) -> tuple[StaticSplats[Floats], DynamicSplats[Floats], list[Change]]:
+    """Return the splats of a table that `read_ply` read, and what was left out.
 
     A splat that neither moves nor turns nor fades becomes static.
 
@@ -56,20 +58,35 @@ def spacetime_splats(
         columns(path, table, ("opacity",))[:, 0],
         center.copy(),
         -2 * scale,
-        np.maximum(columns(path, table, DC), 0),
+        columns(path, table, DC),
     )
     still = (motion == 0).all(axis=1) & (omega == 0).all(axis=1) & (scale >= STEADY)
     kept = dynamic.take(still)
     static = StaticSplats(kept.motion[:, 0], kept.log_scales, kept.rotation[:, 0], kept.opacity_logits, kept.rgb)
-    features = sorted({name.rpartition("_")[0] for name in table if name.startswith(("f_t", "f_dir", "f_rest"))})
-    notes = [f"features {', '.join(features)} left out: colours are those without the network"] if features else []
-    return static, dynamic.take(~still), notes
+    known = ("x", "y", "z", *MOTION, *ROT, *OMEGA, *CLOCK, *SCALE, "opacity", *DC)
+    changes = left_over(table, known, FEATURES)
+    features = {name: array for name, array in table.items() if name.startswith(FEATURES)}
+    if features:
+        names = ", ".join(sorted({name.rpartition("_")[0] for name in features}))
+        met = np.stack(list(features.values()), axis=1) != 0
+        reason = "colours are those without the network"
+        changes.append(Change.where(Action.LEFT_OUT, f"features {names}", met, reason))
+    return static, dynamic.take(~still), changes
 
 
-def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> bytes:
+def life_limited(dynamic: DynamicSplats[Floats], briefest: float) -> Change:
+    """Return the change of limiting ln of the widths of lives to `briefest` to `STEADIEST`."""
+    width = dynamic.time_log_precisions.astype(np.float64) / -2
+    reason = f"to widths of {np.exp(briefest):.2g} to {np.exp(STEADIEST):.2g} of the time shown"
+    return Change.where(Action.LIMITED, "life", (width < briefest) | (width > STEADIEST), reason)
+
+
+def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> Written:
     """Return a .ply file of both sets, statics first; splats that never live are left out."""
     start, end = lifetime(dynamic)
-    sets = [at_rest(static), dynamic.take(start <= end)]
+    living = dynamic.take(start <= end)
+    sets = [at_rest(static), living]
+    total = len(static) + len(dynamic)
     parts = []
     for splats in sets:
         scale = np.clip(splats.time_log_precisions.astype(np.float64) / -2, BRIEFEST, STEADIEST).astype(np.float32)
@@ -77,11 +94,21 @@ def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) 
             np.concatenate(
                 [
                     splats.motion[:, 0], splats.time_centers[:, None], scale[:, None], np.zeros((len(splats), 3)),
-                    splats.motion[:, 1:].reshape(-1, 9), splats.rgb, np.clip(splats.opacity_logits, -30, 30)[:, None],
+                    splats.motion[:, 1:].reshape(-1, 9), splats.rgb,
+                    np.clip(splats.opacity_logits, -LARGEST_LOGIT, LARGEST_LOGIT)[:, None],
                     splats.log_scales, splats.rotation[:, 0], splats.rotation[:, 1],
                 ],
                 axis=1,
             )
         )  # fmt: skip
     names = ("x", "y", "z", *CLOCK, "nx", "ny", "nz", *MOTION, *DC, "opacity", *SCALE, *ROT, *OMEGA)
-    return write_ply(dict(zip(names, np.concatenate(parts).astype(np.float32).T, strict=True)))
+    data = write_ply(dict(zip(names, np.concatenate(parts).astype(np.float32).T, strict=True)))
+    logits, rgb = (np.concatenate([getattr(part, name) for part in sets]) for name in ("opacity_logits", "rgb"))
+    reason = f"to logits of {LARGEST_LOGIT:g}"
+    changes = (
+        Change(Action.LEFT_OUT, "splats", len(dynamic) - len(living), total, "they are never seen"),
+        Change.where(Action.LIMITED, "opacity", np.abs(logits) > LARGEST_LOGIT, reason),
+        Change.where(Action.LIMITED, "colour", rgb < 0, NO_NEGATIVE_COLOUR),
+        life_limited(living, BRIEFEST),
+    )
+    return Written(data, changes)

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.scene.splats import StaticSplats
 
-__all__ = ["SPLAT_BYTES", "read_splat", "rgba_bytes", "splat_file"]
+__all__ = ["SPLAT_BYTES", "opacity_changes", "read_splat", "rgba_bytes", "rgba_changes", "splat_file"]
 
 SPLAT_BYTES = 32
 _ROW = np.dtype([("mean", "<f4", 3), ("deviation", "<f4", 3), ("rgba", "u1", 4), ("quat", "u1", 4)])
 _OPACITIES = (1e-6, 1 - 1e-6)  # whose logits stand for 0 and 1
+_LOG_SCALES = (-80.0, 80.0)  # whose exponentials are normal float32 numbers
 
 Floats = NDArray[np.float32]
 
@@ -29,16 +31,42 @@ def rgba_bytes(rgb: Floats, opacity_logits: Floats) -> NDArray[np.uint8]:
     return np.asarray(np.rint(np.clip(rgba, 0, 1) * 255), np.uint8)
 
 
-def splat_file(splats: StaticSplats[Floats]) -> bytes:
+def rgba_changes(rgb: Floats, opacity_logits: Floats, rgba: NDArray[np.uint8]) -> list[Change]:
+    """Return what bytes [N, 4] change of colours and opacities."""
+    return [
+        Change.where(Action.LIMITED, "colour", (rgb < 0) | (rgb > 1), "to 0 to 1"),
+        Change.rounded("colour", np.clip(rgb, 0, 1), rgba[:, :3] / 255, "8 bits a channel"),
+        *opacity_changes(opacity_logits, rgba[:, 3]),
+    ]
+
+
+def opacity_changes(opacity_logits: Floats, stored: NDArray[np.uint8]) -> list[Change]:
+    """Return what bytes [N] change of opacities."""
+    opacity = np.exp(-np.logaddexp(0.0, -opacity_logits.astype(np.float64)))
+    gone = (stored == 0) & (opacity > 0)
+    return [
+        Change.rounded("opacity", np.where(gone, 0.0, opacity), stored / 255, "8 bits"),
+        Change.where(Action.REPLACED, "opacity", gone, "by 0, as it is below 1/510: they vanish"),
+    ]
+
+
+def splat_file(splats: StaticSplats[Floats]) -> Written:
     """Return the file; large and opaque splats come first, so that a beginning of it shows most."""
     rows = np.zeros(len(splats), _ROW)
-    rows["mean"], rows["deviation"] = splats.means, np.exp(splats.log_scales)
+    rows["mean"], rows["deviation"] = splats.means, np.exp(np.clip(splats.log_scales, *_LOG_SCALES))
     rows["rgba"] = rgba_bytes(splats.rgb, splats.opacity_logits)
     norm = np.linalg.norm(splats.quats, axis=1, keepdims=True)
     quats = np.where(norm < 1e-12, (1.0, 0.0, 0.0, 0.0), splats.quats / np.where(norm < 1e-12, 1.0, norm))
     rows["quat"] = np.clip(np.rint(quats * 128 + 128), 0, 255)
     shown = splats.log_scales.astype(np.float64).sum(axis=1) + np.log(rows["rgba"][:, 3] + 1e-3)
-    return rows[np.argsort(-shown, kind="stable")].tobytes()
+    low, high = _LOG_SCALES
+    beyond = (splats.log_scales < low) | (splats.log_scales > high)
+    changes = (
+        Change.where(Action.LIMITED, "scale", beyond, f"to e^{low:g} to e^{high:g}"),
+        *rgba_changes(splats.rgb, splats.opacity_logits, rows["rgba"]),
+        Change.rounded("rotation", quats, (rows["quat"].astype(np.float64) - 128) / 128, "8 bits a component"),
+    )
+    return Written(rows[np.argsort(-shown, kind="stable")].tobytes(), changes)
 
 
 def read_splat(path: Path) -> StaticSplats[Floats]:

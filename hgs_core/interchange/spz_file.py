@@ -16,7 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.errors import InputError
-from hgs_core.interchange.gaussian_ply import SH_0
+from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.gaussian_ply import SH_0, harmonics
+from hgs_core.interchange.splat_file import opacity_changes
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["read_spz", "spz_file"]
@@ -26,6 +28,7 @@ MAGIC = b"NGSP"
 FRACTIONAL_BITS = 12
 ANTIALIASED, EXTENSIONS = 1, 2  # flags
 HARMONICS = (0, 9, 24, 45, 72)  # bytes by degree
+NO_HARMONIC = 128  # the byte of a coefficient of zero
 COLOUR_SCALE = 0.15
 LARGEST = 1 << 28  # bytes of a file once it is unpacked
 FLIP = np.array([1.0, -1.0, -1.0])  # between our axes and right, up, back
@@ -35,7 +38,7 @@ Floats = NDArray[np.float32]
 Doubles = NDArray[np.float64]
 
 
-def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version: int = 3) -> bytes:
+def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version: int = 3) -> Written:
     """Return an SPZ file of degree 0; version 2 has coarser rotations in a byte less.
 
     Raises:
@@ -53,20 +56,36 @@ def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version
     norm = np.linalg.norm(splats.quats.astype(np.float64), axis=1, keepdims=True)
     quats = np.where(norm < 1e-12, (1.0, 0.0, 0.0, 0.0), splats.quats / np.where(norm < 1e-12, 1.0, norm))
     xyzw = np.concatenate([quats[:, 1:] * FLIP, quats[:, :1]], axis=1)
-    planes = [
-        fixed.view(np.uint8).reshape(-1, 4)[:, :3],
-        _byte(opacity * 255),
-        _byte(harmonic * (COLOUR_SCALE * 255) + 127.5),
-        _byte((splats.log_scales + 10) * 16),
-        _smallest_three(xyzw) if version >= 3 else _first_three(xyzw),
-    ]
+    shares, scales = _byte(opacity * 255), _byte((splats.log_scales + 10) * 16)
+    colours = _byte(harmonic * (COLOUR_SCALE * 255) + 127.5)
+    rotations = _smallest_three(xyzw) if version >= 3 else _first_three(xyzw)
+    planes = [fixed.view(np.uint8).reshape(-1, 4)[:, :3], shares, colours, scales, rotations]
     flags = ANTIALIASED if antialiased else 0
     header = HEADER.pack(MAGIC, version, len(splats), 0, bits, flags, 0)
-    return gzip.compress(header + b"".join(plane.tobytes() for plane in planes), 9, mtime=0)
+    data = gzip.compress(header + b"".join(plane.tobytes() for plane in planes), 9, mtime=0)
+    decoded = _largest_made_good(rotations) if version >= 3 else _with_w(rotations / 127.5 - 1)
+    decoded *= np.where((decoded * xyzw).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
+    scale_range, colour_range = (-10.0, 255 / 16 - 10), _colour(np.array([0, 255], np.uint8))
+    darkest, brightest = colour_range
+    dim = (splats.rgb < darkest) | (splats.rgb > brightest)
+    thin = (splats.log_scales < scale_range[0]) | (splats.log_scales > scale_range[1])
+    places = fixed / 2.0**bits * FLIP
+    changes = (
+        Change.rounded("position", splats.means, places, f"fixed point, steps of 1/{2**bits:,}"),
+        *opacity_changes(splats.opacity_logits, shares),
+        Change.where(Action.LIMITED, "colour", dim, f"to {darkest:.2f} to {brightest:.2f}"),
+        Change.rounded("colour", np.clip(splats.rgb, *colour_range), _colour(colours), "8 bits a channel"),
+        Change.where(Action.LIMITED, "scale", thin, f"to e^{scale_range[0]:g} to e^{scale_range[1]:.1f}"),
+        Change.rounded(
+            "scale", np.clip(splats.log_scales, *scale_range), scales / 16.0 - 10, "8 bits of its logarithm"
+        ),
+        Change.rounded("rotation", xyzw, decoded, f"{10 if version >= 3 else 8} bits a component"),
+    )
+    return Written(data, changes)
 
 
-def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[str]]:
-    """Read an SPZ file; returns the splats, whether they were trained antialiased, and notes on what was left out.
+def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[Change]]:
+    """Read an SPZ file; returns the splats, whether they were trained antialiased, and what was left out.
 
     Raises:
         InputError: the file is missing, damaged, or of another version.
@@ -91,7 +110,7 @@ def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[str]]:
     for width in widths:
         planes.append(np.frombuffer(data, np.uint8, count * width, at).reshape(count, width))
         at += count * width
-    position, opacity, colour, scale, rotation, _ = planes
+    position, opacity, colour, scale, rotation, higher = planes
     wide = np.zeros((count, 3, 4), np.uint8)
     wide[..., 1:] = position.reshape(count, 3, 3)  # the sign bit on top
     means = (wide.view("<i4")[..., 0] >> 8) / 2.0**bits * FLIP
@@ -102,10 +121,13 @@ def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[str]]:
         (scale / 16.0 - 10).astype(np.float32),
         np.concatenate([xyzw[:, 3:], xyzw[:, :3] * FLIP], axis=1).astype(np.float32),
         np.log(share / (1 - share)).astype(np.float32),
-        np.maximum(0.5 + SH_0 * (colour / 255.0 - 0.5) / COLOUR_SCALE, 0).astype(np.float32),
+        _colour(colour).astype(np.float32),
     )
-    left_out = f"spherical harmonics of degree 1 to {degree} left out: colours are the same from every direction"
-    return splats, bool(flags & ANTIALIASED), [left_out] if degree else []
+    return splats, bool(flags & ANTIALIASED), [harmonics(higher != NO_HARMONIC)] if degree else []
+
+
+def _colour(stored: NDArray[np.uint8]) -> Doubles:
+    return np.asarray(0.5 + SH_0 * (stored / 255.0 - 0.5) / COLOUR_SCALE)
 
 
 def _byte(values: Doubles | Floats) -> NDArray[np.uint8]:

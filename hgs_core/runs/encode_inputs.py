@@ -27,7 +27,7 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
         InputError: the capture is gone or has changed, or the run's points are missing.
     """
     if spec.without_capture:
-        return views_around(scene, spec.capture.stem)
+        return views_around(scene, spec.capture.stem, antialiased=spec.config.antialiased)
     capture = spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20)
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
     trained = {i: cameras[i] for i in training_cameras(capture, spec.config)}

@@ -5,7 +5,10 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import shutil
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +16,8 @@ from numpy.typing import NDArray
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
+from hgs_core.codec import load_manifest
+from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.formats import Imported, import_scene
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.folder import RunFolder, RunSpec
@@ -21,7 +26,20 @@ from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["import_run"]
+__all__ = ["ImportedRun", "import_run"]
+
+
+@dataclass(frozen=True)
+class ImportedRun:
+    """What an import made of a file."""
+
+    splats: int  # in the file
+    kept: int  # in the encoded scene
+    changes: tuple[Change, ...]  # of reading and of encoding
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the plain form."""
+        return {"splats": self.splats, "kept": self.kept, "changes": [change.to_json() for change in self.changes]}
 
 
 def import_run(
@@ -33,20 +51,22 @@ def import_run(
     capture: Path | None,
     config: TrainConfig,
     antialiased: bool,
-) -> tuple[str, ...]:
-    """Make a run folder of a file of splats and encode it; returns notes on what was left out.
+) -> ImportedRun:
+    """Make a run folder of a file of splats and encode it; returns what was left out or changed.
 
     `duration` is how long a 4D file lasts, seconds. With a `capture`, the pictures the splats were made of, the loss of
     encoding is measured on its cameras that `config` does not hold out, and the run can be evaluated; without, views
     are made up around the splats. `antialiased` says that the splats are to be drawn so, if the file cannot.
 
     Raises:
-        InputError: the file, the capture or the config are unusable, or `run` holds something else.
+        InputError: the file, the capture or the config are unusable, `run` holds something else, or no splat is left.
+            A folder that was not there before is gone then.
     """
     if not duration > 0:
         raise InputError("--duration", f"{duration} is not positive", "give the seconds that the scene lasts")
     imported = import_scene(file, duration)
     config = dataclasses.replace(config, antialiased=imported.antialiased or antialiased)
+    fresh = not run.exists()
     if capture is None:
         if config.hold_out:
             raise InputError("--hold-out", "needs the capture's cameras", "name the capture with --capture")
@@ -55,11 +75,22 @@ def import_run(
     else:
         create_run(run, capture, config)
     folder = RunFolder(run)
-    with folder.exclusive():
-        if not folder.train_summary.exists():
-            _write(folder, file, imported)
-        encode(run, progress)
-    return imported.notes
+    try:
+        with folder.exclusive():
+            if not folder.train_summary.exists():
+                _write(folder, file, imported)
+            encode(run, progress)
+            totals = load_manifest(folder.scene).totals
+            kept = totals.splats_static + totals.splats_dynamic
+            if kept == 0:
+                raise InputError(file, f"holds {imported.splats:,} splats, none of which shows in any picture")
+    except InputError:
+        if fresh:
+            shutil.rmtree(run)
+        raise
+    encoded = len(imported.scene.static) + sum(len(part.dynamic) for part in imported.scene.segments)
+    missed = Change(Action.LEFT_OUT, "splats", encoded - kept, encoded, "no picture misses them")
+    return ImportedRun(imported.splats, kept, nonzero((*imported.changes, missed)))
 
 
 def _write(folder: RunFolder, file: Path, imported: Imported) -> None:

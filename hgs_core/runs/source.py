@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.folder import MANIFEST
+from hgs_core.interchange.changes import Change
 from hgs_core.interchange.formats import export_scene
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.camera import Camera
@@ -27,12 +28,14 @@ class Source:
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
     antialiased: bool
+    background: tuple[float, float, float]
 
-    def export(self, path: Path, *, time: float | None, segment: int | None) -> list[str]:
+    def export(self, path: Path, *, time: float | None, segment: int | None) -> tuple[Change, ...]:
         """Write the scene to a file; see `export_scene`."""
         return export_scene(
-            self.scene, path, cameras=self.cameras, antialiased=self.antialiased, time=time, segment=segment
-        )
+            self.scene, path, cameras=self.cameras, antialiased=self.antialiased, time=time, segment=segment,
+            background=self.background,
+        )  # fmt: skip
 
 
 def open_source(path: Path) -> Source:
@@ -48,4 +51,4 @@ def open_source(path: Path) -> Source:
         if not folder.trained.is_file() or not folder.manifest.is_file():
             raise InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")
         manifest, scene = load_manifest(folder.manifest), load_scene(folder.trained)
-    return Source(scene, manifest.cameras, manifest.antialiased)
+    return Source(scene, manifest.cameras, manifest.antialiased, manifest.background)

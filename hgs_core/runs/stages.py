@@ -138,9 +138,14 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     scene = load_scene(folder.trained)
     views = views_of_run(folder, spec, scene)
     cycles = fine_tune_cycles(spec.config) if fine_tune is None else fine_tune
+    if views.capture is None:  # there is nothing to train with
+        cycles = 0
     steps = 4 + cycles
     progress(Progress("encode", 0, steps))
-    utility = measure_utility(scene, list(views.trained.values()), views.times, antialiased=antialiased)
+    utility = measure_utility(
+        scene, list(views.trained.values()), views.times, antialiased=antialiased,
+        any_background=views.any_background,
+    )  # fmt: skip
     progress(Progress("encode", 1, steps))
     found = fit(
         scene, views, utility, budget or spec.config.budget, spec.config, cycles=cycles,
@@ -152,9 +157,8 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     summary = json.loads(folder.train_summary.read_text())
     training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
     manifest = encode_scene(
-        found.scene, folder.scene, cameras=views.cameras, times=views.times, title=views.title, settings=found.settings,
-        thumbnail=picture, training=training, antialiased=antialiased,
-        utility=found.utility,
+        found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
+        settings=found.settings, thumbnail=picture, training=training, antialiased=antialiased, utility=found.utility,
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
     moving = sum(len(part.dynamic) for part in scene.segments)

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from server.cli.json_output import JsonOutput
+
 __all__ = ["add_parser"]
 
 
@@ -21,15 +23,17 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--to", metavar="FILE", type=Path, required=True, help="the file; its suffix tells the format")
     parser.add_argument("--time", metavar="S", type=float, help="write the scene as it stands at this second")
     parser.add_argument("--segment", metavar="N", type=int, help="which segment of several a 4D file holds, from 0")
+    parser.add_argument("--json", metavar="FILE", help="write what the file lacks as JSON; -: in place of text")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.source import open_source
 
+    output = JsonOutput(options.json)
     source = open_source(options.source)
-    notes = source.export(options.to, time=options.time, segment=options.segment)
-    for note in notes:
-        print(f"{options.to}: {note}", file=sys.stderr)
-    print(options.to)
+    changes = source.export(options.to, time=options.time, segment=options.segment)
+    for change in changes:
+        print(f"{options.to}: {change}", file=sys.stderr)
+    output.show({"file": str(options.to), "changes": [change.to_json() for change in changes]}, str(options.to))
     return 0

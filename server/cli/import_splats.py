@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.train.config import BUDGETS, TrainConfig
+from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -32,20 +33,22 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--antialiased", action="store_true", help="the splats were trained to be drawn antialiased")
     parser.add_argument("--budget", choices=list(BUDGETS), default="default", help="what encoding may lose")
+    parser.add_argument("--json", metavar="FILE", help="write what is left out or changed as JSON; -: in place of text")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
     hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
+    output = JsonOutput(options.json)
     config = TrainConfig.from_json({"preset": "imported", "hold_out": hold_out, "budget": options.budget})
     from hgs_core.runs.imported import import_run
 
     with ProgressBars() as bars:
-        notes = import_run(
+        imported = import_run(
             options.file, options.out, bars, duration=options.duration, capture=options.capture, config=config,
             antialiased=options.antialiased,
         )  # fmt: skip
-    for note in notes:
-        print(f"{options.file}: {note}", file=sys.stderr)
-    print(options.out)
+    for change in imported.changes:
+        print(f"{options.file}: {change}", file=sys.stderr)
+    output.show({"run": str(options.out), **imported.to_json()}, str(options.out))
     return 0

@@ -56,14 +56,15 @@ def encode_scene(
     training: Mapping[str, Any] | None = None,
     antialiased: bool = False,
     utility: Utility | None = None,
+    closer: Sequence[Camera] = (),
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
     JSON can hold, `antialiased` whether the splats were trained to be drawn so, `utility` what every splat was measured
-    to do to the capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Equal
-    arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same folder
-    are removed after that.
+    to do to the capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Splats are
+    sized for how `cameras` and `closer` see them; the manifest names the former. Equal arguments give equal bytes. The
+    manifest appears last and atomically; chunks of an earlier scene in the same folder are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -87,12 +88,13 @@ def encode_scene(
     moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
-    static = _static_chunks(scene, cameras, utility, settings, antialiased)
+    seen_by = (*cameras, *closer)
+    static = _static_chunks(scene, seen_by, utility, settings, antialiased)
     coded = list(static)
     slices: list[SliceEntry] = []
     for shown in segments:
         known = None if utility is None else utility.dynamic[shown.number]
-        pieces, chunks = _segment_chunks(shown, cameras, known, settings, len(coded), antialiased)
+        pieces, chunks = _segment_chunks(shown, seen_by, known, settings, len(coded), antialiased)
         slices += pieces
         coded += chunks
     manifest = Manifest(

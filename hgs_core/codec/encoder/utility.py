@@ -25,7 +25,8 @@ class SetUtility:
     """What each splat of a set does to the capture's pictures, means over the views.
 
     `shown` is what the squared error of the picture grows by for a unit error of the splat's colour (a channel),
-    `missed` what it grows by (all three channels) if this splat alone is left out and what lies behind it shows.
+    `missed` what it grows by (all three channels) if this splat alone is left out and what lies behind it shows;
+    infinity for a splat that must not be.
     """
 
     shown: Doubles  # [N] sum_pixels (T alpha)^2, pixels
@@ -47,9 +48,9 @@ class Utility:
 def pixels_per_unit(points: Doubles, cameras: Sequence[Camera]) -> Doubles:
     """Return how many pixels a world unit at each of `points` [N, 3] fills: root mean square over who sees it, [N].
 
-    A point that no camera sees has the median of the others, or that of the cameras' distance.
+    A point in no camera's picture has what it would fill in that of the nearest one.
     """
-    squares, seen = np.zeros(len(points)), np.zeros(len(points))
+    squares, seen, nearest = np.zeros(len(points)), np.zeros(len(points)), np.zeros(len(points))
     for camera in cameras:
         pixels, depth = camera.project(points)
         with np.errstate(invalid="ignore"):
@@ -58,13 +59,9 @@ def pixels_per_unit(points: Doubles, cameras: Sequence[Camera]) -> Doubles:
             )
         squares[inside] += camera.fx * camera.fy / depth[inside] ** 2
         seen += inside
-    found = seen > 0
-    if not found.any():
-        distance = [np.linalg.norm(points - camera.position, axis=1) / (camera.fx * camera.fy) ** 0.5
-                    for camera in cameras]  # fmt: skip
-        return np.asarray(1 / np.maximum(np.median(distance, axis=0), 1e-30))
-    scale = np.sqrt(squares / np.maximum(seen, 1))
-    return np.where(found, scale, np.median(scale[found]))
+        distance = np.maximum(np.linalg.norm(points - camera.position, axis=1), camera.near)
+        nearest = np.maximum(nearest, (camera.fx * camera.fy) ** 0.5 / distance)
+    return np.where(seen > 0, np.sqrt(squares / np.maximum(seen, 1)), nearest)
 
 
 def estimated_utility(log_scales: Doubles, opacity: Doubles, scale: Doubles, shown: Doubles | float = 1.0) -> Doubles:

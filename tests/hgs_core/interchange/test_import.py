@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.interchange import export_scene, import_scene
+from hgs_core.interchange import Action, Change, export_scene, import_scene
 from hgs_core.interchange.ply_table import write_ply
 from hgs_core.interchange.spz_file import read_spz, spz_file
 from hgs_core.scene import HybridScene
@@ -27,22 +27,24 @@ def table(count: int = 3, **more: np.ndarray) -> dict[str, np.ndarray]:
     return {name: rng.normal(size=count).astype(np.float32) for name in FIELDS} | more
 
 
-def test_higher_harmonics_are_dropped_with_a_note(written: Write) -> None:
+def test_higher_harmonics_are_left_out_and_counted(written: Write) -> None:
     rest = {f"f_rest_{i}": np.ones(3, np.float32) for i in range(45)}
     given = table(**rest)
     found = import_scene(written("x.ply", write_ply(given)), 1.0)
-    assert found.notes == ("spherical harmonics of degree 1 to 3 left out: colours are the same from every direction",)
+    reason = "spherical harmonics of degree 1 to 3: colours are the same from every direction"
+    assert found.changes[0] == Change(Action.LEFT_OUT, "view-dependent colour", 3, 3, reason)
     expected = np.maximum(0.5 + 0.28209479 * np.stack([given[f"f_dc_{i}"] for i in range(3)], axis=1), 0)
     np.testing.assert_allclose(found.scene.static.rgb, expected, rtol=1e-6)
 
 
-def test_splats_that_are_no_numbers_are_left_out_with_a_note(written: Write) -> None:
+def test_splats_that_are_no_numbers_are_left_out_and_counted(written: Write) -> None:
     given = table(4)
     given["x"][1] = np.nan
     given["opacity"][2] = np.inf  # an opacity of 1
     found = import_scene(written("x.ply", write_ply(given)), 1.0)
     assert len(found.scene.static) == 3
-    assert found.notes == ("1 of 4 splats left out: they have numbers that are not finite",)
+    assert Change(Action.LEFT_OUT, "splats", 1, 4, "position is no finite number") in found.changes
+    assert Change(Action.LIMITED, "opacity", 1, 3, "to 0.000001 to 0.999999") in found.changes
 
 
 def test_properties_of_any_type_and_order_are_read_by_name(written: Write) -> None:
@@ -116,14 +118,14 @@ def test_an_export_that_cannot_be_is_refused_and_nothing_is_written(
 
 
 def test_spz_of_version_2_has_coarser_rotations_in_a_byte_less(still: HybridScene[np.ndarray], written: Write) -> None:
-    raw = [len(gzip.decompress(spz_file(still.static, version=version))) for version in (2, 3)]
+    raw = [len(gzip.decompress(spz_file(still.static, version=version).data)) for version in (2, 3)]
     assert raw == [16 + 50 * 19, 16 + 50 * 20]
-    found = read_spz(written("x.spz", spz_file(still.static, version=2)))[0]
+    found = read_spz(written("x.spz", spz_file(still.static, version=2).data))[0]
     turn = np.abs((found.quats * still.static.quats).sum(axis=1))
     assert turn.min() > 0.99  # w is made good from the others, badly where it is small
 
 
 def test_spz_takes_fewer_fractional_bits_far_from_the_origin(still: HybridScene[np.ndarray], written: Write) -> None:
     far = type(still.static)(still.static.means * 1e4, *(a for _, a in list(still.static.items())[1:]))
-    found = read_spz(written("x.spz", spz_file(far)))[0]
+    found = read_spz(written("x.spz", spz_file(far).data))[0]
     np.testing.assert_allclose(found.means, far.means, atol=0.5 / 64)

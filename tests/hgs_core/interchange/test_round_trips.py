@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from hgs_core.codec.encoder.rotations import matrices
-from hgs_core.interchange import export_scene, import_scene, scene_at
+from hgs_core.interchange import Action, Change, export_scene, import_scene, scene_at
 from hgs_core.scene import HybridScene, Segment, StaticSplats, evaluate
 from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("cam00", 640, 480, 500.0, 510.0, 320.0, 240.0, np.eye(4))
 
 
-def export(scene: HybridScene[np.ndarray], path: Path, **more: object) -> list[str]:
+def export(scene: HybridScene[np.ndarray], path: Path, **more: object) -> tuple[Change, ...]:
     return export_scene(scene, path, cameras=[CAMERA], **({"antialiased": False} | more))  # type: ignore[arg-type]
 
 
@@ -32,7 +32,7 @@ def test_a_3dgs_ply_gives_the_same_floats_but_for_the_harmonic_of_colours(
     for name in ("means", "log_scales", "quats", "opacity_logits"):
         np.testing.assert_array_equal(getattr(found.scene.static, name), getattr(still.static, name))
     np.testing.assert_allclose(found.scene.static.rgb, still.static.rgb, atol=1e-6)
-    assert (len(found.scene.segments[0].dynamic), found.notes, found.antialiased) == (0, (), False)
+    assert (len(found.scene.segments[0].dynamic), found.changes, found.antialiased) == (0, (), False)
 
 
 def test_an_stgs_ply_gives_the_same_splats_of_both_kinds(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:
@@ -45,7 +45,7 @@ def test_an_stgs_ply_gives_the_same_splats_of_both_kinds(scene: HybridScene[np.n
         np.testing.assert_allclose(getattr(found.segments[0].dynamic, name), array, rtol=1e-6, atol=1e-6)
 
 
-def test_motion_of_the_fifth_order_becomes_the_nearest_cubic_and_a_note_says_how_near(
+def test_motion_of_the_fifth_order_becomes_the_nearest_cubic_and_it_is_said_how_near(
     scene: HybridScene[np.ndarray], tmp_path: Path
 ) -> None:
     """Reference: numpy's polyfit over the times at which a splat that hardly fades is seen."""
@@ -56,8 +56,8 @@ def test_motion_of_the_fifth_order_becomes_the_nearest_cubic_and_a_note_says_how
     dynamic.time_centers[0], dynamic.time_log_precisions[0] = 0.5, -20
     dynamic.opacity_logits[0] = 5
     fifth = dataclasses.replace(scene, segments=(dataclasses.replace(scene.segments[0], dynamic=dynamic),))
-    notes = export(fifth, tmp_path / "x.ply")
-    assert any(note.startswith("1 motions of the fifth order became cubics") for note in notes)
+    (change,) = [change for change in export(fifth, tmp_path / "x.ply") if "fifth" in change.reason]
+    assert (change.action, change.what, change.count, change.of) == (Action.REPLACED, "motion", 1, 80)
     found = import_scene(tmp_path / "x.ply", 2.0).scene.segments[0].dynamic
     assert found.motion.shape[1:] == (4, 3)
     np.testing.assert_allclose(found.motion[1:], own.motion[1:], rtol=1e-6, atol=1e-6)
@@ -65,10 +65,10 @@ def test_motion_of_the_fifth_order_becomes_the_nearest_cubic_and_a_note_says_how
     path = np.polynomial.polynomial.polyval(d, motion[0, :, 0].astype(np.float64))
     expected = np.polynomial.polynomial.polyfit(d, path, 3)
     np.testing.assert_allclose(found.motion[0, :, 0], expected, rtol=1e-5, atol=1e-5)
-    (error,) = [float(note.split()[-3]) for note in notes if "fifth" in note]
+    error = float(change.reason.split()[-3])
     assert error == pytest.approx(np.abs(np.polynomial.polynomial.polyval(d, expected) - path).max(), rel=0.01)
-    assert not any("fifth" in note for note in export(scene, tmp_path / "y.splatv"))
-    assert any("fifth" in note for note in export(fifth, tmp_path / "z.splatv"))
+    assert not any("fifth" in change.reason for change in export(scene, tmp_path / "y.splatv"))
+    assert any("fifth" in change.reason for change in export(fifth, tmp_path / "z.splatv"))
 
 
 def test_an_stgs_ply_has_the_fields_and_the_size_of_its_trainer(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:

@@ -33,13 +33,13 @@ def shader(words: list[int], time: float) -> tuple[list[float], list[float], flo
 
 
 def test_the_viewers_shader_draws_the_scene(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:
-    notes = export_scene(scene, tmp_path / "x.splatv", cameras=[CAMERA], antialiased=True)
+    changes = export_scene(scene, tmp_path / "x.splatv", cameras=[CAMERA], antialiased=True)
     data = (tmp_path / "x.splatv").read_bytes()
     magic, length = struct.unpack_from("<2I", data)
     (chunk,) = json.loads(data[8 : 8 + length])
     assert (magic, chunk["type"], chunk["texwidth"], chunk["texheight"]) == (0x674B, "splat", 4096, 1)
     assert len(data) == 8 + length + chunk["size"]
-    assert "antialiased" in notes[0]
+    assert changes[0].what == "antialiasing"
     texture = np.frombuffer(data, "<u4", offset=8 + length).reshape(-1, 16)
     assert len(texture) == 1024
     dynamic = scene.segments[0].dynamic

@@ -10,7 +10,7 @@ import pytest
 
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.interchange import export_scene, import_scene
-from hgs_core.scene import HybridScene, Segment
+from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.files import load_scene
 from server.cli import main
 from tests.synthetic import synthetic_scene, write_capture
@@ -70,7 +70,7 @@ def test_without_a_capture_a_run_can_be_encoded_but_not_scored(
     run = tmp_path / "run"
     assert main(["import", str(splats), "--out", str(run), "--duration", "0.1"]) == 0
     manifest = load_manifest(run / "scene")
-    assert (len(manifest.cameras), manifest.end) == (24, pytest.approx(0.1))
+    assert (manifest.cameras[0].name, manifest.end) == ("front", pytest.approx(0.1))
     assert main(["encode", str(run), "--budget", "low"]) == 0
     assert load_manifest(run / "scene").totals.bytes_static < manifest.totals.bytes_static
     capsys.readouterr()
@@ -106,6 +106,49 @@ def test_bad_input_is_one_line_and_status_2(
     assert main(arguments) == 2
     assert f"hgs: {problem}" in capsys.readouterr().err
     assert not any(tmp_path.iterdir())
+
+
+def test_import_and_export_tell_what_they_left_out(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    given = import_scene(splats, 0.1).scene
+    given.static.means[:3] = np.nan
+    given.static.opacity_logits[3:5] = -6  # below 1/255
+    export_scene(given, tmp_path / "x.ply", cameras=[], antialiased=False)
+    capsys.readouterr()
+    arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", "0.03"]
+    assert main([*arguments, "--json", "-"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    before, kept = found["splats"], found["kept"]
+    totals = load_manifest(tmp_path / "run" / "scene").totals
+    assert (before, kept) == (153, totals.splats_static + totals.splats_dynamic)
+    assert [(c["action"], c["count"], c["of"], c["reason"]) for c in found["changes"]] == [
+        ("left out", 3, 153, "position is no finite number"),
+        ("left out", 150 - kept, 150, "no picture misses them"),
+    ]
+    assert 150 - kept >= 2
+    assert f"x.ply: {150 - kept} of 150 splats left out: no picture misses them" in told.err
+    target = tmp_path / "y.spz"
+    assert main(["export", str(tmp_path / "run"), "--to", str(target), "--time", "0", "--json", "-"]) == 0
+    told = capsys.readouterr()
+    changes = {(change["action"], change["what"]): change for change in json.loads(told.out)["changes"]}
+    assert changes[("rounded", "position")]["reason"] == "fixed point, steps of 1/4,096"
+    assert f"{target}: rotation of " in told.err
+
+
+def test_an_import_of_which_nothing_shows_leaves_no_run(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two faint points far apart: they can be seen, but no picture misses them."""
+    given = import_scene(splats, 0.1).scene.static.take(slice(0, 2))
+    given.opacity_logits[:] = -4.8
+    given.log_scales[:] = -20
+    still = HybridScene(given, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    export_scene(still, tmp_path / "x.ply", cameras=[], antialiased=False)
+    assert main(["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run")]) == 2
+    assert "x.ply: holds 2 splats, none of which shows in any picture" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
 
 
 def test_cameras_cannot_be_held_out_without_a_capture(

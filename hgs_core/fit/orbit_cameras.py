@@ -1,0 +1,159 @@
+"""Cameras for a scene that came without any: around the whole of it, and closer to every part.
+
+A file of splats says nothing of who looks at them. That "up" is -y, as the first camera of a COLMAP reconstruction has
+it, is a convention; what is the front is not agreed on. Densification puts splats where photographs show detail, and
+most photographs are taken of the front: of the four sides, the one from which most splats are seen is taken for it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+
+from hgs_core.codec.format import morton
+from hgs_core.render.contribution import contributions
+from hgs_core.render.threads import one_torch_thread
+from hgs_core.scene.camera import Camera
+from hgs_core.scene.splats import HybridScene
+from hgs_core.scene.temporal import evaluate, lifetime
+
+__all__ = ["OrbitCameras", "orbit_cameras"]
+
+SIZE = (640, 480)  # pixels
+FOCAL = 560.0
+DISTANCE = 2.65  # in radii: a ball there fills 0.96 of the height of a picture
+NEAR = 0.2  # of the distance to what a camera looks at
+RINGS = (("", 8, 10.0), ("high", 6, 45.0), ("low", 4, -30.0), ("top", 1, 85.0), ("bottom", 1, -85.0))
+"""Cameras around the whole: their name, their number and their elevation in degrees; the first ring begins in front."""
+
+SIDES = ("front", "front-right", "right", "back-right", "back", "back-left", "left", "front-left")
+CLOSER = ((20, 0.5), (20, 0.25))  # cameras, and their distance in those of the whole
+INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` times these splats may be out of frame
+OUTLYING = 1.5
+REACH = 2.0  # standard deviations of a splat that belong to it
+MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
+SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+
+Floats = NDArray[np.float32]
+Doubles = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class OrbitCameras:
+    """Made-up cameras."""
+
+    whole: tuple[Camera, ...]  # show the scene from all sides; the first one from its front
+    closer: tuple[Camera, ...]  # parts of it in more detail
+
+
+def orbit_cameras(scene: HybridScene[Floats], *, antialiased: bool) -> OrbitCameras:
+    """Return cameras that look at a scene from its front, its other sides, above, below, and more closely.
+
+    What stands far outside of the rest (floaters) may be out of every picture.
+    """
+    places, sizes, weights = _places(scene)
+    middle, radius = _ball(places, sizes, weights)
+    distance = DISTANCE * radius
+    sides = [_seen_at(middle, distance, azimuth, RINGS[0][2]) for azimuth in (0, 90, 180, 270)]
+    front = 90 * int(np.argmax([_splats_seen(scene, camera, antialiased) for camera in sides]))
+    whole = [
+        dataclasses.replace(_seen_at(middle, distance, front + 360 * i / count, elevation), name=_name(ring, count, i))
+        for ring, count, elevation in RINGS
+        for i in range(count)
+    ]
+    closer = [
+        _looking(f"close{share}-{i}", target, share * distance * _direction(i, count))
+        for count, share in CLOSER
+        for i, target in enumerate(_spread(places, weights, count))
+    ]
+    return OrbitCameras(tuple(whole), tuple(closer))
+
+
+def _places(scene: HybridScene[Floats]) -> tuple[Doubles, Doubles, Doubles]:
+    """Return where splats are [P, 3], how far they reach and how opaque they are, moving ones at several moments."""
+    static = scene.static
+    places, scales, logits = [static.means.astype(np.float64)], [static.log_scales], [static.opacity_logits]
+    for segment in scene.segments:
+        start, end = (np.clip(np.nan_to_num(side), 0, 1) for side in lifetime(segment.dynamic))
+        for moment in MOMENTS:
+            places.append(evaluate(segment.dynamic, start + moment * (end - start))[0])
+            scales.append(segment.dynamic.log_scales)
+            logits.append(segment.dynamic.opacity_logits)
+    sizes = REACH * np.exp(np.concatenate(scales).astype(np.float64).max(axis=1, initial=-30.0))
+    return np.concatenate(places), sizes, np.exp(-np.logaddexp(0.0, -np.concatenate(logits).astype(np.float64)))
+
+
+def _ball(places: Doubles, sizes: Doubles, weights: Doubles) -> tuple[Doubles, float]:
+    """Return middle and radius of the ball of the splats [P], but for outliers."""
+    median = np.array([_quantile(axis, weights, 0.5) for axis in places.T])
+    away = np.linalg.norm(places - median, axis=1)
+    inner = away <= OUTLYING * _quantile(away, weights, INNER)
+    middle = (places[inner].min(axis=0) + places[inner].max(axis=0)) / 2
+    away = np.linalg.norm(places[inner] - middle, axis=1)
+    radius = max(float(away.max()), _quantile(away + sizes[inner], weights[inner], INNER))
+    return middle, max(radius, 1e-9)
+
+
+def _quantile(values: Doubles, weights: Doubles, share: float) -> float:
+    order = np.argsort(values, kind="stable")
+    total = np.cumsum(weights[order])
+    return float(values[order[np.searchsorted(total, share * total[-1])]])
+
+
+def _spread(places: Doubles, weights: Doubles, count: int) -> Doubles:
+    """Return the places [count, 3] of splats that stand for equal shares of all opacity, by their place in space."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    grid = (places - low) / np.maximum((high - low).max(), 1e-30) * 0xFFFF
+    order = morton.order(morton.interleave(grid.astype(np.uint32)))
+    total = np.cumsum(weights[order])
+    chosen = order[np.searchsorted(total, (np.arange(count) + 0.5) / count * total[-1])]
+    return np.asarray(places[chosen])
+
+
+def _splats_seen(scene: HybridScene[Floats], camera: Camera, antialiased: bool) -> int:
+    seconds = (scene.start + scene.end) / 2
+    segment = scene.segment_at(seconds)
+    with one_torch_thread():
+        found = contributions(
+            scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
+            segment.normalised(seconds), antialiased=antialiased,
+        )  # fmt: skip
+    return int((found.peak >= SHOWN).sum())
+
+
+def _name(ring: str, count: int, number: int) -> str:
+    if not ring:
+        return SIDES[number]
+    return ring if count == 1 else f"{ring}-{number + 1}"
+
+
+def _direction(number: int, count: int) -> Doubles:
+    """Return one of `count` unit vectors that are evenly spread over all directions (Fibonacci)."""
+    y = 1 - (2 * number + 1) / count
+    angle = GOLDEN_ANGLE * number
+    across = np.sqrt(1 - y * y)
+    return np.array([across * np.sin(angle), y, -across * np.cos(angle)])
+
+
+def _seen_at(middle: Doubles, distance: float, azimuth: float, elevation: float) -> Camera:
+    """Return a camera in degrees around the middle: azimuth 0 looks along z, 90 stands to the right of that."""
+    a, e = np.deg2rad(azimuth), np.deg2rad(elevation)
+    return _looking("", middle, distance * np.array([np.cos(e) * np.sin(a), -np.sin(e), -np.cos(e) * np.cos(a)]))
+
+
+def _looking(name: str, target: Doubles, aside: Doubles) -> Camera:
+    """Return a camera that looks at a point from a vector away, the world's y pointing down."""
+    distance = float(np.linalg.norm(aside))
+    forward = -aside / distance
+    right = np.cross([0.0, 1.0, 0.0], forward)
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = [right, np.cross(forward, right), forward]
+    pose[:3, 3] = -pose[:3, :3] @ (target + aside)
+    width, height = SIZE
+    return Camera(name, width, height, FOCAL, FOCAL, width / 2, height / 2, pose, near=NEAR * distance)
