@@ -151,7 +151,7 @@ def check(scene_folder: Path, page: str, seconds: float) -> int:
         segment = scene.segment_at(moment)
         picture = rasterize(
             scene.static, segment.dynamic, camera, segment.normalised(moment),
-            background=manifest.background, gradients="none", antialiased=manifest.antialiased,
+            background=scene.background, gradients="none", antialiased=scene.antialiased,
         ).rgb  # fmt: skip
         expected = np.rint(picture.clamp(0, 1).permute(1, 2, 0).numpy() * 255).astype(np.uint8)
         url = f"{page}?t={moment}&camera={camera.name}&paused=1&width={camera.width}&height={camera.height}&exact=1"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import numpy.typing as npt
 
@@ -19,4 +21,4 @@ def with_statics_at_rest(scene: HybridScene[Floats]) -> HybridScene[Floats]:
     The copies stand at the middle of their segment, have no velocity and neither turn nor fade.
     """
     segments = tuple(Segment(s.start, s.end, joined([at_rest(scene.static), s.dynamic])) for s in scene.segments)
-    return HybridScene(StaticSplats.empty(), segments)
+    return dataclasses.replace(scene, static=StaticSplats.empty(), segments=segments)

@@ -27,9 +27,8 @@ from hgs_core.interchange.formats import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
 from hgs_core.native.machine import machine_facts
-from hgs_core.runs.encode_inputs import training_states, views_of_run
+from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 from hgs_core.runs.folder import RunFolder
-from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
@@ -88,7 +87,6 @@ def bench_codec(
         InputError: the source is neither, or damaged; of a run also if its capture is gone.
     """
     scene, views, config, states, held_out = _opened(source)
-    antialiased = config.antialiased
     steps, done = 2 + len(budgets) + len(sweep), 0
 
     def tell() -> None:
@@ -97,12 +95,12 @@ def bench_codec(
         progress(Progress("codec", done, steps))
 
     utility = measure_utility(
-        scene, list(views.trained.values()), views.times, antialiased=antialiased,
+        scene, list(views.trained.values()), views.times,
         any_background=views.any_background,
     )  # fmt: skip
     tell()
-    seen = Loss(scene, views, views.trained, antialiased=antialiased)
-    unseen = Loss(scene, views, held_out, antialiased=antialiased) if held_out else None
+    seen = Loss(scene, views, views.trained)
+    unseen = Loss(scene, views, held_out) if held_out else None
     points: list[CodecPoint] = []
     cycles = fine_tune_cycles(config)
     chosen = []
@@ -118,7 +116,7 @@ def bench_codec(
             began = time.process_time()
             manifest = encode_scene(
                 found.scene, Path(out), cameras=views.cameras, closer=views.closer, times=views.times,
-                title=views.title, settings=found.settings, antialiased=antialiased, utility=found.utility,
+                title=views.title, settings=found.settings, utility=found.utility,
             )  # fmt: skip
             seconds = fitting + time.process_time() - began
             decoded = decode_scene(Path(out))
@@ -144,7 +142,7 @@ def bench_codec(
         errors = {name: spz_errors(scene.static, data) for name, data in versions.items()}
         for name, found, _ in chosen:
             errors[name] = coded_errors(
-                found.scene.static, views.every_camera, found.utility, found.settings, antialiased=antialiased
+                found.scene.static, views.every_camera, found.utility, found.settings, antialiased=scene.antialiased
             )
     tell()
     return CodecReport(
@@ -159,14 +157,14 @@ def _opened(
     """Return the scene, its views, its config, the states its training ended in, and the cameras held out, by index."""
     if source.is_file():
         imported = import_scene(source, 50 / 30)
-        config = TrainConfig(antialiased=imported.antialiased)
-        views = views_around(imported.scene, source.stem, antialiased=config.antialiased)
+        config = TrainConfig(antialiased=imported.scene.antialiased)
+        views = views_around(imported.scene, source.stem)
         return imported.scene, views, config, (), {}
     folder = RunFolder(source)
     spec = folder.read_spec()
     if not folder.trained.is_file():
         raise InputError(source, "is not trained yet", "finish it with hgs train")
-    scene = load_scene(folder.trained)
+    scene = trained_scene(folder)
     views = views_of_run(folder, spec, scene)
     hidden = {i: camera for i, camera in enumerate(views.cameras) if i not in views.trained}
     return scene, views, spec.config, training_states(folder, scene), hidden

@@ -34,7 +34,8 @@ def prefix_losses(folder: Path, loss: Loss, seed: int = 0) -> tuple[float, float
             Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets]))
             for segment, sets in zip(manifest.segments, moving, strict=True)
         )
-        return loss.of(HybridScene(joined([StaticSplats.empty(), *static]), segments))
+        still = joined([StaticSplats.empty(), *static])
+        return loss.of(HybridScene(still, segments, manifest.background, manifest.antialiased))
 
     return shown(False), float(np.mean([shown(True) for _ in range(SHUFFLES)]))
 

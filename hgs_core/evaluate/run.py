@@ -117,7 +117,7 @@ def _score(
             camera = views[capture.cameras[index].name]
             view = FixedView(
                 scene.static, camera,
-                background=manifest.background, antialiased=manifest.antialiased, backend=backend,
+                background=scene.background, antialiased=scene.antialiased, backend=backend,
             )  # fmt: skip
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))

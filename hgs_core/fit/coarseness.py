@@ -54,15 +54,13 @@ class Loss:
     add; it may then stand before anything, so that the loss is the larger one of those on black and on white.
     """
 
-    def __init__(
-        self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera], *, antialiased: bool
-    ) -> None:
+    def __init__(self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera]) -> None:
         """Draw `scene` in views spread over `cameras` (by index) and all time; what it loses is measured against that.
 
         Raises:
             InputError: a frame cannot be read.
         """
-        self._cameras, self._times, self._antialiased = cameras, views.times, antialiased
+        self._cameras, self._times = cameras, views.times
         indices = sorted(cameras)
         self._views = [
             (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
@@ -92,7 +90,7 @@ class Loss:
             for index, frame in self._views:
                 seconds = float(self._times[frame])
                 segment = tensors.segment_at(seconds)
-                view = FixedView(tensors.static, self._cameras[index], antialiased=self._antialiased)
+                view = FixedView(tensors.static, self._cameras[index], antialiased=scene.antialiased)
                 drawn = view.frame(segment.dynamic, segment.normalised(seconds))
                 grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
                 pictures.append(torch.stack(grounds).clamp(0, 1))
@@ -129,13 +127,10 @@ def fit(
         InputError: a frame cannot be read, or a splat cannot be encoded.
     """
     allowed = BUDGETS[budget]
-    loss = Loss(scene, views, views.trained, antialiased=config.antialiased)
+    loss = Loss(scene, views, views.trained)
 
     def lost(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> float:
-        found = quantised_scene(
-            scene, views.every_camera, views.times, utility, settings, antialiased=config.antialiased
-        )
-        return loss.of(found.decoded)
+        return loss.of(quantised_scene(scene, views.every_camera, views.times, utility, settings).decoded)
 
     def coarsest(allowed: float, start: float) -> Fitted:
         coarseness, decibels = _coarsest(

@@ -103,10 +103,7 @@ class FineTune:
 
     def _coded(self, settings: EncodeSettings) -> Quantised:
         """Quantise the scene; utilities and moments follow the splats that are kept."""
-        coded = quantised_scene(
-            self.scene, self._views.cameras, self._views.times, self.utility, settings,
-            antialiased=self._config.antialiased,
-        )  # fmt: skip
+        coded = quantised_scene(self.scene, self._views.cameras, self._views.times, self.utility, settings)
         self._static.select(torch.from_numpy(coded.static_rows).to(self._device), 0)
         for adam, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
             adam.select(torch.from_numpy(rows).to(self._device), 0)
@@ -118,9 +115,10 @@ class FineTune:
 
     def _move(self, coded: Quantised, drawn: HybridScene[Tensor]) -> None:
         exact, decoded = coded.exact, coded.decoded
-        self.scene = HybridScene(
-            _moved(exact.static, decoded.static, drawn.static),
-            tuple(
+        self.scene = dataclasses.replace(
+            exact,
+            static=_moved(exact.static, decoded.static, drawn.static),
+            segments=tuple(
                 Segment(before.start, before.end, _moved(before.dynamic, shown.dynamic, now.dynamic))
                 for before, shown, now in zip(exact.segments, decoded.segments, drawn.segments, strict=True)
             ),

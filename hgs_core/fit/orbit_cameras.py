@@ -51,7 +51,7 @@ class OrbitCameras:
     closer: tuple[Camera, ...]  # parts of it in more detail
 
 
-def orbit_cameras(scene: HybridScene[Floats], *, antialiased: bool) -> OrbitCameras:
+def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
     """Return cameras that look at a scene from its front, its other sides, above, below, and more closely.
 
     What stands far outside of the rest (floaters) may be out of every picture.
@@ -60,7 +60,7 @@ def orbit_cameras(scene: HybridScene[Floats], *, antialiased: bool) -> OrbitCame
     middle, radius = _ball(places, sizes, weights)
     distance = DISTANCE * radius
     sides = [_seen_at(middle, distance, azimuth, RINGS[0][2]) for azimuth in (0, 90, 180, 270)]
-    front = 90 * int(np.argmax([_splats_seen(scene, camera, antialiased) for camera in sides]))
+    front = 90 * int(np.argmax([_splats_seen(scene, camera) for camera in sides]))
     whole = [
         dataclasses.replace(_seen_at(middle, distance, front + 360 * i / count, elevation), name=_name(ring, count, i))
         for ring, count, elevation in RINGS
@@ -115,13 +115,13 @@ def _spread(places: Doubles, weights: Doubles, count: int) -> Doubles:
     return np.asarray(places[chosen])
 
 
-def _splats_seen(scene: HybridScene[Floats], camera: Camera, antialiased: bool) -> int:
+def _splats_seen(scene: HybridScene[Floats], camera: Camera) -> int:
     seconds = (scene.start + scene.end) / 2
     segment = scene.segment_at(seconds)
     with one_torch_thread():
         found = contributions(
             scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
-            segment.normalised(seconds), antialiased=antialiased,
+            segment.normalised(seconds), antialiased=scene.antialiased,
         )  # fmt: skip
     return int((found.peak >= SHOWN).sum())
 

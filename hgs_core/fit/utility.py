@@ -37,7 +37,6 @@ def measure_utility(
     cameras: Sequence[Camera],
     times: Doubles,
     *,
-    antialiased: bool,
     any_background: bool = False,
 ) -> Utility:
     """Weigh every splat in every frame, from some of `cameras` in turn; `times` [F] are the frames' seconds.
@@ -57,15 +56,15 @@ def measure_utility(
             moving = dynamic[view.segment]
             tiles = None
             if not view.whole:
-                tiles = tiles_of_dynamic(moving.splats, view.camera, view.moment, antialiased=antialiased)
+                tiles = tiles_of_dynamic(moving.splats, view.camera, view.moment, antialiased=scene.antialiased)
                 if not tiles.any():
                     continue
             seen = contributions(
-                static.splats, moving.splats, view.camera, view.moment, antialiased=antialiased, tile_mask=tiles
+                static.splats, moving.splats, view.camera, view.moment, antialiased=scene.antialiased, tile_mask=tiles
             )
             render = rasterize(
                 static.eased, moving.eased, view.camera, view.moment,
-                gradients="all" if view.whole else "dynamic", tile_mask=tiles, antialiased=antialiased,
+                gradients="all" if view.whole else "dynamic", tile_mask=tiles, antialiased=scene.antialiased,
             )  # fmt: skip
             picture = render.rgb
             if any_background:

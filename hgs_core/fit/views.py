@@ -44,9 +44,9 @@ class EncodeViews:
         return self.truth is None
 
 
-def views_around(scene: HybridScene[Floats], title: str, *, antialiased: bool) -> EncodeViews:
+def views_around(scene: HybridScene[Floats], title: str) -> EncodeViews:
     """Return made-up views of a scene without cameras (`orbit_cameras.py`)."""
-    found = orbit_cameras(scene, antialiased=antialiased)
+    found = orbit_cameras(scene)
     frames = max(1, round((scene.end - scene.start) * IMPORTED_FRAME_RATE))
     times = scene.start + np.arange(frames) / IMPORTED_FRAME_RATE
     seen = dict(enumerate((*found.whole, *found.closer)))

@@ -50,7 +50,6 @@ class Imported:
     """What a file holds."""
 
     scene: HybridScene[Floats]
-    antialiased: bool
     splats: int  # in the file
     changes: tuple[Change, ...]  # what was left out or changed of them
 
@@ -91,8 +90,8 @@ def import_scene(path: Path, duration: float) -> Imported:
     if not any((_opacity(splats) >= LEAST_OPACITY).any() for splats in (static, dynamic)):
         told = "; ".join(map(str, nonzero(changes)))
         raise InputError(path, "holds no splat that can be seen" + (f": {told}" if told else ""), "export it again")
-    scene = HybridScene(static, (Segment(0.0, end, dynamic),))
-    return Imported(scene, antialiased, total, nonzero(changes))
+    scene = HybridScene(static, (Segment(0.0, end, dynamic),), antialiased=antialiased)
+    return Imported(scene, total, nonzero(changes))
 
 
 def export_scene(
@@ -100,10 +99,8 @@ def export_scene(
     path: Path,
     *,
     cameras: Sequence[Camera],
-    antialiased: bool,
     time: float | None = None,
     segment: int | None = None,
-    background: tuple[float, float, float] = BLACK,
 ) -> tuple[Change, ...]:
     """Write a scene to `path`, in the format of its suffix, atomically; returns what the file lacks of it.
 
@@ -118,10 +115,10 @@ def export_scene(
         raise InputError(path, f"has the suffix {path.suffix or 'none'!r}", f"give one of {', '.join(EXPORTED)}")
     moving = any(len(part.dynamic) for part in scene.segments)
     changes: list[Change] = []
-    if antialiased and path.suffix != ".spz":
+    if scene.antialiased and path.suffix != ".spz":
         reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
         changes.append(Change.whole(Action.LEFT_OUT, "antialiasing", reason))
-    if background != BLACK:
+    if scene.background != BLACK:
         changes.append(Change.whole(Action.LEFT_OUT, "background", "the format has none"))
     if path.suffix == ".splatv" and time is not None:
         raise InputError("--time", "is not for .splatv, which holds all times", "leave it out, or export .splat")
@@ -134,7 +131,7 @@ def export_scene(
     else:
         splats = scene.static if time is None else scene_at(scene, time)
         write = {".ply": gaussian_ply, ".splat": splat_file}.get(path.suffix)
-        written = spz_file(splats, antialiased=antialiased) if write is None else write(splats)
+        written = spz_file(splats, antialiased=scene.antialiased) if write is None else write(splats)
         more = [] if time is None else _lost_in_a_moment(scene, splats, time)
     write_bytes(path, written.data)
     return nonzero((*changes, *more, *written.changes))

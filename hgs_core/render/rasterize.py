@@ -61,12 +61,12 @@ def rasterize(
         >>> import hgs_core as hgs
         >>> import torch
         >>> from pathlib import Path
-        >>> manifest = hgs.load_manifest(Path("run/scene"))
+        >>> camera = hgs.load_manifest(Path("run/scene")).cameras[0]
         >>> scene = hgs.decode_scene(Path("run/scene")).map(torch.from_numpy)
         >>> segment = scene.segment_at(scene.start)
         >>> picture = hgs.rasterize(
-        ...     scene.static, segment.dynamic, manifest.cameras[0], segment.normalised(scene.start),
-        ...     background=manifest.background, antialiased=manifest.antialiased,
+        ...     scene.static, segment.dynamic, camera, segment.normalised(scene.start),
+        ...     background=scene.background, antialiased=scene.antialiased,
         ... )
         >>> picture.rgb.shape  # sRGB, not clamped: channels, height, width
         torch.Size([3, 48, 64])

@@ -19,13 +19,8 @@ _WIDTH = 480  # pixels
 _QUALITY = 85  # JPEG
 
 
-def thumbnail(
-    scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera: Camera, *, antialiased: bool = False
-) -> bytes:
-    """Return a JPEG of the scene at the middle of its time, seen from `camera`, 480 pixels wide at most.
-
-    `antialiased` as the scene was trained.
-    """
+def thumbnail(scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera: Camera) -> bytes:
+    """Return a JPEG of the scene at the middle of its time, seen from `camera`, 480 pixels wide at most."""
     camera = camera.scaled(min(1.0, _WIDTH / camera.width))
     seconds = (scene.start + scene.end) / 2
     segment = scene.segment_at(seconds)
@@ -35,7 +30,8 @@ def thumbnail(
         camera,
         segment.normalised(seconds),
         gradients="none",
-        antialiased=antialiased,
+        background=scene.background,
+        antialiased=scene.antialiased,
     )
     pixels = (render.rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).contiguous().numpy()
     file = io.BytesIO()

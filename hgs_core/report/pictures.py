@@ -118,12 +118,9 @@ class _Artist:
         self._capture, self._scene = capture, scene
         self._index = capture.camera_index(name)
         self._camera = next(camera for camera in run.manifest.cameras if camera.name == name)
-        manifest = run.manifest
-        self._view = FixedView(
-            scene.static, self._camera, background=manifest.background, antialiased=manifest.antialiased
-        )
+        self._view = FixedView(scene.static, self._camera, background=scene.background, antialiased=scene.antialiased)
         black = dataclasses.replace(scene.static, rgb=torch.zeros_like(scene.static.rgb))
-        self._weights = FixedView(black, self._camera, antialiased=manifest.antialiased)
+        self._weights = FixedView(black, self._camera, antialiased=scene.antialiased)
 
     def psnr(self, frame: int) -> float:
         """Return the PSNR of a frame in dB."""

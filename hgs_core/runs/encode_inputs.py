@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,14 +12,24 @@ from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state
 from hgs_core.train.targets import target_picture
 from hgs_core.train.views import training_cameras
 
-__all__ = ["training_states", "views_of_run"]
+__all__ = ["trained_scene", "training_states", "views_of_run"]
 
 Floats = NDArray[np.float32]
+
+
+def trained_scene(folder: RunFolder) -> HybridScene[Floats]:
+    """Return the scene that a run trained, to be drawn as its config says: files of older runs do not say it.
+
+    Raises:
+        InputError: the run is not trained yet, or a file of it is damaged.
+    """
+    return dataclasses.replace(load_scene(folder.trained), antialiased=folder.read_spec().config.antialiased)
 
 
 def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -> EncodeViews:
@@ -27,7 +39,7 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
         InputError: the capture is gone or has changed, or the run's points are missing.
     """
     if spec.without_capture:
-        return views_around(scene, spec.capture.stem, antialiased=spec.config.antialiased)
+        return views_around(scene, spec.capture.stem)
     capture = spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20)
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
     trained = {i: cameras[i] for i in training_cameras(capture, spec.config)}

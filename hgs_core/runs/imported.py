@@ -65,7 +65,7 @@ def import_run(
     if not duration > 0:
         raise InputError("--duration", f"{duration} is not positive", "give the seconds that the scene lasts")
     imported = import_scene(file, duration)
-    config = dataclasses.replace(config, antialiased=imported.antialiased or antialiased)
+    config = dataclasses.replace(config, antialiased=imported.scene.antialiased or antialiased)
     fresh = not run.exists()
     if capture is None:
         if config.hold_out:

@@ -13,9 +13,9 @@ from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.folder import MANIFEST
 from hgs_core.interchange.changes import Change
 from hgs_core.interchange.formats import export_scene
+from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.camera import Camera
-from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Source", "open_source"]
@@ -27,15 +27,10 @@ class Source:
 
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
-    antialiased: bool
-    background: tuple[float, float, float]
 
     def export(self, path: Path, *, time: float | None, segment: int | None) -> tuple[Change, ...]:
         """Write the scene to a file; see `export_scene`."""
-        return export_scene(
-            self.scene, path, cameras=self.cameras, antialiased=self.antialiased, time=time, segment=segment,
-            background=self.background,
-        )  # fmt: skip
+        return export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment)
 
 
 def open_source(path: Path) -> Source:
@@ -50,5 +45,5 @@ def open_source(path: Path) -> Source:
         folder = RunFolder(path)
         if not folder.trained.is_file() or not folder.manifest.is_file():
             raise InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")
-        manifest, scene = load_manifest(folder.manifest), load_scene(folder.trained)
-    return Source(scene, manifest.cameras, manifest.antialiased, manifest.background)
+        manifest, scene = load_manifest(folder.manifest), trained_scene(folder)
+    return Source(scene, manifest.cameras)

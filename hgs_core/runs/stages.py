@@ -129,13 +129,11 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     from hgs_core.fit.coarseness import fine_tune_cycles, fit
     from hgs_core.fit.utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
-    from hgs_core.runs.encode_inputs import training_states, views_of_run
-    from hgs_core.scene.files import load_scene
+    from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 
     folder = RunFolder(run)
     spec = folder.read_spec()
-    antialiased = spec.config.antialiased
-    scene = load_scene(folder.trained)
+    scene = trained_scene(folder)
     views = views_of_run(folder, spec, scene)
     cycles = fine_tune_cycles(spec.config) if fine_tune is None else fine_tune
     if views.capture is None:  # there is nothing to train with
@@ -143,7 +141,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     steps = 4 + cycles
     progress(Progress("encode", 0, steps))
     utility = measure_utility(
-        scene, list(views.trained.values()), views.times, antialiased=antialiased,
+        scene, list(views.trained.values()), views.times,
         any_background=views.any_background,
     )  # fmt: skip
     progress(Progress("encode", 1, steps))
@@ -152,13 +150,13 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )  # fmt: skip
     progress(Progress("encode", steps - 2, steps))
-    picture = thumbnail(found.scene, views.cameras[0], antialiased=antialiased)
+    picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
     summary = json.loads(folder.train_summary.read_text())
     training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
-        settings=found.settings, thumbnail=picture, training=training, antialiased=antialiased, utility=found.utility,
+        settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
     moving = sum(len(part.dynamic) for part in scene.segments)

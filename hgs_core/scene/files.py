@@ -2,7 +2,8 @@
 
 Entries: `format` (the version), `segments` [S, 2] (start and end of each segment, seconds), `static.<field>` and
 `segment<i>.<field>` with the fields and shapes of `StaticSplats` and `DynamicSplats`. The shape of a motion says how
-many coefficients the set has; files with four are what they always were.
+many coefficients the set has. `background` [3] and `antialiased` say how the scene is drawn; files of earlier versions
+have neither, and are read as black and not antialiased.
 """
 
 from __future__ import annotations
@@ -45,6 +46,8 @@ def save_scene(path: Path, scene: HybridScene[Floats]) -> None:
     entries: dict[str, NDArray[Any]] = {
         "format": np.array(FORMAT, np.int64),
         "segments": np.array([(s.start, s.end) for s in scene.segments], np.float64).reshape(-1, 2),
+        "background": np.array(scene.background, np.float64),
+        "antialiased": np.array(scene.antialiased),
     }
     sets: list[tuple[str, StaticSplats[Floats] | DynamicSplats[Floats]]] = [("static", scene.static)]
     sets += [(f"segment{i}", segment.dynamic) for i, segment in enumerate(scene.segments)]
@@ -93,7 +96,13 @@ def load_scene(path: Path) -> HybridScene[Floats]:
         )
         for i, (start, end) in enumerate(spans)
     )
-    return HybridScene(static, segments)
+    drawn_as: dict[str, Any] = {}
+    if "background" in entries:
+        red, green, blue = map(float, _entry(path, entries, "background", (3,), "f"))
+        drawn_as["background"] = red, green, blue
+    if "antialiased" in entries:
+        drawn_as["antialiased"] = bool(_entry(path, entries, "antialiased", (), "b"))
+    return HybridScene(static, segments, **drawn_as)
 
 
 def _arrays(

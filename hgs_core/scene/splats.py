@@ -106,10 +106,15 @@ class Segment(Generic[A]):
 
 @dataclass(frozen=True)
 class HybridScene(Generic[A]):
-    """One static set shared by all time, and one dynamic set per segment, in order of time."""
+    """One static set shared by all time, and one dynamic set per segment, in order of time.
+
+    With them goes how they must be drawn to look as they were trained.
+    """
 
     static: StaticSplats[A]
     segments: tuple[Segment[A], ...]
+    background: tuple[float, float, float] = (0.0, 0.0, 0.0)  # sRGB in [0, 1]
+    antialiased: bool = False  # otherwise splats that are thinner than a pixel show too strong, or too weak
 
     @property
     def start(self) -> float:
@@ -133,6 +138,8 @@ class HybridScene(Generic[A]):
         return HybridScene(
             self.static.map(convert),
             tuple(Segment(s.start, s.end, s.dynamic.map(convert)) for s in self.segments),
+            self.background,
+            self.antialiased,
         )
 
 

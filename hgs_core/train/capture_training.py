@@ -73,7 +73,7 @@ def train_capture(
         trained.append((trainer.state, scene))
         key = key or trainer
     assert key is not None
-    scene = HybridScene(trained[0][1].static, tuple(scene.segments[0] for _, scene in trained))
+    scene = dataclasses.replace(trained[0][1], segments=tuple(scene.segments[0] for _, scene in trained))
     states = [state for state, _ in trained]
     summary = {
         "seconds": sum(state.seconds for state in states),

@@ -125,7 +125,8 @@ class Trainer:
     def scene(self) -> HybridScene[npt.NDArray[np.float32]]:
         """Return a copy of the splats as they are now."""
         static, dynamic = self.state.static.map(_copied), self.state.dynamic.map(_copied)
-        return HybridScene(static, (Segment(self.segment.clock.start, self.segment.clock.end, dynamic),))
+        segment = Segment(self.segment.clock.start, self.segment.clock.end, dynamic)
+        return HybridScene(static, (segment,), antialiased=self.config.antialiased)
 
     def _cycle(self, cycle: int) -> None:
         state, config, timed = self.state, self.config, self.state.history.timed

@@ -47,7 +47,7 @@ def main() -> None:
         segment = scene.segment_at(seconds)
         picture = hgs.rasterize(
             scene.static, segment.dynamic, camera, segment.normalised(seconds), depth=True, gradients="none",
-            background=manifest.background, antialiased=manifest.antialiased,
+            background=scene.background, antialiased=scene.antialiased,
         )  # fmt: skip
         assert picture.depth is not None
         rgb = picture.rgb.clamp(0, 1).permute(1, 2, 0).double().numpy()

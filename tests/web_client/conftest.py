@@ -102,12 +102,11 @@ def _encode_clouds(out: Path) -> None:
     thumbnail = BytesIO()
     Image.new("RGB", (64, 40), (90, 60, 120)).save(thumbnail, "JPEG")
     encode_scene(
-        HybridScene(_static(r, 2500, r.uniform(0.01, 0.12, (2500, 3))), segments),
+        HybridScene(_static(r, 2500, r.uniform(0.01, 0.12, (2500, 3))), segments, BACKGROUND),
         out,
         cameras=[Camera(name, WIDTH, HEIGHT, 300.0, 280.0, 170.5, 92.0, pose) for name, pose in poses.items()],
         times=np.linspace(0.0, 2.0, FRAMES),
         title="Clouds",
-        background=BACKGROUND,
         thumbnail=thumbnail.getvalue(),
     )
 
@@ -121,8 +120,9 @@ def _encode_dust(out: Path) -> None:
     grains, needles = 4000, 60
     scales = np.exp(r.uniform(np.log(0.003), np.log(0.03), (grains + needles, 3)))
     scales[grains:] = [0.0005, 0.0005, 4.0]
+    segment = Segment(0.0, 1.0, _dynamic(r, 500, 0.005, 0.03))
     encode_scene(
-        HybridScene(_static(r, grains + needles, scales), (Segment(0.0, 1.0, _dynamic(r, 500, 0.005, 0.03)),)),
+        HybridScene(_static(r, grains + needles, scales), (segment,), BACKGROUND, antialiased=True),
         out,
         cameras=[
             Camera("far", 96, 64, 240.0, 240.0, 48.0, 32.0, _pose((1.1178, -2.2239, -7.5927))),
@@ -130,8 +130,6 @@ def _encode_dust(out: Path) -> None:
         ],
         times=np.linspace(0.0, 1.0, FRAMES),
         title="Dust",
-        background=BACKGROUND,
-        antialiased=True,
     )
 
 

@@ -51,20 +51,18 @@ def encode_scene(
     times: NDArray[np.float64],
     title: str,
     settings: EncodeSettings | None = None,
-    background: tuple[float, float, float] = (0.0, 0.0, 0.0),
     thumbnail: bytes | None = None,
     training: Mapping[str, Any] | None = None,
-    antialiased: bool = False,
     utility: Utility | None = None,
     closer: Sequence[Camera] = (),
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
-    JSON can hold, `antialiased` whether the splats were trained to be drawn so, `utility` what every splat was measured
-    to do to the capture's pictures (else it is guessed from size and opacity, and nothing is pruned for it). Splats are
-    sized for how `cameras` and `closer` see them; the manifest names the former. Equal arguments give equal bytes. The
-    manifest appears last and atomically; chunks of an earlier scene in the same folder are removed after that.
+    JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
+    and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
+    names the former. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier
+    scene in the same folder are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -76,7 +74,7 @@ def encode_scene(
         >>> from pathlib import Path
         >>> capture, scene = hgs.open_capture(Path("capture")), hgs.load_scene(Path("run/scene.npz"))
         >>> manifest = hgs.encode_scene(
-        ...     scene, Path("encoded"), cameras=capture.cameras, times=capture.times, title="Spheres", antialiased=True
+        ...     scene, Path("encoded"), cameras=capture.cameras, times=capture.times, title="Spheres"
         ... )
         >>> manifest.totals.splats_static == len(hgs.decode_scene(Path("encoded")).static)
         True
@@ -89,12 +87,12 @@ def encode_scene(
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
     seen_by = (*cameras, *closer)
-    static = _static_chunks(scene, seen_by, utility, settings, antialiased)
+    static = _static_chunks(scene, seen_by, utility, settings)
     coded = list(static)
     slices: list[SliceEntry] = []
     for shown in segments:
         known = None if utility is None else utility.dynamic[shown.number]
-        pieces, chunks = _segment_chunks(shown, seen_by, known, settings, len(coded), antialiased)
+        pieces, chunks = _segment_chunks(shown, seen_by, known, settings, len(coded), scene.antialiased)
         slices += pieces
         coded += chunks
     manifest = Manifest(
@@ -102,7 +100,7 @@ def encode_scene(
         start=scene.start,
         end=scene.end,
         frame_rate=1 / interval,
-        background=background,
+        background=scene.background,
         up=view.up,
         center=view.center,
         extent=view.extent,
@@ -112,7 +110,7 @@ def encode_scene(
         slices=tuple(slices),
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
-        antialiased=antialiased,
+        antialiased=scene.antialiased,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
     _write(out, manifest, coded, thumbnail)
@@ -124,10 +122,9 @@ def _static_chunks(
     cameras: Sequence[Camera],
     utility: Utility | None,
     settings: EncodeSettings,
-    antialiased: bool,
 ) -> list[_Coded]:
     known = None if utility is None else utility.static
-    splats = prepare_static(scene.static, cameras, known, settings, antialiased=antialiased)
+    splats = prepare_static(scene.static, cameras, known, settings, antialiased=scene.antialiased)
     return [
         _coded(*encode_static_chunk(splats.take(layer.index), settings, i))
         for i, layer in enumerate(static_layers(splats, settings))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -46,15 +47,13 @@ def quantised_scene(
     times: NDArray[np.float64],
     utility: Utility,
     settings: EncodeSettings,
-    *,
-    antialiased: bool,
 ) -> Quantised:
     """Return the splats that `encode_scene` with these arguments would write, to the bit, in another order.
 
     Raises:
         InputError: as `encode_scene`.
     """
-    splats = prepare_static(scene.static, cameras, utility.static, settings, antialiased=antialiased)
+    splats = prepare_static(scene.static, cameras, utility.static, settings, antialiased=scene.antialiased)
     parts = [splats.take(layer.index) for layer in static_layers(splats, settings)]
     decoded = [
         static_splats(decoded_arrays(Kind.STATIC, static_numbers(part, Steps.of(part, settings)))) for part in parts
@@ -66,7 +65,7 @@ def quantised_scene(
         time, segment = shown.time, shown.segment
         known = utility.dynamic[shown.number]
         moving = prepare_dynamic(
-            segment.dynamic, time.shown_until, shown.frame, cameras, known, settings, antialiased=antialiased
+            segment.dynamic, time.shown_until, shown.frame, cameras, known, settings, antialiased=scene.antialiased
         )
         limits = slice_limits(time, shown.until, settings)[1]
         pieces = [moving.take(layer.index) for layer in dynamic_layers(moving, time, limits, settings)]
@@ -79,7 +78,12 @@ def quantised_scene(
         before.append(Segment(segment.start, segment.end, joined([none, *originals])))
         after.append(Segment(segment.start, segment.end, joined([none, *sets])))
         rows.append(_rows(pieces))
-    return Quantised(HybridScene(exact, tuple(before)), HybridScene(static, tuple(after)), _rows(parts), tuple(rows))
+    return Quantised(
+        dataclasses.replace(scene, static=exact, segments=tuple(before)),
+        dataclasses.replace(scene, static=static, segments=tuple(after)),
+        _rows(parts),
+        tuple(rows),
+    )
 
 
 def _rows(parts: Sequence[Prepared]) -> NDArray[np.intp]:

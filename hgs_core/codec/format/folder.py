@@ -111,7 +111,8 @@ def decode_scene(path: Path) -> HybridScene[Floats]:
         Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets]))
         for segment, sets in zip(manifest.segments, dynamic, strict=True)
     )
-    return HybridScene(joined([StaticSplats.empty(), *static]), segments)
+    static_set = joined([StaticSplats.empty(), *static])
+    return HybridScene(static_set, segments, manifest.background, manifest.antialiased)
 
 
 def _of_kind(folder: Path, entry: ChunkEntry, kind: Kind) -> DecodedChunk:

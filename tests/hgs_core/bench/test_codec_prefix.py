@@ -24,9 +24,9 @@ def test_a_quarter_of_the_bytes_shows_more_in_the_order_of_utility_than_in_any_o
     static = StaticSplats(*(array[order] for array in both))
     given = HybridScene(static, (Segment(0.0, 5 / 30, moving.map(lambda tensor: tensor.numpy())),))
     cameras, times = ring_of_cameras(4, 64, 48), np.arange(6) / 30
-    utility = measure_utility(given, cameras, times, antialiased=False)
+    utility = measure_utility(given, cameras, times)
     settings = EncodeSettings(static_chunk_splats=25, small_chunk_splats=10, prune=0)
     encode_scene(given, tmp_path, cameras=cameras, times=times, title="", settings=settings, utility=utility)
     views = EncodeViews("", tuple(cameras), dict(enumerate(cameras)), times, None)
-    ordered, shuffled = prefix_losses(tmp_path, Loss(given, views, views.trained, antialiased=False))
+    ordered, shuffled = prefix_losses(tmp_path, Loss(given, views, views.trained))
     assert 0 < ordered < shuffled - 1

@@ -51,10 +51,10 @@ def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> N
         "", tuple(cameras), dict(enumerate(cameras)), capture.times,
         lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
     )  # fmt: skip
-    utility = measure_utility(given, cameras, capture.times, antialiased=False)
+    utility = measure_utility(given, cameras, capture.times)
     found = fit(given, views, utility, "default", TrainConfig(antialiased=False))
     assert found.scene is given
-    quantised = quantised_scene(given, cameras, capture.times, utility, found.settings, antialiased=False).decoded
+    quantised = quantised_scene(given, cameras, capture.times, utility, found.settings).decoded
     drawn = {name: [] for name in ("before", "after")}
     for camera in range(5):
         for frame, seconds in enumerate(capture.times):
@@ -73,7 +73,7 @@ def test_without_pictures_the_scene_itself_is_what_is_compared_with(tmp_path: Pa
     given = scene()
     views = views_around(given, "cloud")
     assert len(views.cameras) == 24
-    loss = Loss(given, views, views.trained, antialiased=False)
+    loss = Loss(given, views, views.trained)
     assert loss.of(given) == 0
     darker = type(given)(dataclasses.replace(given.static, rgb=given.static.rgb * 0.9), given.segments)
     assert 0.1 < loss.of(darker) < 10

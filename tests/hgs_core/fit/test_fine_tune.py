@@ -41,15 +41,15 @@ def given(tmp_path_factory: pytest.TempPathFactory) -> Given:
         "", tuple(cameras), trained, capture.times,
         lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]), capture,
     )  # fmt: skip
-    return scene, views, measure_utility(scene, list(trained.values()), capture.times, antialiased=False)
+    return scene, views, measure_utility(scene, list(trained.values()), capture.times)
 
 
 def test_it_wins_back_what_quantisation_costs(given: Given) -> None:
     scene, views, utility = given
-    loss = Loss(scene, views, views.trained, antialiased=False)
+    loss = Loss(scene, views, views.trained)
 
     def lost(scene: HybridScene[np.ndarray], utility: Utility) -> float:
-        return loss.of(quantised_scene(scene, views.cameras, views.times, utility, COARSE, antialiased=False).decoded)
+        return loss.of(quantised_scene(scene, views.cameras, views.times, utility, COARSE).decoded)
 
     before = lost(scene, utility)
     tune = FineTune(scene, utility, views, CONFIG, ())
@@ -104,7 +104,7 @@ def test_it_takes_smaller_steps_of_what_lives_shortly(given: Given) -> None:
         scene.static,
         (dataclasses.replace(segment, dynamic=dataclasses.replace(segment.dynamic, time_log_precisions=precisions)),),
     )
-    utility = measure_utility(brief, list(views.trained.values()), views.capture.times, antialiased=False)
+    utility = measure_utility(brief, list(views.trained.values()), views.capture.times)
     moved = []
     for by_life in (True, False):
         tune = FineTune(brief, utility, views, dataclasses.replace(CONFIG, steps_by_life=by_life), ())

@@ -19,7 +19,7 @@ def test_utility_is_what_the_squared_error_grows_by_when_a_colour_changes(tmp_pa
     static, dynamic = synthetic_scene()
     given = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
     times = np.array([0.0, 5 / 30])
-    utility = measure_utility(given, cameras, times, antialiased=False)
+    utility = measure_utility(given, cameras, times)
     assert (len(utility.static.shown), len(utility.dynamic[0].missed)) == (150, 3)
     largest = int(utility.static.shown.argmax())
     changed = given.static.rgb.copy()
@@ -40,9 +40,9 @@ def test_utility_is_what_the_squared_error_grows_by_when_a_colour_changes(tmp_pa
 def test_what_is_missed_is_the_squared_error_of_the_pictures_without_the_splat() -> None:
     cameras = ring_of_cameras(3, 64, 48)
     static, dynamic = synthetic_scene()
-    given = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
+    given = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),), antialiased=True).map(lambda tensor: tensor.numpy())
     moments = np.array([0.0, 0.5, 1.0])
-    measured = measure_utility(given, cameras, np.tile(moments * 5 / 30, 7), antialiased=True)
+    measured = measure_utility(given, cameras, np.tile(moments * 5 / 30, 7))
 
     def pictures(static_rows: np.ndarray, dynamic_rows: np.ndarray) -> list[torch.Tensor]:
         return [

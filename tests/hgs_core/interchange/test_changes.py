@@ -54,7 +54,7 @@ def still(**changed: dict[int, float]) -> HybridScene[np.ndarray]:
 
 
 def export(scene: HybridScene[np.ndarray], path: Path, **more: object) -> Counted:
-    given = {"cameras": [CAMERA], "antialiased": False} | more
+    given = {"cameras": [CAMERA]} | more
     return counted(export_scene(scene, path, **given))  # type: ignore[arg-type]
 
 
@@ -92,7 +92,8 @@ def test_what_a_3dgs_ply_holds_is_not_counted(tmp_path: Path) -> None:
     [(".ply", ["antialiasing", "background"]), (".splat", ["antialiasing", "background"]), (".spz", ["background"])],
 )
 def test_what_a_scene_has_as_a_whole_is_told(tmp_path: Path, suffix: str, expected: list[str]) -> None:
-    found = export(still(), tmp_path / f"x{suffix}", antialiased=True, background=(1.0, 1.0, 1.0))
+    scene = dataclasses.replace(still(), antialiased=True, background=(1.0, 1.0, 1.0))
+    found = export(scene, tmp_path / f"x{suffix}")
     assert [what for (_, what), count in found.items() if count is None] == expected
 
 
@@ -113,7 +114,7 @@ def test_an_stgs_ply_tells_of_other_segments_lives_and_splats_that_are_never_see
     own.dynamic.time_log_precisions[3:5] = 50.0
     other = Segment(4.0, 6.0, own.dynamic.take(slice(0, 7)))
     longer = HybridScene(scene.static, (own, other))
-    changes = export_scene(longer, tmp_path / "x.ply", cameras=[], antialiased=False, segment=0)
+    changes = export_scene(longer, tmp_path / "x.ply", cameras=[], segment=0)
     assert sorted(str(change) for change in changes) == [
         "3 of 80 splats left out: they are never seen",
         "7 of 87 splats left out: they are of other segments",

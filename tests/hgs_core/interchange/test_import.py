@@ -113,7 +113,7 @@ def test_an_export_that_cannot_be_is_refused_and_nothing_is_written(
     scene: HybridScene[np.ndarray], tmp_path: Path, name: str, more: dict[str, float], problem: str
 ) -> None:
     with pytest.raises(InputError, match=problem.replace(".", r"\.")):
-        export_scene(scene, tmp_path / name, cameras=[CAMERA], antialiased=False, **more)  # type: ignore[arg-type]
+        export_scene(scene, tmp_path / name, cameras=[CAMERA], **more)  # type: ignore[arg-type]
     assert not any(tmp_path.iterdir())
 
 

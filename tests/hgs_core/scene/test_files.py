@@ -37,6 +37,18 @@ def test_the_same_bits_come_back(tmp_path: Path, coefficients: int) -> None:
             assert x.tobytes() == y.tobytes()
 
 
+def test_how_it_is_drawn_comes_back_and_files_that_do_not_say_it_are_read(tmp_path: Path) -> None:
+    path = tmp_path / "scene.npz"
+    save_scene(path, dataclasses.replace(random_scene(), background=(0.1, 0.2, 1.0), antialiased=True))
+    back = load_scene(path)
+    assert (back.background, back.antialiased) == ((0.1, 0.2, 1.0), True)
+    entries = dict(np.load(path))
+    del entries["background"], entries["antialiased"]
+    np.savez(path, **entries)
+    older = load_scene(path)
+    assert (older.background, older.antialiased) == ((0.0, 0.0, 0.0), False)
+
+
 def test_nothing_is_left_when_saving_fails(tmp_path: Path) -> None:
     scene = random_scene()
     broken = dataclasses.replace(scene, static=dataclasses.replace(scene.static, means=object()))

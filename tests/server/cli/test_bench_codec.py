@@ -25,7 +25,7 @@ def cloud(tmp_path: Path) -> Path:
         )
     )  # fmt: skip
     scene = HybridScene(static, (Segment(0.0, 0.0, DynamicSplats.empty()),))
-    export_scene(scene, tmp_path / "cloud.ply", cameras=[], antialiased=False)
+    export_scene(scene, tmp_path / "cloud.ply", cameras=[])
     return tmp_path / "cloud.ply"
 
 

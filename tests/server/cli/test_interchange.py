@@ -28,7 +28,7 @@ def splats(capture: Path) -> Path:
     """An STGS file of the capture's scene, whose times 0 to 1 are five frames."""
     static, dynamic = synthetic_scene()
     scene = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
-    export_scene(scene, capture / "x.ply", cameras=[], antialiased=False)
+    export_scene(scene, capture / "x.ply", cameras=[])
     return capture / "x.ply"
 
 
@@ -114,7 +114,7 @@ def test_import_and_export_tell_what_they_left_out(
     given = import_scene(splats, 0.1).scene
     given.static.means[:3] = np.nan
     given.static.opacity_logits[3:5] = -6  # below 1/255
-    export_scene(given, tmp_path / "x.ply", cameras=[], antialiased=False)
+    export_scene(given, tmp_path / "x.ply", cameras=[])
     capsys.readouterr()
     arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", "0.03"]
     assert main([*arguments, "--json", "-"]) == 0
@@ -145,7 +145,7 @@ def test_an_import_of_which_nothing_shows_leaves_no_run(
     given.opacity_logits[:] = -4.8
     given.log_scales[:] = -20
     still = HybridScene(given, (Segment(0.0, 0.0, DynamicSplats.empty()),))
-    export_scene(still, tmp_path / "x.ply", cameras=[], antialiased=False)
+    export_scene(still, tmp_path / "x.ply", cameras=[])
     assert main(["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run")]) == 2
     assert "x.ply: holds 2 splats, none of which shows in any picture" in capsys.readouterr().err
     assert not (tmp_path / "run").exists()

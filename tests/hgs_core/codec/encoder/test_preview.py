@@ -25,16 +25,16 @@ def rows(splats: object) -> np.ndarray:
 
 def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Camera]) -> None:
     given = HybridScene(
-        statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)), Segment(1.0, 59 / 30, dynamics(200, 2)))
+        statics(300, 0),
+        (Segment(0.0, 29 / 30, dynamics(200, 1)), Segment(1.0, 59 / 30, dynamics(200, 2))),
+        antialiased=True,
     )
     rng = np.random.default_rng(0)
     utility = Utility(measured(rng, 300), tuple(measured(rng, 200) for _ in range(2)))
     settings = EncodeSettings(static_chunk_splats=100, small_chunk_splats=20)
-    encode_scene(
-        given, tmp_path, cameras=cameras, times=TIMES, title="", settings=settings, utility=utility, antialiased=True
-    )
+    encode_scene(given, tmp_path, cameras=cameras, times=TIMES, title="", settings=settings, utility=utility)
     decoded = decode_scene(tmp_path)
-    found = quantised_scene(given, cameras, TIMES, utility, settings, antialiased=True)
+    found = quantised_scene(given, cameras, TIMES, utility, settings)
     quantised = found.decoded
     np.testing.assert_array_equal(rows(quantised.static), rows(decoded.static))
     for mine, other in zip(quantised.segments, decoded.segments, strict=True):
@@ -43,11 +43,11 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
 
 
 def test_the_splats_before_quantisation_are_those_given_in_the_order_of_the_decoded(cameras: list[Camera]) -> None:
-    given = HybridScene(statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)),))
+    given = HybridScene(statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)),), antialiased=True)
     rng = np.random.default_rng(0)
     utility = Utility(measured(rng, 300), (measured(rng, 200),))
     settings = EncodeSettings(coarseness=0.01, static_chunk_splats=100, small_chunk_splats=20)
-    found = quantised_scene(given, cameras, TIMES, utility, settings, antialiased=True)
+    found = quantised_scene(given, cameras, TIMES, utility, settings)
     assert sorted(set(found.static_rows)) == sorted(found.static_rows)
     np.testing.assert_array_equal(found.exact.static.means, given.static.means[found.static_rows])
     moving, coded = found.exact.segments[0].dynamic, found.decoded.segments[0].dynamic
