@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-import numpy.typing as npt
-
+from hgs_core.base.arrays import Floats
 from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.splats import HybridScene, Segment, StaticSplats, joined
 
 __all__ = ["with_statics_at_rest"]
-
-Floats = npt.NDArray[np.float32]
 
 
 def with_statics_at_rest(scene: HybridScene[Floats]) -> HybridScene[Floats]:

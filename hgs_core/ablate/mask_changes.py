@@ -6,14 +6,13 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from hgs_core.base.arrays import Mask
 from hgs_core.decompose.components import component_labels
 from hgs_core.decompose.morphology import dilate
 
 __all__ = ["Mask", "MaskChange", "blobs_added", "components_dropped", "eroded", "grown_to_share"]
 
-Mask = npt.NDArray[np.bool_]
 """[H, W], True = moves."""
 
 MaskChange = Callable[[Mask, np.random.Generator], Mask]

@@ -10,9 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.bench.codec_errors import StaticErrors, coded_errors, spz_errors
@@ -37,8 +35,6 @@ __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
 
 SWEEP = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
 DECODING_REPEATS = 5  # of decoding; the fastest counts, which other work on the machine disturbs least
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec import EncodeSettings, Utility
 from hgs_core.codec.encoder.encode_chunk import static_numbers
 from hgs_core.codec.encoder.layers import static_layers
@@ -23,9 +23,6 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["StaticErrors", "coded_errors", "spz_errors"]
-
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

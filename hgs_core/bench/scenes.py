@@ -11,13 +11,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.arrays import Floats
 from hgs_core.codec.format import morton
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.opacities import logits_of
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["BenchScene", "bench_camera", "bench_scene", "bench_target", "median_radius"]
 
-Floats = npt.NDArray[np.float32]
 
 WIDTH, HEIGHT = 676, 507  # pixels of the picture on which the scene is laid out
 FOCAL = 0.9  # focal length in picture widths
@@ -121,7 +122,7 @@ def _statics(rng: np.random.Generator, count: int) -> StaticSplats[Floats]:
         (local - shift) @ R,
         np.log(scales),
         quats,
-        np.log(opacities / (1 - opacities)),
+        logits_of(opacities),
         rng.uniform(size=(count, 3)),
     )
     return StaticSplats(*(np.ascontiguousarray(array, dtype=np.float32) for array in arrays))

@@ -15,6 +15,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
+from hgs_core.base.arrays import Mask
 from hgs_core.base.errors import InputError
 from hgs_core.decompose.components import component_boxes
 from hgs_core.decompose.morphology import dilate
@@ -29,8 +30,6 @@ _AGREEMENT_SHARE = 0.5  # share of an object's pixels that the automatic mask mu
 _BORDER_PIXELS = 4  # pixels around an object where its border replaces the automatic one
 _MEAN = (0.485, 0.456, 0.406)  # of the pictures that the model was trained with (ImageNet), sRGB in [0, 1]
 _DEVIATION = (0.229, 0.224, 0.225)
-
-Mask = npt.NDArray[np.bool_]
 
 
 class Sam2Refiner:

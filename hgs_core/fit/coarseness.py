@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
@@ -37,9 +37,6 @@ COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
-
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
 
 
 def fine_tune_cycles(config: TrainConfig) -> int:

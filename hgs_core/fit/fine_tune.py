@@ -13,9 +13,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from hgs_core.base.arrays import Floats
 from hgs_core.codec.encoder.preview import Quantised, quantised_scene
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
@@ -39,7 +39,6 @@ STEP_SIZE_SHARE = (
     0.05  # of the step sizes; falls to nothing along a cosine. More disturbs a scene whose steps have settled
 )
 
-Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
 
 

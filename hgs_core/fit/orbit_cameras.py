@@ -12,12 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
 from hgs_core.render.contribution import contributions
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import evaluate, lifetime
 
@@ -38,9 +39,6 @@ REACH = 2.0  # standard deviations of a splat that belong to it
 MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
 SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
-
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ def _places(scene: HybridScene[Floats]) -> tuple[Doubles, Doubles, Doubles]:
             scales.append(segment.dynamic.log_scales)
             logits.append(segment.dynamic.opacity_logits)
     sizes = REACH * np.exp(np.concatenate(scales).astype(np.float64).max(axis=1, initial=-30.0))
-    return np.concatenate(places), sizes, np.exp(-np.logaddexp(0.0, -np.concatenate(logits).astype(np.float64)))
+    return np.concatenate(places), sizes, opacities_of(np.concatenate(logits))
 
 
 def _ball(places: Doubles, sizes: Doubles, weights: Doubles) -> tuple[Doubles, float]:

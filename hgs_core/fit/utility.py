@@ -9,16 +9,17 @@ from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.encoder.utility import SetUtility, Utility, estimated_utility, pixels_per_unit
 from hgs_core.render.contribution import contributions
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["measure_utility"]
@@ -27,8 +28,6 @@ CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next
 STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
 LARGEST_LOGIT = math.log(0.98 / 0.02)  # of the opacity: near 1 it has no gradient
 
-Floats = npt.NDArray[np.float32]
-Doubles = npt.NDArray[np.float64]
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
 
@@ -96,7 +95,7 @@ def _with_unseen(
     unseen = measured.shown == 0
     if not unseen.any():
         return measured
-    opacity = np.exp(-np.logaddexp(0.0, -splats.opacity_logits[unseen].astype(np.float64)))
+    opacity = opacities_of(splats.opacity_logits[unseen])
     scale = pixels_per_unit(places[unseen].astype(np.float64), cameras)
     guess = estimated_utility(splats.log_scales[unseen].astype(np.float64), opacity, scale) / (views + 2)
     shown, missed = measured.shown.copy(), measured.missed.copy()

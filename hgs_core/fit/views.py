@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from torch import Tensor
 
+from hgs_core.base.arrays import Floats
 from hgs_core.capture.capture import Capture
 from hgs_core.fit.orbit_cameras import orbit_cameras
 from hgs_core.scene.camera import Camera
@@ -17,8 +18,6 @@ from hgs_core.scene.splats import HybridScene
 __all__ = ["EncodeViews", "views_around"]
 
 IMPORTED_FRAME_RATE = 30.0  # of a moving scene that came without a capture
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.scene.motion import COEFFICIENTS, position
 from hgs_core.scene.polynomials import polynomial_fit, powers
 from hgs_core.scene.splats import DynamicSplats
@@ -15,8 +15,6 @@ from hgs_core.scene.temporal import lifetime
 __all__ = ["as_cubics"]
 
 MOMENTS = 33  # of a visible life at which paths are compared
-
-Floats = NDArray[np.float32]
 
 
 def as_cubics(dynamic: DynamicSplats[Floats]) -> tuple[DynamicSplats[Floats], int, float]:

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written, nonzero
@@ -23,6 +24,7 @@ from hgs_core.interchange.splat_file import read_splat, splat_file
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import read_spz, spz_file
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
 __all__ = ["EXPORTED", "IMPORTED", "Imported", "export_scene", "import_scene"]
@@ -41,7 +43,6 @@ _WORDS = {
     "time_log_precisions": "life",
 }  # fmt: skip
 
-Floats = NDArray[np.float32]
 S = TypeVar("S", StaticSplats[NDArray[np.float32]], DynamicSplats[NDArray[np.float32]])
 
 
@@ -87,7 +88,7 @@ def import_scene(path: Path, duration: float) -> Imported:
         changes.append(Change(Action.LEFT_OUT, "splats", count, total, f"{words} is no finite number"))
     changes += _limits(static, dynamic)
     static, dynamic = _drawable(static), _drawable(dynamic)
-    if not any((_opacity(splats) >= LEAST_OPACITY).any() for splats in (static, dynamic)):
+    if not any((opacities_of(splats.opacity_logits) >= LEAST_OPACITY).any() for splats in (static, dynamic)):
         told = "; ".join(map(str, nonzero(changes)))
         raise InputError(path, "holds no splat that can be seen" + (f": {told}" if told else ""), "export it again")
     scene = HybridScene(static, (Segment(0.0, end, dynamic),), antialiased=antialiased)
@@ -174,10 +175,6 @@ def _segment(scene: HybridScene[Floats], number: int | None) -> Segment[Floats]:
     if not 0 <= (number or 0) < count:
         raise InputError("--segment", f"{number} is not one of the scene's", f"give one of 0 to {count - 1}")
     return scene.segments[number or 0]
-
-
-def _opacity(splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> NDArray[np.float64]:
-    return np.asarray(np.exp(-np.logaddexp(0.0, -splats.opacity_logits.astype(np.float64))))
 
 
 def _limits(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> list[Change]:

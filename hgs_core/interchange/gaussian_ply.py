@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.ply_table import columns, left_over, write_ply
 from hgs_core.scene.splats import StaticSplats
@@ -35,8 +36,6 @@ LARGEST_LOGIT = 30.0  # of an opacity that is written: viewers take the sigmoid
 NO_NEGATIVE_COLOUR = "viewers of the format draw none below 0"
 _DC = ("f_dc_0", "f_dc_1", "f_dc_2")
 _PLACE = ("x", "y", "z")
-
-Floats = NDArray[np.float32]
 
 
 def gaussian_splats(path: Path, table: Mapping[str, Floats]) -> tuple[StaticSplats[Floats], list[Change]]:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
+from hgs_core.scene.opacities import logits_of
 from hgs_core.scene.splats import HybridScene, StaticSplats, joined
 from hgs_core.scene.temporal import evaluate
 
 __all__ = ["scene_at"]
 
 LEAST_OPACITY = 1 / 255  # what shows less no pixel shows
-
-Floats = NDArray[np.float32]
 
 
 def scene_at(scene: HybridScene[Floats], seconds: float) -> StaticSplats[Floats]:
@@ -25,7 +24,7 @@ def scene_at(scene: HybridScene[Floats], seconds: float) -> StaticSplats[Floats]
         positions[alive].astype(np.float32),
         segment.dynamic.log_scales[alive],
         quats[alive].astype(np.float32),
-        np.log(sigma / (1 - sigma)).astype(np.float32),
+        logits_of(sigma),
         segment.dynamic.rgb[alive],
     )
     return joined([scene.static, living])

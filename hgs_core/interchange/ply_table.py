@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change
 
@@ -21,7 +21,6 @@ _TYPES = {
 }  # fmt: skip
 _LONGEST_HEADER = 1 << 16
 
-Floats = NDArray[np.float32]
 Table = Mapping[str, Floats]
 
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.gaussian_ply import LARGEST_LOGIT, NO_NEGATIVE_COLOUR, ROT, SCALE
 from hgs_core.interchange.ply_table import columns, left_over, write_ply
@@ -29,8 +29,6 @@ FEATURES = ("f_t", "f_dir", "f_rest")  # prefixes of what the full model's netwo
 STEADY = 5.0  # trbf_scale with which an opacity changes by less than 1 / 20,000 in [0, 1]
 STEADIEST = 10.0  # trbf_scale written for splats that never fade, and the largest
 BRIEFEST = -20.0  # of splats that live for one instant, and the least
-
-Floats = NDArray[np.float32]
 
 
 def is_spacetime(table: Mapping[str, Floats]) -> bool:

@@ -10,8 +10,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.scene.opacities import logits_of, opacities_of
+from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["SPLAT_BYTES", "opacity_changes", "read_splat", "rgba_bytes", "rgba_changes", "splat_file"]
@@ -21,12 +24,10 @@ _ROW = np.dtype([("mean", "<f4", 3), ("deviation", "<f4", 3), ("rgba", "u1", 4),
 _OPACITIES = (1e-6, 1 - 1e-6)  # whose logits stand for 0 and 1
 _LOG_SCALES = (-80.0, 80.0)  # whose exponentials are normal float32 numbers
 
-Floats = NDArray[np.float32]
-
 
 def rgba_bytes(rgb: Floats, opacity_logits: Floats) -> NDArray[np.uint8]:
     """Return colours and opacities [N, 4] as bytes."""
-    opacity = np.exp(-np.logaddexp(0.0, -opacity_logits.astype(np.float64)))
+    opacity = opacities_of(opacity_logits)
     rgba = np.concatenate([rgb, opacity[:, None]], axis=1)
     return np.asarray(np.rint(np.clip(rgba, 0, 1) * 255), np.uint8)
 
@@ -42,7 +43,7 @@ def rgba_changes(rgb: Floats, opacity_logits: Floats, rgba: NDArray[np.uint8]) -
 
 def opacity_changes(opacity_logits: Floats, stored: NDArray[np.uint8]) -> list[Change]:
     """Return what bytes [N] change of opacities."""
-    opacity = np.exp(-np.logaddexp(0.0, -opacity_logits.astype(np.float64)))
+    opacity = opacities_of(opacity_logits)
     gone = (stored == 0) & (opacity > 0)
     return [
         Change.rounded("opacity", np.where(gone, 0.0, opacity), stored / 255, "8 bits"),
@@ -55,8 +56,7 @@ def splat_file(splats: StaticSplats[Floats]) -> Written:
     rows = np.zeros(len(splats), _ROW)
     rows["mean"], rows["deviation"] = splats.means, np.exp(np.clip(splats.log_scales, *_LOG_SCALES))
     rows["rgba"] = rgba_bytes(splats.rgb, splats.opacity_logits)
-    norm = np.linalg.norm(splats.quats, axis=1, keepdims=True)
-    quats = np.where(norm < 1e-12, (1.0, 0.0, 0.0, 0.0), splats.quats / np.where(norm < 1e-12, 1.0, norm))
+    quats = unit_quaternions(splats.quats)
     rows["quat"] = np.clip(np.rint(quats * 128 + 128), 0, 255)
     shown = splats.log_scales.astype(np.float64).sum(axis=1) + np.log(rows["rgba"][:, 3] + 1e-3)
     low, high = _LOG_SCALES
@@ -89,6 +89,6 @@ def read_splat(path: Path) -> StaticSplats[Floats]:
         rows["mean"].copy(),
         log_scales,
         (rows["quat"].astype(np.float32) - 128) / 128,
-        np.log(opacity / (1 - opacity)).astype(np.float32),
+        logits_of(opacity),
         rows["rgba"][:, :3].astype(np.float32) / 255,
     )

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST, life_limited
 from hgs_core.interchange.splat_file import rgba_bytes, rgba_changes
@@ -34,8 +35,6 @@ _ROW = np.dtype(
         ("omega", "<f2", 4), ("clock", "<f2", 2),
     ]
 )  # fmt: skip
-
-Floats = NDArray[np.float32]
 
 
 def splatv_file(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], cameras: Sequence[Camera]) -> Written:

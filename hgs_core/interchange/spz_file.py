@@ -15,10 +15,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.gaussian_ply import SH_0, harmonics
 from hgs_core.interchange.splat_file import opacity_changes
+from hgs_core.scene.opacities import logits_of, opacities_of
+from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["read_spz", "spz_file"]
@@ -34,9 +37,6 @@ LARGEST = 1 << 28  # bytes of a file once it is unpacked
 FLIP = np.array([1.0, -1.0, -1.0])  # between our axes and right, up, back
 LEAST_OPACITY = 1e-6
 
-Floats = NDArray[np.float32]
-Doubles = NDArray[np.float64]
-
 
 def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version: int = 3) -> Written:
     """Return an SPZ file of degree 0; version 2 has coarser rotations in a byte less.
@@ -51,10 +51,9 @@ def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version
     if largest * 2**bits >= 2**23 - 1:
         raise InputError("splats", f"reach {largest:.3g} from the origin", "SPZ holds less than 8,388,607")
     fixed = np.rint(splats.means * FLIP * 2**bits).astype("<i4")
-    opacity = np.exp(-np.logaddexp(0.0, -splats.opacity_logits.astype(np.float64)))
+    opacity = opacities_of(splats.opacity_logits)
     harmonic = (splats.rgb - 0.5) / SH_0
-    norm = np.linalg.norm(splats.quats.astype(np.float64), axis=1, keepdims=True)
-    quats = np.where(norm < 1e-12, (1.0, 0.0, 0.0, 0.0), splats.quats / np.where(norm < 1e-12, 1.0, norm))
+    quats = unit_quaternions(splats.quats)
     xyzw = np.concatenate([quats[:, 1:] * FLIP, quats[:, :1]], axis=1)
     shares, scales = _byte(opacity * 255), _byte((splats.log_scales + 10) * 16)
     colours = _byte(harmonic * (COLOUR_SCALE * 255) + 127.5)
@@ -120,7 +119,7 @@ def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[Change]]:
         means.astype(np.float32),
         (scale / 16.0 - 10).astype(np.float32),
         np.concatenate([xyzw[:, 3:], xyzw[:, :3] * FLIP], axis=1).astype(np.float32),
-        np.log(share / (1 - share)).astype(np.float32),
+        logits_of(share),
         _colour(colour).astype(np.float32),
     )
     return splats, bool(flags & ANTIALIASED), [harmonics(higher != NO_HARMONIC)] if degree else []

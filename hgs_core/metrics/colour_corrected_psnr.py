@@ -11,6 +11,8 @@ import math
 import torch
 from torch import Tensor
 
+from hgs_core.metrics.psnr import decibels
+
 __all__ = ["ColourCorrectedError", "colour_corrected_psnr"]
 
 
@@ -41,8 +43,7 @@ class ColourCorrectedError:
         if self._values == 0:
             return math.nan
         explained = self._cross * (torch.linalg.pinv(self._gram, hermitian=True) @ self._cross)
-        error = max(0.0, self._truth - float(explained.sum())) / self._values
-        return -10 * math.log10(error) if error > 0 else math.inf
+        return decibels(max(0.0, self._truth - float(explained.sum())) / self._values)
 
 
 def colour_corrected_psnr(images: Tensor, truths: Tensor) -> float:

@@ -9,10 +9,11 @@ Frames are combined in one of two ways, which differ where the region changes it
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 
 from torch import Tensor
+
+from hgs_core.metrics.psnr import decibels
 
 __all__ = ["RegionError", "mean_region_psnr", "pooled_region_psnr", "region_psnr"]
 
@@ -39,7 +40,7 @@ class RegionError:
         """The PSNR in dB, peak 1: infinite without any error, None without any pixel."""
         if self.values == 0:
             return None
-        return -10 * math.log10(self.squared / self.values) if self.squared > 0 else math.inf
+        return decibels(self.squared / self.values)
 
 
 def region_psnr(image: Tensor, truth: Tensor, region: Tensor) -> float | None:

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.arrays import Doubles
+
 __all__ = ["ERROR_RANGE", "colour_table", "error_picture", "oklab", "srgb"]
 
 ERROR_RANGE = 0.2
@@ -34,7 +36,6 @@ _LAB_FROM_LMS = np.array([
     [0.0259040371, 0.7827717662, -0.8086757660],
 ])  # fmt: skip
 
-Doubles = npt.NDArray[np.float64]
 Bytes = npt.NDArray[np.uint8]
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.points.near_plane import with_near_planes
@@ -19,8 +17,6 @@ from hgs_core.train.targets import target_picture
 from hgs_core.train.views import training_cameras
 
 __all__ = ["trained_scene", "training_states", "views_of_run"]
-
-Floats = NDArray[np.float32]
 
 
 def trained_scene(folder: RunFolder) -> HybridScene[Floats]:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from hgs_core.base.arrays import Floats
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["STEADY", "at_rest"]
 
 STEADY = -20.0
 """ln s of a splat that has lost less at the ends of its segment than float32 can tell."""
-
-Floats = npt.NDArray[np.float32]
 
 
 def at_rest(static: StaticSplats[Floats]) -> DynamicSplats[Floats]:

@@ -17,6 +17,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
 from hgs_core.scene.motion import COEFFICIENTS
@@ -25,8 +26,6 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSpl
 __all__ = ["load_scene", "save_scene"]
 
 FORMAT = 1
-
-Floats = NDArray[np.float32]
 
 
 def save_scene(path: Path, scene: HybridScene[Floats]) -> None:

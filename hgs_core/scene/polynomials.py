@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.scene.motion import recentred
 
 __all__ = ["polynomial_fit", "powers"]
 
 RIDGE = 1e-12  # of the mean square of a power
 LEAST_UNIT = 1e-6  # half of a range, at least: what is shorter is an instant
-
-Doubles = NDArray[np.float64]
 
 
 def powers(offsets: Doubles, order: int) -> Doubles:

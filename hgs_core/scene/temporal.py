@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.scene.motion import position
+from hgs_core.scene.opacities import opacities_of
+from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import DynamicSplats
 
 __all__ = ["evaluate", "lifetime"]
-
-Doubles = NDArray[np.float64]
 
 
 def lifetime(dynamic: DynamicSplats[NDArray[np.floating[Any]]]) -> tuple[Doubles, Doubles]:
@@ -46,10 +47,8 @@ def evaluate(
     step = d[:, None]
     positions = position(motion, step)
     quats = rotation[:, 0] + step * rotation[:, 1]
-    norm = np.linalg.norm(quats, axis=1, keepdims=True)
-    still = norm < 1e-12  # |q|^2 < 1e-24
-    quats = np.where(still, (1.0, 0.0, 0.0, 0.0), quats / np.where(still, 1.0, norm))
-    sigma = np.exp(-np.logaddexp(0.0, -np.asarray(dynamic.opacity_logits, np.float64)))
+    quats = unit_quaternions(quats)
+    sigma = opacities_of(dynamic.opacity_logits)
     log_precision = np.asarray(dynamic.time_log_precisions, np.float64)
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         exponent = np.exp(log_precision + 2 * np.log(np.abs(d)))  # s d^2, no overflow before the product

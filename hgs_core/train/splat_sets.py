@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.arrays import Mask
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 
 __all__ = ["Mask", "joined", "kept", "rows_of"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
-Mask = npt.NDArray[np.bool_]
 
 
 def joined(*sets: S) -> S:

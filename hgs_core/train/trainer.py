@@ -16,6 +16,7 @@ from torch import Tensor
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
+from hgs_core.metrics.psnr import decibels
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
@@ -183,7 +184,7 @@ class Trainer:
                 state.correction.step(view.place, step.colour_gradient, config.learning_rates.colour_correction)
         if tiles is None and cycle % _REPORT_EVERY == 0:
             error = float((step.picture - view.target).square().mean())
-            state.history.follow(step.loss, -10 * math.log10(max(error, 1e-10)))
+            state.history.follow(step.loss, decibels(max(error, 1e-10)))
 
     def _constrain(self) -> None:
         """Keep colours displayable and lives no shorter than frames can tell."""

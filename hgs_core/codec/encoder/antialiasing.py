@@ -7,8 +7,8 @@ decides how strong the splat is, and so does a turn that shows more or less of i
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.utility import LOW_PASS
 
 __all__ = ["strength_weights"]
@@ -16,8 +16,6 @@ __all__ = ["strength_weights"]
 VIEW_DIRECTIONS = 24  # of view, evenly spread over a half sphere, as a splat may be turned in any way
 LARGEST_VARIANCE = 1e4  # px^2: wider axes change no more
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
-
-Doubles = NDArray[np.float64]
 
 
 def strength_weights(deviations: Doubles) -> tuple[Doubles, Doubles]:

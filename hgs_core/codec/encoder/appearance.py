@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.choose import choose, neighbours
 from hgs_core.codec.encoder.prepare import Prepared
 from hgs_core.codec.encoder.rotations import product, turn_between, vector_to_quats
@@ -15,9 +15,6 @@ __all__ = ["appearance_numbers", "rotation_numbers", "turning_cost"]
 
 COARSEST_ROTATION_ROUNDING = 9  # powers of two by which a rotation's numbers may be rounded more coarsely
 THINNEST_AXIS = 1e-3  # of the blur: thinner axes are taken to be so thick
-
-Doubles = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 
 def appearance_numbers(splats: Prepared, steps: Steps) -> dict[str, Whole]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
-from numpy.typing import NDArray
+
+from hgs_core.base.arrays import Doubles, Whole
 
 __all__ = ["EXCHANGE", "choose", "neighbours"]
 
@@ -13,9 +14,6 @@ __all__ = ["EXCHANGE", "choose", "neighbours"]
 # a factor of 4 per bit: its derivative is ln(4) / 12.
 EXCHANGE = float(np.log(4) / 12)
 CHOICE_ROUNDS = 3  # of choosing codes and counting them again
-
-Doubles = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 
 def neighbours(exact: Doubles) -> Whole:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.base.atomic import write_bytes
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
 from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
@@ -30,8 +31,6 @@ from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
 __all__ = ["encode_scene"]
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import appearance_numbers, rotation_numbers
 from hgs_core.codec.encoder.prepare import Prepared
 from hgs_core.codec.encoder.rotations import shape_error
@@ -26,8 +27,6 @@ __all__ = ["LIMITS", "Numbers", "declare", "encode_static_chunk", "outward", "st
 # limit: how far a turn by a step goes depends on how long and thin a splat is.
 LIMITS = {"position": 8.0, "opacity": 10.0, "rgb": 4.0}
 
-Doubles = NDArray[np.float64]
-Whole = NDArray[np.int64]
 Numbers = Mapping[str, tuple[Whole, float]]
 """Whole numbers [rows, C] by attribute name, and the step (float32) that they are multiples of."""
 

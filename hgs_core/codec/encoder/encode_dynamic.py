@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.appearance import appearance_numbers
 from hgs_core.codec.encoder.choose import choose, neighbours
 from hgs_core.codec.encoder.encode_chunk import Numbers, declare, outward, write_chunk
@@ -34,8 +35,6 @@ LARGEST_PRECISION_STEP = 0.5
 LARGEST_CENTER_STEP = 0.1
 LARGEST_ROUNDING = 1.5 + 1e-3  # steps by which a number may be off its value
 LEAST_OFF = 1e-5
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

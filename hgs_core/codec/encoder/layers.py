@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.encode_dynamic import SegmentTime
 from hgs_core.codec.encoder.prepare import Prepared
 from hgs_core.codec.encoder.settings import EncodeSettings
@@ -22,7 +23,6 @@ LARGEST_STEP_RATIO = (
 LONG_LIVED_SPLATS = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
 
 Index = NDArray[np.intp]
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import rotation_numbers, turning_cost
 from hgs_core.codec.encoder.choose import EXCHANGE, choose, neighbours
 from hgs_core.codec.encoder.prepare import Prepared
@@ -29,9 +30,6 @@ LARGEST_TURN_MISFIT = 1.0  # squared steps by which a turn may miss its path
 LEAST_QUATERNION_W = 0.2  # of a quaternion that is told by its vector part over its w
 LEAST_INDEPENDENT_SHARE = 1e-6  # of a coefficient that lower ones do not make good: less is taken to be this
 CONJUGATE = (1.0, -1.0, -1.0, -1.0)
-
-Doubles = NDArray[np.float64]
-Whole = NDArray[np.int64]
 
 
 @dataclass(frozen=True)

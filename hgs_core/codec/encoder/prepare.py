@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.base.errors import InputError
 from hgs_core.codec.encoder.antialiasing import strength_weights
 from hgs_core.codec.encoder.rotations import canonical, product
@@ -18,6 +19,8 @@ from hgs_core.codec.encoder.utility import SetUtility, estimated_utility, pixels
 from hgs_core.codec.format.attributes import MOTION_ORDERS
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import position as place
+from hgs_core.scene.opacities import opacities_of
+from hgs_core.scene.rotations import unit_quaternions, units_and_norms
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
 
@@ -35,8 +38,6 @@ MEANINGFUL_INFINITIES = {
     "opacity_logits": (-math.inf, math.inf),  # opacities of 0 and 1
     "time_log_precisions": (-math.inf, math.inf),  # no fading, no duration
 }
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def prepare_static(
     values = _common(splats.log_scales, splats.opacity_logits, splats.rgb)
     values["position"] = np.asarray(splats.means, np.float64)
     _check_size("static splat", "means", values["position"], LARGEST_COORDINATE)
-    quats = _normalised(np.asarray(splats.quats, np.float64))[0]
+    quats = unit_quaternions(splats.quats)
     turn, values["log_scale"] = canonical(quats, values["log_scale"])
     quats = product(quats, turn)
     values["rotation"] = quats * np.where(quats[:, :1] < 0, -1.0, 1.0)
@@ -169,18 +170,10 @@ def _weighed(
 def _common(log_scales: NDArray[Any], logits: NDArray[Any], rgb: NDArray[Any]) -> dict[str, Doubles]:
     return {
         "log_scale": np.minimum(np.asarray(log_scales, np.float64), LARGEST_LOG_SCALE),
-        "opacity": np.exp(-np.logaddexp(0.0, -np.asarray(logits, np.float64)))[:, None],
+        "opacity": opacities_of(logits)[:, None],
         "rgb": np.clip(np.asarray(rgb, np.float64), -LARGEST_COLOUR, LARGEST_COLOUR),
         "row": np.arange(len(rgb), dtype=np.float64)[:, None],
     }
-
-
-def _normalised(quats: Doubles) -> tuple[Doubles, Doubles]:
-    """Return unit quaternions, the identity in place of zero, and the norms that they had (1 for zero)."""
-    norm = np.linalg.norm(quats, axis=1, keepdims=True)
-    zero = norm < 1e-12  # |q|^2 < 1e-24, as in rendering
-    norm = np.where(zero, 1.0, norm)
-    return np.where(zero, (1.0, 0.0, 0.0, 0.0), quats / norm), norm
 
 
 def _rotation_polynomial(rotation: Doubles) -> tuple[Doubles, Doubles]:
@@ -192,7 +185,7 @@ def _rotation_polynomial(rotation: Doubles) -> tuple[Doubles, Doubles]:
     swapped = np.linalg.norm(rotation[:, 0], axis=1) < 1e-3 * np.linalg.norm(rotation[:, 1], axis=1)
     constant = np.where(swapped[:, None], rotation[:, 1], rotation[:, 0])
     linear = np.where(swapped[:, None], 0.0, rotation[:, 1])
-    unit, norm = _normalised(constant)
+    unit, norm = units_and_norms(constant)
     return unit, linear / norm
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.codec.encoder.encode_chunk import Numbers, static_numbers
 from hgs_core.codec.encoder.encode_dynamic import dynamic_numbers
 from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
@@ -27,8 +28,6 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSpl
 __all__ = ["Quantised", "decoded_arrays", "quantised_scene"]
 
 HALF_TURNS = np.eye(4)  # about no axis, x, y and z: what they do to an ellipsoid does not show
-
-Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True)

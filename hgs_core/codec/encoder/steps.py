@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.prepare import Prepared
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import LOW_PASS, grades
@@ -23,8 +23,6 @@ ROTATION_STEP_PERCENTILE = (
 FINEST_OPACITY = 2.0**-9
 FINEST_ROTATION = 2.0**-13
 FINEST_SHARE = 2.0**-21  # a step below this share of a coordinate costs more bits than float32 is worth
-
-Doubles = NDArray[np.float64]
 
 
 def screen_deviations(splats: Prepared) -> Doubles:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.scene.camera import Camera
 
 __all__ = ["GRADES", "SetUtility", "Utility", "estimated_utility", "grades", "pixels_per_unit"]
@@ -16,8 +17,6 @@ __all__ = ["GRADES", "SetUtility", "Utility", "estimated_utility", "grades", "pi
 GRADES = (-4, 3)  # smallest and largest; a grade is a factor of 2 in the width of steps
 LOW_PASS = 0.3  # pixels squared that rendering adds to a splat's variance (docs/numerics.md, "Projection")
 GUESSED_TRANSMITTANCE = 0.5  # of what lies before a splat, where nothing was measured
-
-Doubles = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

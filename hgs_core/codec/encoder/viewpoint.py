@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles
 from hgs_core.base.errors import InputError
 from hgs_core.scene.camera import Camera
 
 __all__ = ["Viewpoint", "find_viewpoint"]
 
-Doubles = NDArray[np.float64]
 
 # How much a camera's own guess of the centre counts against the crossing of all optical axes. Small, so that it only
 # decides along directions in which the axes are parallel.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Floats
 from hgs_core.codec.format.attributes import ATTRIBUTES, BY_ID, FIFTH, LARGEST_FORM, MOTION_ORDERS, Kind
 from hgs_core.codec.format.chunk import VERSIONS, Bounds, Box, Container, Stream, unpack
 from hgs_core.codec.format.errors import ChunkError
@@ -51,7 +52,6 @@ DENSE = {
 }
 SPARSE = {name: a for name, a in ATTRIBUTES.items() if a.rows_of}
 
-Floats = NDArray[np.float32]
 Rows = Mapping[str, NDArray[np.intp] | int]
 
 

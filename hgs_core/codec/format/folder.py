@@ -7,9 +7,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
@@ -22,8 +20,6 @@ __all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "decode_scene", "load_manifest", "
 MANIFEST = "manifest.json"
 CHUNKS = "chunks"
 THUMBNAIL = "thumbnail.jpg"
-
-Floats = NDArray[np.float32]
 
 
 def load_manifest(path: Path) -> Manifest:

@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hgs_core.base.arrays import Doubles, Floats
+
 __all__ = [
     "MAX_BITS",
     "MAX_ZERO",
@@ -24,8 +26,6 @@ MAX_ZERO = 1 << 28  # with it (code - zero) * step is exact in binary64, so that
 
 _EXACT = 1 << 24  # whole numbers up to it are exact in binary32
 
-Doubles = NDArray[np.float64]
-Floats = NDArray[np.float32]
 Codes = NDArray[np.uint32]
 
 

@@ -16,6 +16,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.render.projection import rotation_matrices
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import COEFFICIENTS
@@ -30,8 +31,6 @@ from hgs_core.train.splat_sets import joined, kept, rows_of
 
 __all__ = ["LabelRound", "as_dynamics", "as_statics", "standing_still"]
 
-Floats = npt.NDArray[np.float32]
-Doubles = npt.NDArray[np.float64]
 
 _CHECKED_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at; odd: one is the middle
 _STEADY_OPACITY = 0.9  # the least opacity in the segment over the greatest that still counts as constant

@@ -16,6 +16,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
+from hgs_core.base.arrays import Mask
 from hgs_core.points.labels import label_points
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import recentred
@@ -28,8 +29,6 @@ _VISIBLE_OPACITY = 0.02  # opacity from which on a splat is looked at
 _WRONG_LEVELS = 15  # levels of 255: a ghost is faint, so less than what births call wrong
 _VIEW_SHARE = 0.5  # share of the views
 _FINAL_OPACITY_SHARE = 0.05  # of its peak: what is left of a splat's opacity at the ends of its life
-
-Mask = npt.NDArray[np.bool_]
 
 
 def visible_where_still(
