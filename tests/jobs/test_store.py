@@ -50,8 +50,8 @@ def test_an_unknown_job_is_none(table: JobTable) -> None:
 def test_the_newest_jobs_come_first(engine: sa.Engine, table: JobTable) -> None:
     with engine.begin() as connection:
         table.insert(connection, Job(id="b", title="B", capture="", config={}))
-    assert [job.id for job in table.newest(10)] == ["b", "a"]
-    assert [job.id for job in table.newest(1)] == ["b"]
+    assert [job.id for job in table.page(10)] == ["b", "a"]
+    assert [job.id for job in table.page(1)] == ["b"]
 
 
 def test_progress_is_kept_with_its_figures(table: JobTable) -> None:
