@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ __all__ = ["JobQuery", "cursor"]
 
 _LIMIT = 100  # jobs on a page, if the client does not say
 _MOST = 1000
-_CURSOR = re.compile(r"([012])/([0-9.e+]{1,32})/([a-z0-9_-]{1,64})")
+_CURSOR = re.compile(r"([012])/([0-9]{1,12}\.[0-9]{1,20})/([a-z0-9_-]{1,64})")
 
 
 @dataclass(frozen=True)
@@ -58,13 +57,9 @@ def _place(text: str | None) -> Place | None:
     if text is None:
         return None
     parts = _CURSOR.fullmatch(text)
-    try:
-        created = float(parts[2]) if parts else math.nan
-    except ValueError:
-        created = math.nan
-    if parts is None or not math.isfinite(created):
+    if parts is None:
         _refuse("after", f"after: {text[:80]!a} is not the `next` of a list of jobs")
-    return Place(int(parts[1]), created, parts[3])
+    return Place(int(parts[1]), float(parts[2]), parts[3])
 
 
 def _refuse(field: str, detail: str) -> NoReturn:

@@ -49,6 +49,7 @@ class SceneCatalogue:
         self._artifacts = artifacts
         self._jobs = jobs
         self._known: dict[str, _Known] = {}
+        self._unreadable: set[str] = set()  # at the last look; each is logged once
         self._indices: OrderedDict[str, tuple[str, SceneIndex]] = OrderedDict()  # by id, with their versions
         self._indices_lock = threading.Lock()
         self._one_look = asyncio.Lock()
@@ -110,13 +111,17 @@ class SceneCatalogue:
         fresh = [entry for entry in entries if entry.id not in before or before[entry.id].version != entry.version]
         titles = self._titles([entry.id for entry in fresh])
         read: dict[str, _Known] = {}
+        unreadable: set[str] = set()
         for entry in fresh:
             try:
                 read[entry.id] = self._learn(entry, titles)
             except ProblemError:
                 continue  # taken back since
             except Exception as error:  # whatever the store raises: the others are there
-                log.warning("scene %s cannot be read and is left out of the list: %s", entry.id, error)
+                unreadable.add(entry.id)
+                if entry.id not in self._unreadable:
+                    log.warning("scene %s cannot be read and is left out of the list: %s", entry.id, error)
+        self._unreadable = unreadable
         self._known = {entry.id: known for entry in entries if (known := read.get(entry.id) or before.get(entry.id))}
         return [known.description for known in self._known.values() if not known.fault]
 

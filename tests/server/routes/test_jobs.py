@@ -172,6 +172,26 @@ def test_jobs_are_listed_newest_first(server: Any) -> None:
     assert [job["id"] for job in server.get("/v1/jobs").json()["jobs"]] == [second, first]
 
 
+def test_a_list_can_be_asked_for_one_state(server: Any) -> None:
+    first, second = submit(server), submit(server)
+    server.jobs.change(first, state=JobState.RUNNING)
+    assert [job["id"] for job in server.get("/v1/jobs?state=running").json()["jobs"]] == [first]
+    assert [job["id"] for job in server.get("/v1/jobs?state=queued").json()["jobs"]] == [second]
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("limit=0", "limit"), ("limit=1001", "limit"), ("limit=1e2", "limit"), ("limit=", "limit"),
+        ("limit=1&limit=2", "limit"), ("state=done", "state"), ("state=Running", "state"), ("after=zzz", "after"),
+        ("after=0/1e999/a", "after"), ("after=0/1.2.3/a", "after"), ("after=%00", "after"), ("before=a", "before"),
+        ("page=2", "page"),
+    ],
+)  # fmt: skip
+def test_queries_are_honoured_or_refused_by_name(server: Any, query: str, field: str) -> None:
+    assert assert_problem(server.get(f"/v1/jobs?{query}"), 422, "query-invalid", field)["field"] == field
+
+
 def test_running_job_tells_its_progress(server: Any) -> None:
     job_id = submit(server)
     server.jobs.change(job_id, state=JobState.RUNNING, stage="train", done=3, total=9, figures={"loss": 0.5})
