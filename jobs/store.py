@@ -127,15 +127,18 @@ class JobTable:
         Only jobs in `state`, and only those behind the place `after`, where they are given.
         """
         turn = sa.case((_jobs.c.state == JobState.RUNNING, 0), (_jobs.c.state.in_(_ACTIVE), 1), else_=2)
-        query = sa.select(_jobs).order_by(turn, _jobs.c.created.desc(), _jobs.c.id).limit(limit)
+        order = (turn, _jobs.c.created.desc(), _jobs.c.id)
+        query = sa.select(_jobs.c.id).order_by(*order).limit(limit)
         if state is not None:
             query = query.where(_jobs.c.state == state)
         if after is not None:
             same = sa.and_(_jobs.c.created == after.created, _jobs.c.id > after.job_id)
             behind = sa.and_(turn == after.turn, sa.or_(_jobs.c.created < after.created, same))
             query = query.where(sa.or_(turn > after.turn, behind))
+        # All jobs are sorted, so without their configs; those of the page alone are then read whole.
+        whole = sa.select(_jobs).where(_jobs.c.id.in_(query)).order_by(*order)
         with self._engine.connect() as connection:
-            return [_job(row) for row in connection.execute(query)]
+            return [_job(row) for row in connection.execute(whole)]
 
     def active(self) -> list[Job]:
         """Return the jobs that are queued or running."""

@@ -69,7 +69,7 @@ def test_a_link_to_a_name_that_cannot_be_stored_is_refused(client: JobClient, tm
     (tmp_path / "a\udc80").mkdir()
     (tmp_path / "a\udc80" / "behaviour").touch()
     (tmp_path / "link").symlink_to(tmp_path / "a\udc80")
-    with pytest.raises(InputError, match="capture: .* holds NUL or half a surrogate pair"):
+    with pytest.raises(InputError, match=r"capture: .* holds NUL or half a surrogate pair"):
         client.submit(JobRequest(tmp_path / "link", TrainConfig()))
     assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
 
