@@ -1,4 +1,4 @@
-"""A job's changes as server-sent events; one task reads the queue for everybody who follows."""
+"""Jobs as JSON, and their changes as server-sent events; one task reads the queue for everybody who follows."""
 
 from __future__ import annotations
 
@@ -7,22 +7,50 @@ import contextlib
 import json
 import logging
 from collections.abc import AsyncIterator, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from starlette.concurrency import run_in_threadpool
 
 from jobs.store import Job
-from server.job_description import describe_job, revision
+from server.encodable import encodable
 
 if TYPE_CHECKING:
     from server.service import Jobs
 
-__all__ = ["JobFollowers", "job_events"]
+__all__ = ["JobFollowers", "describe_job", "job_events", "revision"]
 
 POLL_SECONDS = 0.25
 KEEP_ALIVE_SECONDS = 15.0
 
 log = logging.getLogger("hgs.server")
+
+
+def describe_job(job: Job) -> dict[str, Any]:
+    """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
+    figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
+    progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
+    description = {
+        "id": job.id,
+        "state": job.state.value,
+        "attempt": job.attempt,
+        "capture": job.capture,
+        "title": job.title,
+        "preset": job.config.get("preset"),
+        "hold_out": list(job.config.get("hold_out", ())),
+        "config": dict(job.config),
+        "stage": job.stage or None,
+        "progress": progress if job.stage else None,
+        "error": job.error or None,
+        "scene": job.scene_id or None,
+        "created": job.created,
+        "updated": job.updated,
+    }
+    return cast(dict[str, Any], encodable(description))
+
+
+def revision(job: Job) -> str:
+    """Return the event id of the job as it is: it changes with every change of the job."""
+    return f"{job.attempt}-{job.updated!r}"
 
 
 class _Follower:

@@ -8,7 +8,6 @@ from typing import Any, TypeVar
 
 from fastapi import Request
 from pydantic import BaseModel, ValidationError
-from starlette.requests import ClientDisconnect
 
 from hgs_core.storable_text import is_storable
 from server.problems import ProblemError
@@ -25,8 +24,8 @@ async def read_json(request: Request, model: type[Model]) -> Model:
     """Read a request's JSON body as `model`.
 
     Raises:
-        ProblemError: 413 too large, 415 or 400 not JSON or cut off, 422 a bad field; also NaN, infinities, NUL and
-            half surrogate pairs, anywhere.
+        ProblemError: 413 too large, 415 or 400 not JSON, 422 a bad field; also NaN, infinities, NUL and half
+            surrogate pairs, anywhere.
     """
     # Asking for the media type also keeps out forms of other sites, which cannot send it without asking first.
     media_type = request.headers.get("Content-Type", "").partition(";")[0].strip().lower()
@@ -46,13 +45,10 @@ async def read_json(request: Request, model: type[Model]) -> Model:
 
 async def _read(request: Request) -> bytes:
     body = bytearray()
-    try:
-        async for part in request.stream():
-            body += part
-            if len(body) > MAX_BODY_BYTES:
-                raise ProblemError(413, "body-too-large", f"the body is larger than {MAX_BODY_BYTES} bytes")
-    except ClientDisconnect as error:  # nobody reads the answer, and nothing is wrong with the server
-        raise ProblemError(400, "body-not-json", "the body ended early") from error
+    async for part in request.stream():
+        body += part
+        if len(body) > MAX_BODY_BYTES:
+            raise ProblemError(413, "body-too-large", f"the body is larger than {MAX_BODY_BYTES} bytes")
     return bytes(body)
 
 
@@ -67,7 +63,7 @@ def _require_plain(value: Any) -> None:
     while waiting:
         path, value = waiting.pop()
         if isinstance(value, float) and not math.isfinite(value):
-            raise _bad_field(path, f"{value} is not a number that JSON can hold")
+            raise _bad_field(path, f"{value} is no finite number")
         if isinstance(value, str) and not is_storable(value):
             raise _bad_field(path, f"{value[:80]!a} holds NUL or half a surrogate pair")
         if isinstance(value, dict):

@@ -11,12 +11,10 @@ from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.errors import InputError
-from hgs_core.storable_text import is_storable
 from hgs_core.train.config import TrainConfig
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
-from server.job_description import describe_job, revision
-from server.job_events import job_events
+from server.job_events import describe_job, job_events, revision
 from server.job_query import JobQuery, cursor
 from server.problems import ProblemError
 from server.request_body import read_json
@@ -119,7 +117,7 @@ def _submit(service: Service, submission: Submission) -> Job:
 
 
 def _known(service: Service, job_id: str) -> Job:
-    job = service.jobs.get(job_id) if is_storable(job_id) else None
+    job = service.jobs.get(job_id)
     if job is None:
         raise ProblemError(404, "job-not-found", f"job {job_id}: no such job")
     return job
