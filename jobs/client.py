@@ -100,7 +100,7 @@ class JobClient:
         return self._table.get(job_id)
 
     def many(self, job_ids: Collection[str]) -> dict[str, Job]:
-        """Return those of the jobs that exist, by id, with one query."""
+        """Return those of the jobs that exist, by id, with one query for every 10,000."""
         return self._table.many(job_ids)
 
     def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:

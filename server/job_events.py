@@ -95,7 +95,7 @@ class JobFollowers:
 
     async def _ask(self) -> None:
         answered = True
-        while self._followers and not await self._stops_within(POLL_SECONDS):
+        while not await self._stops_within(POLL_SECONDS) and self._followers:
             # Whoever joins while the queue answers may know more than the answer: those are told the next time.
             asking = [(follower.job.id, follower) for follower in self._followers if follower.job is not None]
             try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any
 
 from hgs_core.errors import InputError
@@ -17,7 +18,7 @@ _SHOWN = 40  # characters of a bad value that an error repeats
 
 
 def check_fields(
-    values: Any, where: str, ranges: Mapping[str, Range], choices: Mapping[str, tuple[Any, ...]] | None = None
+    values: Any, where: str, ranges: Mapping[str, Range], choices: Mapping[str, tuple[Any, ...]] = MappingProxyType({})
 ) -> None:
     """Check the plain fields of a frozen dataclass; whole numbers become int, others float, as the fields declare.
 
@@ -28,7 +29,7 @@ def check_fields(
     """
     for field in dataclasses.fields(values):
         value, place = getattr(values, field.name), f"{where}.{field.name}"
-        known = (choices or {}).get(field.name)
+        known = choices[field.name] if field.type == "str" else choices.get(field.name)
         if field.type in ("int", "float"):
             low, high = ranges[field.name] if known is None else (min(known), max(known))
             value = _number(value, str(field.type), place, low, high)
