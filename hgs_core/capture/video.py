@@ -44,16 +44,21 @@ class VideoReader:
             raise InputError(path, "the video is missing", "restore the file")
         stamps: list[int] = []
         keys: list[int] = []
+        shown: list[av.VideoFrame] = []  # the first that the decoder gives
         try:
             with av.open(str(path)) as container:
                 if not container.streams.video:
                     raise InputError(path, "the file has no video stream", "export the camera's video again")
                 stream = container.streams.video[0]
-                self.width, self.height = stream.codec_context.width, stream.codec_context.height
+                context = stream.codec_context
+                context.thread_count = 1
+                self.width, self.height = context.width, context.height
                 self.rate: Fraction = Fraction(stream.average_rate or 0)
                 announced = stream.frames
                 damaged = False
                 for packet in container.demux(stream):
+                    if not shown:
+                        shown = context.decode(packet)
                     if packet.pts is None or packet.is_discard:
                         continue
                     stamps.append(packet.pts)
@@ -79,7 +84,9 @@ class VideoReader:
         self._frames: Iterator[av.VideoFrame] | None = None
         self._next = 0  # the frame that the open decoder will give next
         self._reformatter = VideoReformatter()
-        turns = quarter_turns(self._first_frame())
+        if not shown:
+            raise InputError(path, "no frame can be decoded", "export the camera's video again")
+        turns = quarter_turns(shown[0])
         if turns is None:
             raise InputError(path, "the video is to be shown mirrored or tilted", "export it as it should look")
         if turns % 2:
@@ -124,20 +131,6 @@ class VideoReader:
             raise self._unreadable(error, index) from error
         self._close()
         raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
-
-    def _first_frame(self) -> av.VideoFrame:
-        import av
-
-        try:
-            self._seek(0)
-            assert self._frames is not None
-            return next(self._frames)
-        except StopIteration as error:
-            raise InputError(self.path, "frame 0 cannot be decoded", "export the camera's video again") from error
-        except av.FFmpegError as error:
-            raise self._unreadable(error, 0) from error
-        finally:
-            self._close()
 
     def _seek(self, key: int) -> None:
         import av
