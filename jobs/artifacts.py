@@ -133,7 +133,8 @@ class ArtifactStore:
 
 def _entry(scene_id: str, item: ObjectMeta) -> SceneEntry:
     published = item["last_modified"]
-    return SceneEntry(scene_id, published, f"{published.timestamp()!r} {item['size']} {item['e_tag']}")
+    # Whole seconds: object stores give fractions in a listing, and none where they are asked for one object.
+    return SceneEntry(scene_id, published, f"{int(published.timestamp())} {item['size']} {item['e_tag']}")
 
 
 def _read(path: Path) -> bytes:
