@@ -11,6 +11,7 @@ import re
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import obstore
 from obstore.exceptions import AlreadyExistsError
@@ -19,6 +20,9 @@ from obstore.store import LocalStore, ObjectStore, from_url
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest
+
+if TYPE_CHECKING:
+    from obstore import ObjectMeta
 
 __all__ = ["ArtifactStore", "SceneEntry"]
 
@@ -32,6 +36,7 @@ class SceneEntry:
 
     id: str
     published: datetime  # UTC
+    version: str = ""  # another one, should another scene be published under the same id
 
 
 class ArtifactStore:
@@ -80,8 +85,17 @@ class ArtifactStore:
             for item in page:
                 parts = item["path"].split("/")
                 if len(parts) == 3 and parts[2] == MANIFEST and _SCENE_ID.fullmatch(parts[1]):
-                    scenes.append(SceneEntry(parts[1], item["last_modified"]))
+                    scenes.append(_entry(parts[1], item))
         return sorted(scenes, key=lambda scene: (scene.published, scene.id), reverse=True)
+
+    def scene_entry(self, scene_id: str) -> SceneEntry | None:
+        """Return one published scene as `list_scenes` does, without a look at the others."""
+        if not _SCENE_ID.fullmatch(scene_id):
+            return None
+        try:
+            return _entry(scene_id, obstore.head(self._store, f"scenes/{scene_id}/{MANIFEST}"))
+        except FileNotFoundError:
+            return None
 
     def manifest(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's manifest.json."""
@@ -115,6 +129,12 @@ class ArtifactStore:
             return bytes(obstore.get(self._store, path).bytes())
         except FileNotFoundError:
             return None
+
+
+def _entry(scene_id: str, item: ObjectMeta) -> SceneEntry:
+    published = item["last_modified"]
+    # Whole seconds: object stores give fractions in a listing, and none where they are asked for one object.
+    return SceneEntry(scene_id, published, f"{int(published.timestamp())} {item['size']} {item['e_tag']}")
 
 
 def _read(path: Path) -> bytes:

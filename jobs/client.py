@@ -6,6 +6,8 @@ import importlib
 import re
 import secrets
 import shutil
+import unicodedata
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -13,17 +15,21 @@ from typing import TYPE_CHECKING, Self
 
 import sqlalchemy as sa
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import require_storable
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
-from jobs.store import Job, JobTable, metadata
+from jobs.store import Job, JobState, JobTable, Place, metadata
 
 if TYPE_CHECKING:
     from hgs_core.train.config import TrainConfig
 
-__all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "JobClient", "JobConflictError", "JobRequest", "workflow_id"]
+__all__ = ["MAX_TITLE", "TRAINING_QUEUE", "TRAIN_JOB", "JobClient", "JobConflictError", "JobRequest", "workflow_id"]
 
 TRAINING_QUEUE = "training"
 TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
+MAX_TITLE = 200  # characters
+_MAX_PATH = 4096  # characters, as Linux
 
 
 class JobConflictError(Exception):
@@ -38,6 +44,18 @@ class JobRequest:
     config: TrainConfig
     title: str = ""
     masks: Path | None = None  # a folder of masks to use instead of the capture's own
+
+    def __post_init__(self) -> None:
+        """Check what people and pages will read.
+
+        Raises:
+            InputError: the title is too long or holds control characters, or a path is no text.
+        """
+        require_storable("title", self.title, MAX_TITLE)
+        if _one_line(self.title) != self.title:
+            raise InputError("title", f"{self.title!a} holds control characters", "give one line of text")
+        for where, path in (("capture", self.capture), ("masks", self.masks)):
+            require_storable(where, str(path or ""), _MAX_PATH)
 
 
 class JobClient:
@@ -60,7 +78,8 @@ class JobClient:
             InputError: the capture or the config is unusable; nothing was written.
         """
         capture = request.capture.expanduser().resolve()
-        title = request.title.strip() or capture.name
+        require_storable("capture", str(capture), _MAX_PATH)  # a symbolic link may lead to any name
+        title = request.title.strip() or _one_line(capture.name)[:MAX_TITLE]
         job_id = _new_id(title)
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
@@ -80,9 +99,16 @@ class JobClient:
         """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
         return self._table.get(job_id)
 
-    def list(self, limit: int = 100) -> list[Job]:
-        """Return the newest jobs, newest first."""
-        return self._table.newest(limit)
+    def many(self, job_ids: Collection[str]) -> dict[str, Job]:
+        """Return those of the jobs that exist, by id, with one query for every 10,000."""
+        return self._table.many(job_ids)
+
+    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:
+        """Return a page of jobs: those that run, those that wait, those that are finished, each newest first.
+
+        Only jobs in `state`, and only those behind the place `after`, where they are given.
+        """
+        return self._table.page(limit, state, after)
 
     def cancel(self, job_id: str) -> Job:
         """Cancel a job and return it as it then is; a finished job stays as it is.
@@ -150,6 +176,11 @@ class JobClient:
 def workflow_id(job_id: str, attempt: int) -> str:
     """Return the name of an attempt's workflow. A retry is a new workflow, so old outcomes are never rewritten."""
     return f"{job_id}:{attempt}"
+
+
+def _one_line(text: str) -> str:
+    """Return the text with spaces for control characters and the ends of lines and paragraphs."""
+    return "".join(" " if unicodedata.category(one) in ("Cc", "Zl", "Zp") else one for one in text)
 
 
 def _new_id(title: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
@@ -13,7 +13,7 @@ import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
 
-__all__ = ["Job", "JobState", "JobTable", "metadata"]
+__all__ = ["Job", "JobState", "JobTable", "Place", "metadata"]
 
 metadata = sa.MetaData()
 
@@ -54,6 +54,8 @@ class JobState(StrEnum):
 
 _ACTIVE = (JobState.QUEUED, JobState.RUNNING)
 
+_MOST_IDS = 10_000  # in one query: SQLite takes 32,766 values, Postgres 65,535
+
 
 @dataclass(frozen=True)
 class Job:
@@ -79,6 +81,20 @@ class Job:
         return {**dataclasses.asdict(self), "state": self.state.value}
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a job stands in the list of jobs; it moves when the job begins or ends."""
+
+    turn: int  # 0: it runs, 1: it waits, 2: it is finished
+    created: float
+    job_id: str
+
+    @classmethod
+    def of(cls, job: Job) -> Place:
+        """Return where the job stands."""
+        return cls(0 if job.state is JobState.RUNNING else 1 + job.state.finished, job.created, job.id)
+
+
 class JobTable:
     """Reads and writes of the job table.
 
@@ -101,11 +117,33 @@ class JobTable:
             row = connection.execute(sa.select(_jobs).where(_jobs.c.id == job_id)).one_or_none()
         return None if row is None else _job(row)
 
-    def newest(self, limit: int) -> list[Job]:
-        """Return the newest `limit` jobs, newest first."""
-        query = sa.select(_jobs).order_by(_jobs.c.created.desc(), _jobs.c.id).limit(limit)
+    def many(self, job_ids: Collection[str]) -> dict[str, Job]:
+        """Return those of the jobs that exist, by id, with one query for every 10,000."""
+        ids, jobs = list(job_ids), {}
         with self._engine.connect() as connection:
-            return [_job(row) for row in connection.execute(query)]
+            for start in range(0, len(ids), _MOST_IDS):
+                query = sa.select(_jobs).where(_jobs.c.id.in_(ids[start : start + _MOST_IDS]))
+                jobs.update({row.id: _job(row) for row in connection.execute(query)})
+        return jobs
+
+    def page(self, limit: int, state: JobState | None = None, after: Place | None = None) -> list[Job]:
+        """Return at most `limit` jobs: those that run, those that wait, those that are finished, each newest first.
+
+        Only jobs in `state`, and only those behind the place `after`, where they are given.
+        """
+        turn = sa.case((_jobs.c.state == JobState.RUNNING, 0), (_jobs.c.state.in_(_ACTIVE), 1), else_=2)
+        order = (turn, _jobs.c.created.desc(), _jobs.c.id)
+        query = sa.select(_jobs.c.id).order_by(*order).limit(limit)
+        if state is not None:
+            query = query.where(_jobs.c.state == state)
+        if after is not None:
+            same = sa.and_(_jobs.c.created == after.created, _jobs.c.id > after.job_id)
+            behind = sa.and_(turn == after.turn, sa.or_(_jobs.c.created < after.created, same))
+            query = query.where(sa.or_(turn > after.turn, behind))
+        # All jobs are sorted, so without their configs; those of the page alone are then read whole.
+        whole = sa.select(_jobs).where(_jobs.c.id.in_(query)).order_by(*order)
+        with self._engine.connect() as connection:
+            return [_job(row) for row in connection.execute(whole)]
 
     def active(self) -> list[Job]:
         """Return the jobs that are queued or running."""

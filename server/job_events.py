@@ -1,31 +1,35 @@
-"""Jobs as JSON, and a job's changes as server-sent events."""
+"""Jobs as JSON, and their changes as server-sent events; one task reads the queue for everybody who follows."""
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
-import math
-from collections.abc import AsyncIterator
-from typing import TYPE_CHECKING, Any
+import logging
+from collections.abc import AsyncIterator, Iterator
+from typing import TYPE_CHECKING, Any, cast
 
 from starlette.concurrency import run_in_threadpool
 
 from jobs.store import Job
+from server.encodable import encodable
 
 if TYPE_CHECKING:
     from server.service import Jobs
 
-__all__ = ["describe_job", "job_events", "revision"]
+__all__ = ["JobFollowers", "describe_job", "job_events", "revision"]
 
 POLL_SECONDS = 0.25
 KEEP_ALIVE_SECONDS = 15.0
 
+log = logging.getLogger("hgs.server")
+
 
 def describe_job(job: Job) -> dict[str, Any]:
-    """Return the job object of docs/protocol.md."""
-    figures = {name: value for name, value in job.figures.items() if math.isfinite(value)}  # JSON has no NaN
+    """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
+    figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
     progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
-    return {
+    description = {
         "id": job.id,
         "state": job.state.value,
         "attempt": job.attempt,
@@ -41,6 +45,7 @@ def describe_job(job: Job) -> dict[str, Any]:
         "created": job.created,
         "updated": job.updated,
     }
+    return cast(dict[str, Any], encodable(description))
 
 
 def revision(job: Job) -> str:
@@ -48,27 +53,89 @@ def revision(job: Job) -> str:
     return f"{job.attempt}-{job.updated!r}"
 
 
-async def job_events(jobs: Jobs, job: Job, stopping: asyncio.Event) -> AsyncIterator[bytes]:
+class _Follower:
+    """What one follower was told last, and a bell that rings when there is more to tell, or no more."""
+
+    def __init__(self, job: Job) -> None:
+        self.job: Job | None = job
+        self.bell = asyncio.Event()
+
+    def tell(self, job: Job | None) -> None:
+        """Bring news of the job, or None: it is gone, or nobody looks any more."""
+        if job != self.job:
+            self.job = job
+            self.bell.set()
+
+
+class JobFollowers:
+    """Everybody who follows a job, and the task that asks the queue for all of them while there is anybody.
+
+    A question costs one query and one thread of the pool, however many follow. A queue that does not answer is asked
+    again.
+    """
+
+    def __init__(self, jobs: Jobs, stopping: asyncio.Event) -> None:
+        """Follow jobs of `jobs` until `stopping` is set."""
+        self._jobs = jobs
+        self._stopping = stopping
+        self._followers: set[_Follower] = set()
+        self._asking: asyncio.Task[None] | None = None
+
+    @contextlib.contextmanager
+    def join(self, job: Job) -> Iterator[_Follower]:
+        """Follow a job, from the state that the caller knows, inside the `with` block."""
+        follower = _Follower(job)
+        self._followers.add(follower)
+        if self._asking is None or self._asking.done():
+            self._asking = asyncio.create_task(self._ask())
+        try:
+            yield follower
+        finally:
+            self._followers.discard(follower)
+
+    async def _ask(self) -> None:
+        answered = True
+        while not await self._stops_within(POLL_SECONDS) and self._followers:
+            # Whoever joins while the queue answers may know more than the answer: those are told the next time.
+            asking = [(follower.job.id, follower) for follower in self._followers if follower.job is not None]
+            try:
+                jobs = await run_in_threadpool(self._jobs.many, {job_id for job_id, _ in asking})
+            except Exception as error:
+                if answered:
+                    log.warning("followers of jobs wait: the queue does not answer: %s", error)
+                answered = False
+                continue
+            answered = True
+            for job_id, follower in asking:
+                follower.tell(jobs.get(job_id))
+        for follower in self._followers:
+            follower.tell(None)
+
+    async def _stops_within(self, seconds: float) -> bool:
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._stopping.wait(), seconds)
+        return self._stopping.is_set()
+
+
+async def job_events(followers: JobFollowers, job: Job) -> AsyncIterator[bytes]:
     """Yield an event now and after each change, until the job is finished, gone, or the server stops."""
     yield _event(job)
-    loop = asyncio.get_running_loop()
-    spoken = loop.time()
-    while not job.state.finished:
-        try:
-            await asyncio.wait_for(stopping.wait(), POLL_SECONDS)
-            return
-        except TimeoutError:
-            pass
-        now = await run_in_threadpool(jobs.get, job.id)
-        if now is None:
-            return
-        if now != job:
-            job = now
-            yield _event(job)
-            spoken = loop.time()
-        elif loop.time() - spoken > KEEP_ALIVE_SECONDS:
-            yield b":\n\n"
-            spoken = loop.time()
+    if job.state.finished:
+        return
+    with followers.join(job) as follower:
+        while True:
+            try:
+                await asyncio.wait_for(follower.bell.wait(), KEEP_ALIVE_SECONDS)
+            except TimeoutError:
+                yield b":\n\n"
+                continue
+            follower.bell.clear()
+            if follower.job is None:
+                return
+            now = follower.job
+            yield _event(now)
+            if now.state.finished:
+                return
 
 
 def _event(job: Job) -> bytes:

@@ -73,7 +73,7 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
     """
     try:
         document = json.loads(manifest)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"manifest of scene {scene_id}", f"is not JSON: {error}") from error
     described = Manifest.from_json(document, f"manifest of scene {scene_id}")
     chunks = {entry.id: Chunk(bytes.fromhex(entry.id), entry.bytes) for entry in described.chunks}

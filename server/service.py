@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-import logging
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Protocol, cast
+from typing import Annotated, Protocol, cast
 from urllib.parse import urlsplit
 
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from hgs_core.base.errors import InputError
 from jobs.artifacts import SceneEntry
 from jobs.client import JobRequest
-from jobs.store import Job
+from jobs.store import Job, JobState, Place
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
-from server.problems import ProblemError
-from server.scene_index import SceneIndex, read_scene
+from server.job_events import JobFollowers
+from server.scene_catalogue import SceneCatalogue
+from server.scene_index import SceneIndex
 
 __all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
-
-log = logging.getLogger("hgs.server")
 
 
 class Jobs(Protocol):
@@ -31,7 +28,8 @@ class Jobs(Protocol):
 
     def submit(self, request: JobRequest) -> str: ...  # noqa: D102
     def get(self, job_id: str) -> Job | None: ...  # noqa: D102
-    def list(self, limit: int = 100) -> list[Job]: ...  # noqa: D102
+    def many(self, job_ids: Collection[str]) -> dict[str, Job]: ...  # noqa: D102
+    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]: ...  # noqa: D102
     def cancel(self, job_id: str) -> Job: ...  # noqa: D102
     def retry(self, job_id: str) -> Job: ...  # noqa: D102
     def close(self) -> None: ...  # noqa: D102
@@ -41,6 +39,7 @@ class Artifacts(Protocol):
     """The part of `jobs.artifacts.ArtifactStore` that the API uses."""
 
     def list_scenes(self) -> Sequence[SceneEntry]: ...  # noqa: D102
+    def scene_entry(self, scene_id: str) -> SceneEntry | None: ...  # noqa: D102
     def manifest(self, scene_id: str) -> bytes | None: ...  # noqa: D102
     def thumbnail(self, scene_id: str) -> bytes | None: ...  # noqa: D102
     def chunk(self, chunk_id: str) -> bytes | None: ...  # noqa: D102
@@ -56,58 +55,21 @@ class Service:
     captures: CaptureFolders
     origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
-    _scenes: dict[str, SceneIndex] = field(default_factory=dict)
+    followers: JobFollowers = field(init=False)
+    catalogue: SceneCatalogue = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Make what is kept in memory of the queue and the store."""
+        self.followers = JobFollowers(self.jobs, self.stopping)
+        self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
 
     def scene(self, scene_id: str) -> SceneIndex:
-        """Return a published scene; blocks for a read of the store.
+        """Return a published scene; blocks for a look into the store.
 
         Raises:
             ProblemError: 404, no such scene; 500, its manifest is of another version or damaged.
         """
-        manifest = self.artifacts.manifest(scene_id)
-        if manifest is None:
-            self._scenes.pop(scene_id, None)
-            raise ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")
-        known = self._scenes.get(scene_id)
-        if known is None or known.manifest != manifest:
-            try:
-                known = self._scenes[scene_id] = read_scene(scene_id, manifest)
-            except InputError as error:
-                raise ProblemError(500, "internal", str(error)) from error
-        return known
-
-    def scenes(self) -> list[dict[str, Any]]:
-        """Return the published scenes as JSON, newest first; blocks for reads of the store."""
-        described = []
-        for entry in self.artifacts.list_scenes():
-            try:
-                described.append(self._describe(self.scene(entry.id), entry.published.timestamp()))
-            except ProblemError as error:
-                log.warning("scene %s is left out of the list: %s", entry.id, error)
-        return described
-
-    def describe(self, scene_id: str) -> dict[str, Any]:
-        """Return one scene as JSON.
-
-        Raises:
-            ProblemError: 404, no such scene.
-        """
-        scene = self.scene(scene_id)
-        published = next((e.published.timestamp() for e in self.artifacts.list_scenes() if e.id == scene_id), 0.0)
-        return self._describe(scene, published)
-
-    def _describe(self, scene: SceneIndex, published: float) -> dict[str, Any]:
-        job = self.jobs.get(scene.scene_id)  # a scene that a job made has the job's id
-        return {
-            "id": scene.scene_id,
-            "title": job.title if job is not None else scene.title or scene.scene_id,
-            "created": published,
-            "start": scene.start,
-            "end": scene.end,
-            "bytes_total": scene.bytes_total,
-            "splats_static": scene.splats_static,
-            "splats_dynamic": scene.splats_dynamic,
-        }
+        return self.catalogue.scene(scene_id)
 
     def same_site(self, connection: HTTPConnection) -> bool:
         """Return whether the request comes from no page, or from a page of this server."""

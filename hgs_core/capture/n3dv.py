@@ -99,7 +99,9 @@ def camera_from_pose(
     sx, sy = width / stated_width, height / stated_height
     if abs(sx / sy - 1.0) > 0.02:  # rounding a side to whole or even pixels stays below this
         problem = f"the pose is for {stated_width:g}x{stated_height:g} pixels and the video has {width}x{height}"
-        raise InputError(where, problem, "scale the videos without cropping")
+        on_its_side = abs(width * stated_width / (height * stated_height) - 1.0) <= 0.02
+        cure = "estimate the cameras from pictures as players show them, upright" if on_its_side else ""
+        raise InputError(where, problem, cure or "scale the videos without cropping")
     down, right, back, position = matrix[:, 0], matrix[:, 1], matrix[:, 2], matrix[:, 3]
     world_to_camera = np.eye(4)
     world_to_camera[:3, :3] = np.stack((right, down, -back))  # rows: the x, y and z axes of the camera in the world

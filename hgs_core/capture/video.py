@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
+from hgs_core.capture.display_matrix import quarter_turns
 
 if TYPE_CHECKING:
     import av
@@ -24,32 +25,40 @@ class VideoReader:
     """Random access to the frames of a video.
 
     The decoder stays open and runs forward while that is the shortest way to the next frame asked for; otherwise it
-    seeks to the key frame before it. Not safe for several threads at once.
+    seeks to the key frame before it. Pictures are upright, as players show them: turned as the file's display matrix
+    says, and `width` and `height` are theirs. Not safe for several threads at once.
     """
 
     def __init__(self, path: Path) -> None:
-        """Read the packets' time stamps, without decoding.
+        """Read the packets' time stamps, and the display matrix, which comes with the first frame.
 
         Raises:
-            InputError: the file is missing, no video, truncated, or its frames cannot be told apart.
+            InputError: the file is missing, no video, truncated, its frames cannot be told apart, or are to be shown
+                mirrored or tilted.
         """
         import av
+        from av.video.reformatter import VideoReformatter
 
         self.path = path
         if not path.is_file():
             raise InputError(path, "the video is missing", "restore the file")
         stamps: list[int] = []
         keys: list[int] = []
+        shown: list[av.VideoFrame] = []  # the first that the decoder gives
         try:
             with av.open(str(path)) as container:
                 if not container.streams.video:
                     raise InputError(path, "the file has no video stream", "export the camera's video again")
                 stream = container.streams.video[0]
-                self.width, self.height = stream.codec_context.width, stream.codec_context.height
+                context = stream.codec_context
+                context.thread_count = 1
+                self.width, self.height = context.width, context.height
                 self.rate: Fraction = Fraction(stream.average_rate or 0)
                 announced = stream.frames
                 damaged = False
                 for packet in container.demux(stream):
+                    if not shown:
+                        shown = context.decode(packet)
                     if packet.pts is None or packet.is_discard:
                         continue
                     stamps.append(packet.pts)
@@ -74,6 +83,15 @@ class VideoReader:
         self._container: av.container.InputContainer | None = None
         self._frames: Iterator[av.VideoFrame] | None = None
         self._next = 0  # the frame that the open decoder will give next
+        self._reformatter = VideoReformatter()
+        if not shown:
+            raise InputError(path, "no frame can be decoded", "export the camera's video again")
+        turns = quarter_turns(shown[0])
+        if turns is None:
+            raise InputError(path, "the video is to be shown mirrored or tilted", "export it as it should look")
+        if turns % 2:
+            self.width, self.height = self.height, self.width
+        self._turns = turns
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -140,7 +158,13 @@ class VideoReader:
         return index if index < len(self._stamps) and self._stamps[index] == frame.pts else None
 
     def _picture(self, frame: av.VideoFrame) -> npt.NDArray[np.uint8]:
-        return np.ascontiguousarray(frame.to_ndarray(format="rgb24"))
+        from av.video.reformatter import Interpolation
+
+        # Without these flags chroma of half resolution is repeated instead of interpolated, and sums are cut off.
+        best = Interpolation.BICUBIC | Interpolation.FULL_CHR_H_INT | Interpolation.FULL_CHR_H_INP
+        best |= Interpolation.ACCURATE_RND
+        picture = self._reformatter.reformat(frame, format="rgb24", interpolation=best, threads=1).to_ndarray()
+        return np.ascontiguousarray(np.rot90(picture, self._turns))
 
     def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
         what = "the video" if index is None else f"frame {index}"

@@ -129,5 +129,7 @@ class RunFolder:
             return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
-        except (KeyError, TypeError, AttributeError, json.JSONDecodeError) as error:
+        except InputError as error:
+            raise InputError(f"{self.spec}, {error.where}", error.problem, error.cure) from error
+        except (KeyError, TypeError, AttributeError, ValueError, RecursionError) as error:  # no JSON, or another shape
             raise InputError(self.spec, f"unreadable ({error!r})", "start a new run") from error

@@ -121,7 +121,7 @@ class Camera:
                 world_to_camera=np.array(value["world_to_camera"], dtype=np.float64),
                 near=float(value["near"]),
             )
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             if isinstance(error, InputError):
                 raise
             raise InputError("camera", f"unreadable: {error!r}") from error

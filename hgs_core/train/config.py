@@ -7,14 +7,29 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import require_storable
+from hgs_core.train.field_checks import Range, check_fields, require_known
 
 __all__ = ["BUDGETS", "PRESETS", "LearningRates", "TrainConfig"]
 
 BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
 """What encoding may cost the training views, dB; others lose less (docs/experiments/)."""
 
+PRESETS: dict[str, dict[str, Any]] = {
+    "preview": {
+        "cycles": 2_500, "dynamic_points": 5_000,
+        "max_static": 35_000, "max_dynamic": 8_000, "coarse_until": 0.4,
+    },
+    "standard": {},
+    "best": {
+        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 10_000,
+        "max_static": 120_000, "max_dynamic": 25_000, "coarse_until": 0.15,
+    },
+}  # fmt: skip
+"""What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
+    "preset": (*PRESETS, "imported"),
     "backend": ("auto", "cpu", "triton", "reference"),
     "labels": ("auto", "dynamic", "static"),
     "stages": ("together", "interleaved", "separate"),
@@ -23,6 +38,38 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
     "density": ("gradient", "relocation"),
     "budget": tuple(BUDGETS),
 }
+
+_SHARE = (0.0, 1.0)
+_RANGES: dict[str, Range] = {
+    "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
+    "seed": (0, 2**53 - 1),  # the largest whole number that every reader of JSON keeps, browsers too
+    "cycles": (1, 1_000_000),  # 25 times those of `best`: days of a machine
+    "static_points": (0, 1_000_000),  # a point for every second pixel of a Full HD picture
+    "dynamic_points": (0, 1_000_000),
+    "init_interval": (0.001, 1e6),  # a camera of 1000 frames a second; longer than any capture: one moment
+    "max_static": (1, 10_000_000),  # with gradients and Adam's moments about 10 GB
+    "max_dynamic": (0, 1_000_000),  # the same for a segment of ten seconds
+    "densify_from": _SHARE,
+    "densify_until": _SHARE,
+    "densify_every": (1, 1_000_000),  # the most cycles there are: never
+    "grow_gradient": (0.0, 1e3),  # a gradient of the loss, which is at most 1, is far below: none is refined
+    "clone_scale": (0.0, 1e3),  # a splat of many times the scene's extent: none is split
+    "prune_opacity": _SHARE,
+    "prune_contribution": _SHARE,
+    "dssim": _SHARE,
+    "settle_from": _SHARE,
+    "settled": _SHARE,
+    "coarse_until": _SHARE,
+    "still_pixels": (0.0, 1e5),  # wider than any picture: whatever does not fade is still
+    "restless_error": _SHARE,  # colours lie in 0 to 1
+    "infill": _SHARE,
+    "segment_frames": (2, 1_000_000),  # nine hours at 30 frames per second: never cut
+    "checkpoint_every": (1, 100_000),  # what a killed worker loses at most: hours
+    "frame_memory_mib": (1, 1 << 20),  # a TiB, more than machines have
+}
+
+_MOST_HELD_OUT = 1000  # cameras; no rig has as many
+_LONGEST_NAME = 255  # characters; file systems have no longer names, and cameras are called as their files
 
 
 @dataclass(frozen=True)
@@ -40,6 +87,18 @@ class LearningRates:
     time_center: float = 1e-3
     time_log_precision: float = 3e-2
     colour_correction: float = 1e-3
+
+    def __post_init__(self) -> None:
+        """Check every rate.
+
+        Raises:
+            InputError: names the rate, the value and the range.
+        """
+        check_fields(self, "config.learning_rates", _RATES)
+
+
+# Adam moves a parameter by about its rate: 10 multiplies a size by e^10 at once.
+_RATES: dict[str, Range] = dict.fromkeys((field.name for field in dataclasses.fields(LearningRates)), (0.0, 10.0))
 
 
 @dataclass(frozen=True)
@@ -90,43 +149,15 @@ class TrainConfig:
     learning_rates: LearningRates = dataclasses.field(default_factory=LearningRates)
 
     def __post_init__(self) -> None:
-        """Check every range.
+        """Check every field.
 
         Raises:
-            InputError: names the field and the range it must lie in.
+            InputError: names the field, the value, and the range or the choices.
         """
-        for name, low in (
-            ("downscale", 1), ("seed", 0), ("cycles", 1), ("static_points", 0), ("dynamic_points", 0),
-            ("max_static", 1), ("max_dynamic", 0), ("densify_every", 1), ("checkpoint_every", 1),
-            ("frame_memory_mib", 1), ("segment_frames", 2),
-        ):  # fmt: skip
-            value = getattr(self, name)
-            if value < low:
-                raise InputError(f"config.{name}", f"{value} is too small", f"give {low} or more")
-        for name in (
-            "densify_from",
-            "densify_until",
-            "prune_opacity",
-            "prune_contribution",
-            "dssim",
-            "coarse_until",
-            "infill",
-            "settle_from",
-            "settled",
-        ):
-            value = getattr(self, name)
-            if not 0 <= value <= 1:
-                raise InputError(f"config.{name}", f"{value} is not a share", "give a number from 0 to 1")
-        for name, known in _CHOICES.items():
-            value = getattr(self, name)
-            if value not in known:
-                raise InputError(f"config.{name}", f"unknown choice {value!r}", f"use {_any_of(known)}")
-        if not self.init_interval > 0:
-            raise InputError("config.init_interval", f"{self.init_interval} s is not positive", "give seconds above 0")
-        if self.still_pixels < 0 or self.restless_error < 0:
-            raise InputError("config.still_pixels, config.restless_error", "a threshold is negative", "give 0 or more")
-        if len(set(self.hold_out)) != len(self.hold_out):
-            raise InputError("config.hold_out", f"a camera is named twice in {','.join(self.hold_out)}")
+        check_fields(self, "config", _RANGES, _CHOICES)
+        if not isinstance(self.learning_rates, LearningRates):
+            raise InputError("config.learning_rates", "is not an object", "give {name: rate}")
+        _check_hold_out(self.hold_out)
 
     def first_dynamic_points(self, seconds: float) -> int:
         """Return the points of what moves that a capture of so many seconds starts with; of one second at least."""
@@ -170,61 +201,24 @@ class TrainConfig:
         Raises:
             InputError: an unknown field, or a value of the wrong type or range.
         """
-        rates = value.get("learning_rates", {})
-        if isinstance(rates, LearningRates):
-            rates = dataclasses.asdict(rates)
-        if not isinstance(rates, dict):
-            raise InputError("config.learning_rates", f"{rates!r} is not an object")
-        fields = {k: v for k, v in value.items() if k != "learning_rates"}
-        hold_out = fields.get("hold_out", ())
-        if isinstance(hold_out, str) or not all(isinstance(name, str) for name in hold_out):
-            raise InputError("config.hold_out", f"{hold_out!r} is not a list of camera names")
-        fields["hold_out"] = tuple(hold_out)
-        return cls(**_typed(cls, fields, "config"), learning_rates=_learning_rates(rates))
+        require_known(cls, value, "config")
+        fields = dict(value)
+        rates = fields.get("learning_rates")
+        if isinstance(rates, dict):
+            require_known(LearningRates, rates, "config.learning_rates")
+            fields["learning_rates"] = LearningRates(**rates)
+        if isinstance(fields.get("hold_out"), list):
+            fields["hold_out"] = tuple(fields["hold_out"])
+        return cls(**fields)
 
 
-def _learning_rates(value: dict[str, Any]) -> LearningRates:
-    rates = LearningRates(**_typed(LearningRates, value, "config.learning_rates"))
-    for name, rate in dataclasses.asdict(rates).items():
-        if not rate >= 0:
-            raise InputError(f"config.learning_rates.{name}", f"{rate} is negative")
-    return rates
-
-
-def _any_of(choices: tuple[Any, ...]) -> str:
-    """Return "a, b or c"."""
-    return f"{', '.join(str(c) for c in choices[:-1])} or {choices[-1]}"
-
-
-def _typed(cls: type[Any], value: dict[str, Any], where: str) -> dict[str, Any]:
-    """Check the names and coerce the numbers of a dataclass's fields."""
-    types = {field.name: str(field.type) for field in dataclasses.fields(cls)}
-    result: dict[str, Any] = {}
-    for name, given in value.items():
-        if name not in types:
-            raise InputError(f"{where}.{name}", "unknown field", f"known are {', '.join(sorted(types))}")
-        number = isinstance(given, int | float) and not isinstance(given, bool)
-        if types[name] == "int" and not (number and float(given).is_integer()):
-            raise InputError(f"{where}.{name}", f"{given!r} is not a whole number")
-        if types[name] == "float" and not number:
-            raise InputError(f"{where}.{name}", f"{given!r} is not a number")
-        if types[name] == "str" and not isinstance(given, str):
-            raise InputError(f"{where}.{name}", f"{given!r} is not a string")
-        if types[name] == "bool" and not isinstance(given, bool):
-            raise InputError(f"{where}.{name}", f"{given!r} is not true or false")
-        result[name] = {"int": int, "float": float}.get(types[name], lambda x: x)(given)
-    return result
-
-
-PRESETS: dict[str, dict[str, Any]] = {
-    "preview": {
-        "cycles": 2_500, "dynamic_points": 5_000,
-        "max_static": 35_000, "max_dynamic": 8_000, "coarse_until": 0.4,
-    },
-    "standard": {},
-    "best": {
-        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 10_000,
-        "max_static": 120_000, "max_dynamic": 25_000, "coarse_until": 0.15,
-    },
-}  # fmt: skip
-"""What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
+def _check_hold_out(names: tuple[str, ...]) -> None:
+    if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
+        raise InputError("config.hold_out", "is not a list of camera names")
+    if len(names) > _MOST_HELD_OUT:
+        raise InputError("config.hold_out", f"{len(names)} names are too many", f"give at most {_MOST_HELD_OUT}")
+    for name in names:
+        require_storable("config.hold_out", name, _LONGEST_NAME)
+    twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
+    if twice is not None:
+        raise InputError("config.hold_out", f"camera {twice} is named twice")

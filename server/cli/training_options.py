@@ -57,7 +57,7 @@ def _overrides(assignments: Sequence[str]) -> dict[str, Any]:
             raise InputError(f"--set {assignment}", "is not KEY=VALUE")
         try:
             value = json.loads(text)
-        except json.JSONDecodeError:
+        except (ValueError, RecursionError):  # no JSON, or more digits or brackets than Python reads
             value = text
         *parents, name = key.split(".")
         target = overrides

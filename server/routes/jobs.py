@@ -12,9 +12,10 @@ from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
-from jobs.client import JobConflictError, JobRequest
+from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
 from server.job_events import describe_job, job_events, revision
+from server.job_query import JobQuery, cursor
 from server.problems import ProblemError
 from server.request_body import read_json
 from server.service import Service, ServiceDep
@@ -30,7 +31,7 @@ class Submission(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True)
 
     capture: StrictStr = Field(min_length=1, max_length=4096)
-    title: StrictStr = Field(default="", max_length=200)
+    title: StrictStr = Field(default="", max_length=MAX_TITLE)
     preset: StrictStr = "standard"
     hold_out: list[StrictStr] = Field(default=[], max_length=1000)
     config: dict[str, Any] = {}
@@ -46,9 +47,12 @@ async def submit(request: Request, service: ServiceDep) -> Response:
 
 
 @router.api_route("", methods=["GET", "HEAD"])
-def list_jobs(service: ServiceDep) -> dict[str, Any]:
-    """List the jobs, newest first."""
-    return {"jobs": [describe_job(job) for job in service.jobs.list()]}
+def list_jobs(request: Request, service: ServiceDep) -> dict[str, Any]:
+    """List the jobs: those that run, those that wait, those that are finished, each newest first."""
+    query = JobQuery.read(request.query_params.multi_items())
+    jobs = service.jobs.list(query.limit + 1, query.state, query.after)
+    page = jobs[: query.limit]
+    return {"jobs": [describe_job(job) for job in page], "next": cursor(page[-1]) if len(jobs) > len(page) else None}
 
 
 @router.api_route("/{job_id}", methods=["GET", "HEAD"])
@@ -63,7 +67,7 @@ async def events(request: Request, job_id: str, service: ServiceDep) -> Response
     job = await run_in_threadpool(_known, service, job_id)
     if job.state.finished and request.headers.get("Last-Event-ID") == revision(job):
         return Response(status_code=204)
-    stream = job_events(service.jobs, job, service.stopping)
+    stream = job_events(service.followers, job)
     return StreamingResponse(stream, media_type="text/event-stream", headers={"Cache-Control": "no-store"})
 
 
@@ -105,6 +109,8 @@ def _submit(service: Service, submission: Submission) -> Job:
         capture: Path = service.captures.locate(submission.capture)
         job_id = service.jobs.submit(JobRequest(capture, config, submission.title))
     except InputError as error:
+        if error.where == "title":
+            raise ProblemError(422, "body-invalid", str(error), field="title") from error
         code = "config-invalid" if error.where.startswith("config") else "capture-invalid"
         raise ProblemError(422, code, str(error)) from error
     return _known(service, job_id)

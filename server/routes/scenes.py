@@ -16,15 +16,15 @@ router = APIRouter(prefix="/v1/scenes")
 
 
 @router.api_route("", methods=["GET", "HEAD"])
-def scenes(service: ServiceDep) -> dict[str, Any]:
+async def scenes(service: ServiceDep) -> dict[str, Any]:
     """List the published scenes, newest first."""
-    return {"scenes": service.scenes()}
+    return {"scenes": await service.catalogue.scenes()}
 
 
 @router.api_route("/{scene_id}", methods=["GET", "HEAD"])
 def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
     """Describe one scene."""
-    return service.describe(scene_id)
+    return service.catalogue.describe(scene_id)
 
 
 @router.api_route("/{scene_id}/manifest", methods=["GET", "HEAD"])

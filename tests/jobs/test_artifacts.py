@@ -46,6 +46,27 @@ def test_scenes_are_listed_newest_first(store: ArtifactStore, scene: Path, tmp_p
     assert abs(datetime.now(UTC) - entries[0].published) < timedelta(minutes=10)
 
 
+def test_one_scene_is_looked_up_as_it_is_listed(store: ArtifactStore, scene: Path) -> None:
+    store.put_scene(scene, "a")
+    assert [store.scene_entry("a")] == store.list_scenes()
+    for unknown in ("b", "../a", "A", "a" * 65):
+        assert store.scene_entry(unknown) is None
+
+
+def test_a_scene_published_anew_has_another_version(
+    store: ArtifactStore, scene: Path, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
+    store.put_scene(scene, "a")
+    before = store.scene_entry("a")
+    store.remove_scene("a")
+    write_scene(tmp_path / "other", title="Another")
+    store.put_scene(tmp_path / "other", "a")
+    after = store.scene_entry("a")
+    assert before is not None
+    assert after is not None
+    assert before.version != after.version
+
+
 def test_publishing_again_changes_nothing(
     store: ArtifactStore, scene: Path, tmp_path: Path, write_scene: Callable[..., list[str]]
 ) -> None:

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -40,6 +41,46 @@ def test_a_bad_capture_raises_and_leaves_nothing(client: JobClient, tmp_path: Pa
         client.submit(JobRequest(tmp_path, TrainConfig()))
     assert client.list() == []
     assert list(client.home.runs.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("fields", "where"),
+    [
+        ({"title": "x" * 201}, "title"),
+        ({"title": "a\0b"}, "title"),
+        ({"title": "\ud800"}, "title"),
+        ({"title": "two\nlines"}, "title"),
+        ({"title": "\x1b[2J"}, "title"),
+        ({"masks": Path("a\udc80")}, "masks"),
+        ({"capture": Path("a\udc80")}, "capture"),
+        ({"capture": Path("a" * 5000)}, "capture"),
+    ],
+)
+def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
+    tmp_path: Path, fields: dict[str, Any], where: str
+) -> None:
+    with pytest.raises(InputError) as refused:
+        JobRequest(**{"capture": tmp_path, "config": TrainConfig(), **fields})
+    assert refused.value.where == where
+    str(refused.value).encode()
+
+
+def test_a_link_to_a_name_that_cannot_be_stored_is_refused(client: JobClient, tmp_path: Path) -> None:
+    (tmp_path / "a\udc80").mkdir()
+    (tmp_path / "a\udc80" / "behaviour").touch()
+    (tmp_path / "link").symlink_to(tmp_path / "a\udc80")
+    with pytest.raises(InputError, match=r"capture: .* holds NUL or half a surrogate pair"):
+        client.submit(JobRequest(tmp_path / "link", TrainConfig()))
+    assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
+
+
+def test_the_title_of_a_capture_with_a_strange_name_is_one_line(client: JobClient, tmp_path: Path) -> None:
+    capture = tmp_path / "two\nlines"
+    capture.mkdir()
+    (capture / "behaviour").touch()
+    job = client.get(client.submit(JobRequest(capture, TrainConfig())))
+    assert job is not None
+    assert (job.title, job.capture) == ("two lines", str(capture))
 
 
 def test_a_job_that_cannot_be_queued_leaves_nothing(

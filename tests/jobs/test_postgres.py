@@ -17,10 +17,11 @@ import pytest
 import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
+from jobs.client import JobClient
 from jobs.database import create_engine
 from jobs.home import Home
 from jobs.liveness import PostgresLiveness
-from jobs.store import Job, JobState, JobTable
+from jobs.store import Job, JobState, JobTable, Place
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
@@ -113,8 +114,6 @@ def cycles(run: Path) -> list[tuple[int, int]]:
 def test_cancel_and_retry_are_the_same_as_on_sqlite(
     home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    from jobs.client import JobClient
-
     worker()
     job_id = submit(cycles=150)
     wait_until(lambda: len(cycles(home.run(job_id))) >= 3, "three cycles")
@@ -137,6 +136,24 @@ def test_old_attempts_cannot_write(home: Home, client: object, submit: Callable[
         assert table.requeue(connection, job_id, 1)
     assert not table.succeed(job_id, 1, "late")
     engine.dispose()
+
+
+def test_lists_are_the_same_as_on_sqlite_and_outlast_a_restart(
+    server: PostgresServer, home: Home, client: JobClient, submit: Callable[..., str]
+) -> None:
+    ids = [submit() for _ in range(3)]
+    engine = create_engine(home)
+    assert JobTable(engine).start(ids[0], 1)
+    engine.dispose()
+    first = client.list(2)
+    assert [job.id for job in first] == [ids[0], ids[2]]
+    assert [job.id for job in client.list(2, after=Place.of(first[-1]))] == [ids[1]]
+    assert [job.id for job in client.list(2, JobState.QUEUED)] == [ids[2], ids[1]]
+    server.stop()
+    with pytest.raises(sa.exc.OperationalError):
+        client.many(ids)
+    server.start()
+    assert client.many([*ids, "nobody"]) == {job_id: client.get(job_id) for job_id in ids}
 
 
 def test_a_restart_of_the_server_costs_no_training(

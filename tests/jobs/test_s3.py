@@ -71,6 +71,17 @@ def test_a_published_scene_can_be_read_and_removed(
     assert store.chunk(chunk) == b"a chunk"
 
 
+def test_a_scene_looked_up_has_the_version_of_the_listed_one(
+    store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
+    write_scene(tmp_path / "scene")
+    store.put_scene(tmp_path / "scene", "a")
+    entry = store.scene_entry("a")
+    assert entry is not None
+    assert [(entry.id, entry.version)] == [(one.id, one.version) for one in store.list_scenes()]
+    assert store.scene_entry("b") is None
+
+
 def test_nothing_published_is_overwritten(
     store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
 ) -> None:

@@ -10,7 +10,7 @@ import sqlalchemy as sa
 from hgs_core.base.progress import Progress
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
-from jobs.store import Job, JobState, JobTable, metadata
+from jobs.store import Job, JobState, JobTable, Place, metadata
 
 
 @pytest.fixture
@@ -50,8 +50,52 @@ def test_an_unknown_job_is_none(table: JobTable) -> None:
 def test_the_newest_jobs_come_first(engine: sa.Engine, table: JobTable) -> None:
     with engine.begin() as connection:
         table.insert(connection, Job(id="b", title="B", capture="", config={}))
-    assert [job.id for job in table.newest(10)] == ["b", "a"]
-    assert [job.id for job in table.newest(1)] == ["b"]
+    assert [job.id for job in table.page(10)] == ["b", "a"]
+    assert [job.id for job in table.page(1)] == ["b"]
+
+
+def add(engine: sa.Engine, table: JobTable, job_id: str, state: JobState) -> None:
+    with engine.begin() as connection:
+        table.insert(connection, Job(id=job_id, title="", capture="", config={}, state=state))
+
+
+def test_jobs_that_run_come_first_then_those_that_wait_however_old(engine: sa.Engine, table: JobTable) -> None:
+    table.start("a", 1)
+    add(engine, table, "b", JobState.QUEUED)
+    for number in range(200):
+        add(engine, table, f"c{number:03}", JobState.SUCCEEDED)
+    add(engine, table, "d", JobState.RUNNING)
+    assert [job.id for job in table.page(4)] == ["d", "a", "b", "c199"]
+    assert [job.id for job in table.page(4, JobState.SUCCEEDED)] == ["c199", "c198", "c197", "c196"]
+
+
+def test_pages_together_are_all_jobs_once(engine: sa.Engine, table: JobTable, monkeypatch: pytest.MonkeyPatch) -> None:
+    states = list(JobState)
+    for number in range(23):
+        monkeypatch.setattr("time.time", lambda now=number // 3: float(now))  # some at the same moment
+        add(engine, table, f"b{number:02}", states[number % len(states)])
+    whole = table.page(100)
+    pages: list[Job] = []
+    while page := table.page(5, after=Place.of(pages[-1]) if pages else None):
+        pages += page
+    assert pages == whole
+    assert len({job.id for job in pages}) == 24
+    assert [Place.of(job).turn for job in pages] == sorted(Place.of(job).turn for job in pages)
+
+
+def test_many_jobs_are_one_query(engine: sa.Engine, table: JobTable) -> None:
+    for number in range(300):
+        add(engine, table, f"b{number}", JobState.QUEUED)
+    statements: list[str] = []
+    sa.event.listen(engine, "before_cursor_execute", lambda *arguments: statements.append(arguments[2]))
+    found = table.many({f"b{number}" for number in range(300)} | {"nobody"})
+    assert sorted(found) == sorted(f"b{number}" for number in range(300))
+    assert table.many(set()) == {}
+    assert len(statements) == 1
+
+
+def test_jobs_in_any_number_can_be_asked_for(engine: sa.Engine, table: JobTable) -> None:
+    assert list(table.many([*(f"nobody-{number}" for number in range(35_000)), "a"])) == ["a"]
 
 
 def test_progress_is_kept_with_its_figures(table: JobTable) -> None:

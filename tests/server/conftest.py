@@ -6,7 +6,7 @@ import asyncio
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from hgs_core.scene.camera import Camera
 from jobs.artifacts import SceneEntry
 from jobs.client import JobConflictError, JobRequest
 from jobs.home import Home
-from jobs.store import Job, JobState
+from jobs.store import Job, JobState, Place
 from server.app import create_app
 from server.capture_folders import CaptureFolders
 from server.scene_index import Chunk, SceneIndex, Slice
@@ -85,8 +85,11 @@ class FakeJobs:
             raise self.refuse
         return self.jobs.get(job_id)
 
-    def list(self, limit: int = 100) -> list[Job]:
-        return list(reversed(self.jobs.values()))[:limit]
+    def many(self, job_ids: Collection[str]) -> dict[str, Job]:
+        return {job_id: job for job_id in job_ids if (job := self.get(job_id)) is not None}
+
+    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:
+        return [job for job in reversed(self.jobs.values()) if state in (None, job.state)][:limit]
 
     def cancel(self, job_id: str) -> Job:
         if not self.jobs[job_id].state.finished:
@@ -119,7 +122,13 @@ class FakeArtifacts:
     reads: int = 0
 
     def list_scenes(self) -> list[SceneEntry]:
-        return [SceneEntry(scene_id, datetime.fromtimestamp(1000, UTC)) for scene_id in sorted(self.manifests)]
+        return [
+            SceneEntry(scene_id, datetime.fromtimestamp(1000, UTC), hashlib.sha256(manifest).hexdigest())
+            for scene_id, manifest in sorted(self.manifests.items())
+        ]
+
+    def scene_entry(self, scene_id: str) -> SceneEntry | None:
+        return next((entry for entry in self.list_scenes() if entry.id == scene_id), None)
 
     def manifest(self, scene_id: str) -> bytes | None:
         return self.manifests.get(scene_id)

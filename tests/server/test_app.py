@@ -29,7 +29,7 @@ app = create_app(home)
 async def main():
     async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://server") as client:
         assert (await client.get("/v1/scenes/studio")).status_code == 200
-        assert (await client.get("/v1/jobs")).json() == {"jobs": []}
+        assert (await client.get("/v1/jobs")).json() == {"jobs": [], "next": None}
         (home.folder / "captures" / "empty").mkdir(parents=True)
         assert (await client.post("/v1/jobs", json={"capture": "empty"})).json()["code"] == "capture-invalid"
 

@@ -23,3 +23,10 @@ def test_poses_that_do_not_rotate_are_refused(rotation: np.ndarray, complaint: s
     pose[:3, :3] = rotation
     with pytest.raises(InputError, match=complaint):
         Camera("c", 64, 48, 50.0, 50.0, 32.0, 24.0, pose)
+
+
+@pytest.mark.parametrize("name", ["width", "height"])
+def test_a_size_that_is_no_number_is_refused(name: str) -> None:
+    value = Camera("cam00", 64, 48, 50.0, 50.0, 32.0, 24.0, np.eye(4)).to_json()
+    with pytest.raises(InputError, match="camera: unreadable"):
+        Camera.from_json({**value, name: float("inf")})

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 import subprocess
 import sys
 from typing import Any
@@ -10,7 +12,18 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import PRESETS, TrainConfig
+from hgs_core.train.config import PRESETS, LearningRates, TrainConfig
+
+NUMBERS = [
+    *(field.name for field in dataclasses.fields(TrainConfig) if field.type in ("int", "float")),
+    *(f"learning_rates.{field.name}" for field in dataclasses.fields(LearningRates)),
+]
+
+
+def with_value(name: str, value: Any) -> dict[str, Any]:
+    """Return the JSON form of a config in which one field, maybe of the learning rates, has a value."""
+    parent, _, rate = name.partition(".")
+    return {parent: {rate: value}} if rate else {parent: value}
 
 
 @pytest.mark.parametrize("preset", PRESETS)
@@ -30,6 +43,40 @@ def test_json_round_trip(preset: str) -> None:
 def test_a_bad_value_is_refused_by_name(field: str, value: Any) -> None:
     with pytest.raises(InputError, match=field):
         TrainConfig.from_json({field: value})
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_every_number_is_finite_and_bounded(name: str) -> None:
+    for value in (math.inf, -math.inf, math.nan, 1e300, -1e300, 10**400, 10**5000, True, "1", None, []):
+        with pytest.raises(InputError, match=rf"config\.{name}: .*; give a (whole )?number from [0-9.]+ to [0-9.e]+"):
+            TrainConfig.from_json(with_value(name, value))
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_a_config_made_in_python_passes_the_same_check(name: str) -> None:
+    parent, _, rate = name.partition(".")
+    with pytest.raises(InputError, match=rf"config\.{name}: inf is out of range"):
+        TrainConfig(**{parent: LearningRates(**{rate: math.inf}) if rate else math.inf})
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("hold_out", 3), ("hold_out", {"cam00": 1}), ("hold_out", ["\ud800"]), ("hold_out", ["a\0b"]),
+        ("hold_out", ["x" * 256]), ("hold_out", [str(k) for k in range(1001)]), ("motion_order", True),
+        ("motion_order", 4), ("preset", "ultra"), ("preset", []), ("labels", None), ("learning_rates", None),
+    ],
+)  # fmt: skip
+def test_names_and_choices_are_bounded(field: str, value: Any) -> None:
+    with pytest.raises(InputError, match=field) as refused:
+        TrainConfig.from_json({field: value})
+    assert len(str(refused.value)) < 1000
+
+
+def test_whole_numbers_may_be_written_as_others() -> None:
+    config = TrainConfig.from_json({"cycles": 20.0, "motion_order": 5.0, "dssim": 1})
+    assert (config.cycles, config.motion_order, config.dssim) == (20, 5, 1.0)
+    assert [type(value) for value in (config.cycles, config.motion_order, config.dssim)] == [int, int, float]
 
 
 def test_an_unknown_preset_lists_the_known_ones() -> None:

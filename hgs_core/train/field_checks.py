@@ -1,0 +1,78 @@
+"""The check that every field of the training config passes: its type, and the range or choice it lies in."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+from hgs_core.base.errors import InputError
+
+__all__ = ["Range", "check_fields", "require_known"]
+
+Range = tuple[float, float]
+"""The least and the greatest value that a number may have, both included."""
+
+_SHOWN = 40  # characters of a bad value that an error repeats
+
+
+def check_fields(
+    values: Any, where: str, ranges: Mapping[str, Range], choices: Mapping[str, tuple[Any, ...]] = MappingProxyType({})
+) -> None:
+    """Check the plain fields of a frozen dataclass; whole numbers become int, others float, as the fields declare.
+
+    Every number has its range in `ranges` or its values in `choices`, every string its values in `choices`.
+
+    Raises:
+        InputError: a value of the wrong type, NaN, or out of range; names `where` and the field.
+    """
+    for field in dataclasses.fields(values):
+        value, place = getattr(values, field.name), f"{where}.{field.name}"
+        known = choices[field.name] if field.type == "str" else choices.get(field.name)
+        if field.type in ("int", "float"):
+            low, high = ranges[field.name] if known is None else (min(known), max(known))
+            value = _number(value, str(field.type), place, low, high)
+            object.__setattr__(values, field.name, value)  # frozen for everybody else
+        elif field.type == "bool" and not isinstance(value, bool):
+            raise InputError(place, f"{_shown(value)} is not true or false")
+        if known is not None and value not in known:
+            raise InputError(place, f"unknown choice {_shown(value)}", f"use {_any_of(known)}")
+
+
+def require_known(cls: type[Any], names: Mapping[str, Any], where: str) -> None:
+    """Refuse names that are no fields of the dataclass.
+
+    Raises:
+        InputError: names `where`, the unknown field and those that there are.
+    """
+    known = sorted(field.name for field in dataclasses.fields(cls))
+    for name in names:
+        if name not in known:
+            raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", f"known are {', '.join(known)}")
+
+
+def _number(value: Any, kind: str, where: str, low: float, high: float) -> float:
+    cure = f"give a {'whole ' if kind == 'int' else ''}number from {low} to {high}"
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise InputError(where, f"{_shown(value)} is not a number", cure)
+    if not low <= value <= high:  # NaN lies nowhere
+        raise InputError(where, f"{_shown(value)} is out of range", cure)
+    if kind == "float":
+        return float(value)
+    if int(value) != value:
+        raise InputError(where, f"{_shown(value)} is not a whole number", cure)
+    return int(value)
+
+
+def _shown(value: Any) -> str:
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes out no int of thousands of digits
+        text = "a number of thousands of digits"
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def _any_of(choices: tuple[Any, ...]) -> str:
+    """Return "a, b or c"."""
+    return f"{', '.join(str(choice) for choice in choices[:-1])} or {choices[-1]}"
