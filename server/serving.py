@@ -57,12 +57,12 @@ class HttpServer(uvicorn.Server):
             uvicorn.Config(
                 app,
                 http=HttpConnection,
-                ws=WebSocketConnection,
                 backlog=limits.batch,
                 timeout_keep_alive=limits.idle_seconds,
                 log_config=None,
                 access_log=False,
                 server_header=False,
+                ws=WebSocketConnection,
                 # One message above our own limit still gets an `error` before the close.
                 ws_max_size=2 * MAX_MESSAGE_BYTES,
                 ws_per_message_deflate=False,  # chunks are compressed already
