@@ -12,10 +12,12 @@ from starlette.middleware.cors import CORSMiddleware
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
+from server.allowed_hosts import AllowedHosts, HostCheck
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
 from server.problems import install_problem_handlers
 from server.routes import chunks, health, jobs, scenes, stream
+from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
 from server.viewer import VIEWER, viewer_router
 
@@ -27,6 +29,7 @@ def create_app(
     *,
     captures: CaptureFolders | None = None,
     origins: Iterable[str] = (),
+    hosts: AllowedHosts | None = None,
     job_client: Jobs | None = None,
     artifacts: Artifacts | None = None,
     viewer: Path = VIEWER,
@@ -34,7 +37,8 @@ def create_app(
     """Return the application that serves `home`; creates the home and its tables where they are missing.
 
     `captures` are the folders that jobs may read, `origins` the pages of other hosts that may read scenes and chunks
-    (`*` for all). The queue, the store and the folder of the built viewer can be replaced, as tests do.
+    (`*` for all), `hosts` the names that the server answers to, by default localhost alone. The queue, the store and
+    the folder of the built viewer can be replaced, as tests do.
     """
     store = artifacts or ArtifactStore(home.store_url)
     service = Service(
@@ -63,6 +67,8 @@ def create_app(
             expose_headers=["Content-Range", "ETag"],
             max_age=3600,
         )
+    app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
+    app.add_middleware(SecurityHeaders)
     for module in (health, jobs, scenes, chunks, stream):
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))

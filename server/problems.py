@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from http import HTTPStatus
 from typing import Any
+from urllib.parse import quote
 
 from fastapi import FastAPI, Request, Response
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
 from sqlalchemy.exc import OperationalError
 from starlette.exceptions import HTTPException
-from starlette.requests import HTTPConnection
+from starlette.requests import ClientDisconnect, HTTPConnection
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["ProblemError", "install_problem_handlers", "problem_response"]
+__all__ = ["PROBLEM_JSON", "ProblemError", "install_problem_handlers", "problem_document", "problem_response"]
 
 log = logging.getLogger("hgs.server")
 
@@ -35,8 +36,7 @@ class ProblemError(Exception):
         super().__init__(detail)
 
 
-class _ProblemResponse(JSONResponse):
-    media_type = "application/problem+json"
+PROBLEM_JSON = "application/problem+json"
 
 
 def install_problem_handlers(app: FastAPI) -> None:
@@ -60,10 +60,10 @@ def install_problem_handlers(app: FastAPI) -> None:
     def on_http(request: Request, error: HTTPException) -> Response:
         headers = dict(error.headers or {})
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            detail = f"{request.method} is not allowed on {request.url.path}"
+            detail = f"{request.method} is not allowed on {request.scope['path']}"
             return problem_response(request, ProblemError(405, "method-not-allowed", detail, headers=headers))
         code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-        detail = f"{request.url.path}: nothing here" if error.status_code == HTTPStatus.NOT_FOUND else error.detail
+        detail = f"{request.scope['path']}: nothing here" if error.status_code == HTTPStatus.NOT_FOUND else error.detail
         return problem_response(request, ProblemError(error.status_code, code, detail, headers=headers))
 
     @app.exception_handler(OperationalError)
@@ -71,6 +71,10 @@ def install_problem_handlers(app: FastAPI) -> None:
         log.error("the job database does not answer: %s", error.orig)
         detail = "the job database cannot be reached; try again later"
         return problem_response(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
+
+    @app.exception_handler(ClientDisconnect)
+    def on_disconnect(request: Request, error: ClientDisconnect) -> Response:
+        return Response(status_code=400)  # nobody is there to read it
 
     @app.exception_handler(Exception)
     def on_fault(request: Request, error: Exception) -> Response:
@@ -80,14 +84,20 @@ def install_problem_handlers(app: FastAPI) -> None:
 
 def problem_response(request: HTTPConnection, problem: ProblemError) -> Response:
     """Return the problem document that answers `request`."""
+    return Response(problem_document(problem, request.scope["path"]), problem.status, problem.headers, PROBLEM_JSON)
+
+
+def problem_document(problem: ProblemError, path: str) -> bytes:
+    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request."""
     body = {
         "type": "about:blank",
         "title": HTTPStatus(problem.status).phrase,
         "status": problem.status,
         "detail": " ".join(problem.detail.split()),
-        "instance": request.url.path,
+        "instance": quote(path, errors="replace"),
         "code": problem.code,
     }
     if problem.field:
         body["field"] = problem.field
-    return _ProblemResponse(body, status_code=problem.status, headers=problem.headers)
+    # What a client sent may hold halves of characters, which JSON can name and UTF-8 cannot carry.
+    return json.dumps(body, separators=(",", ":"), ensure_ascii=False).encode(errors="replace")

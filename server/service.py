@@ -6,7 +6,6 @@ import asyncio
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Protocol, cast
-from urllib.parse import urlsplit
 
 from fastapi import Depends
 from starlette.requests import HTTPConnection
@@ -74,7 +73,7 @@ class Service:
     def same_site(self, connection: HTTPConnection) -> bool:
         """Return whether the request comes from no page, or from a page of this server."""
         origin = connection.headers.get("Origin")
-        return origin is None or urlsplit(origin).netloc == connection.headers.get("Host")
+        return origin is None or origin.partition("://")[2] == connection.headers.get("Host")
 
     def may_read(self, connection: HTTPConnection) -> bool:
         """Return whether the page that asks, if any, may read scenes: browsers do not guard WebSockets themselves."""

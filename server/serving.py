@@ -9,12 +9,15 @@ import uvicorn
 from fastapi import FastAPI
 
 from hgs_core.base.errors import InputError
+from server.connection_limits import ConnectionLimits, OpenConnections, open_file_limit
+from server.http_connection import HttpConnection, WebSocketConnection
 from server.protocol import MAX_MESSAGE_BYTES
 from server.service import Service
 
 __all__ = ["HttpServer", "bind"]
 
 SHUTDOWN_SECONDS = 5
+QUEUE = 2048  # connections that wait to be accepted
 
 
 def bind(host: str, port: int) -> socket.socket:
@@ -26,8 +29,10 @@ def bind(host: str, port: int) -> socket.socket:
     if not 0 <= port <= 65535:
         raise InputError("--port", f"{port} is not a port", "give 0 to 65535")
     try:
-        family, _, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        listener = socket.socket(family, socket.SOCK_STREAM)
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        # With the protocol said, asyncio sets TCP_NODELAY: without it every answer after a connection's first waits for
+        # the client's delayed acknowledgement, 40 ms.
+        listener = socket.socket(family, kind, protocol)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
             listener.bind(address)
@@ -43,26 +48,37 @@ def bind(host: str, port: int) -> socket.socket:
 class HttpServer(uvicorn.Server):
     """Uvicorn with the settings that docs/protocol.md asks for."""
 
-    def __init__(self, app: FastAPI, *, on_ready: Callable[[], None] = lambda: None) -> None:
-        """Serve `app`; `on_ready` is called once when connections are accepted."""
+    def __init__(
+        self, app: FastAPI, *, limits: ConnectionLimits | None = None, on_ready: Callable[[], None] = lambda: None
+    ) -> None:
+        """Serve `app` to connections within `limits`; `on_ready` is called once when they are accepted."""
+        limits = limits or ConnectionLimits.for_files(open_file_limit())
         super().__init__(
             uvicorn.Config(
                 app,
-                log_level="warning",
+                http=HttpConnection,
+                backlog=limits.batch,
+                timeout_keep_alive=limits.idle_seconds,
+                log_config=None,
                 access_log=False,
                 server_header=False,
+                ws=WebSocketConnection,
                 # One message above our own limit still gets an `error` before the close.
                 ws_max_size=2 * MAX_MESSAGE_BYTES,
                 ws_per_message_deflate=False,  # chunks are compressed already
                 timeout_graceful_shutdown=SHUTDOWN_SECONDS,
             )
         )
+        self.server_state = OpenConnections(limits)
         self._service: Service = app.state.service
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to accept connections."""
         await super().startup(sockets)
+        # What uvicorn calls the backlog is how many connections asyncio accepts together; more may wait in the kernel.
+        for listener in sockets or ():
+            listener.listen(QUEUE)
         if self.started:
             self._on_ready()
 

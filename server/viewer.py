@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
-from fastapi.responses import FileResponse, HTMLResponse
+from fastapi.responses import HTMLResponse
 from starlette.exceptions import HTTPException
+
+from server.conditional import entity_tag, respond
+from server.content_coding import preferred_coding
+from server.security_headers import CONSOLE_POLICY, EMBEDDABLE_POLICY
 
 __all__ = ["VIEWER", "viewer_router"]
 
@@ -30,6 +35,14 @@ _MEDIA_TYPES = {
     ".woff2": "font/woff2",
 }
 
+# The build leaves these beside each file that they make smaller; the best one first.
+_CODED = {"br": ".br", "gzip": ".gz"}
+
+# At most one folder deep, and no name begins with a dot: what a client asks for never leads out of the folder.
+_FILE = re.compile(r"(?:[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
+
+_SCENE_PAGE = re.compile(r"view/[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}/?")  # as main.ts reads it
+
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HGS</title>
 <h1>The viewer is not built</h1>
@@ -38,29 +51,51 @@ _NOT_BUILT = """<!doctype html>
 </html>
 """
 
+_NOT_FOUND = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<meta name="color-scheme" content="dark"><title>HGS · Not found</title>
+<h1>There is no such page</h1>
+<p>All scenes and jobs are on <a href="/">the first page</a>.</p>
+</html>
+"""
+
 
 def viewer_router(folder: Path = VIEWER) -> APIRouter:
-    """Return routes that serve the files of `folder`, and its index.html for every page address without a suffix."""
+    """Return routes that serve the files of `folder`: pages at `/` and `/view/{scene}`, and what they load."""
     router = APIRouter()
-    folder = folder.resolve()
 
     @router.api_route("/{path:path}", methods=["GET", "HEAD"])
     def viewer_file(request: Request, path: str) -> Response:
         if path == "v1" or path.startswith("v1/"):
             raise HTTPException(404)
-        if not (folder / "index.html").is_file():
-            return HTMLResponse(_NOT_BUILT, 503, {"Cache-Control": "no-store"})
-        file = (folder / path).resolve() if "\0" not in path else folder
-        if not file.is_relative_to(folder):
-            raise HTTPException(404)
-        if not file.is_file():
-            if Path(path).suffix:
-                raise HTTPException(404)
-            file = folder / "index.html"
-        # The build names the files under assets/ by their content.
-        hashed = file.parent.name == "assets"
-        cache_control = "public, max-age=31536000, immutable" if hashed else "no-cache"
-        media_type = _MEDIA_TYPES.get(file.suffix.lower(), "application/octet-stream")
-        return FileResponse(file, media_type=media_type, headers={"Cache-Control": cache_control})
+        if path == "":
+            return _page(request, folder / "index.html", CONSOLE_POLICY)
+        if _SCENE_PAGE.fullmatch(path):
+            return _page(request, folder / "view.html", EMBEDDABLE_POLICY)
+        file = folder / path
+        if not _FILE.fullmatch(path) or file.suffix not in _MEDIA_TYPES or not file.is_file():
+            if "text/html" in request.headers.get("Accept", ""):
+                return HTMLResponse(_NOT_FOUND, 404, {"Vary": "Accept"})
+            raise HTTPException(404, headers={"Vary": "Accept"})
+        return _file(request, file, CONSOLE_POLICY)
 
     return router
+
+
+def _page(request: Request, file: Path, policy: str) -> Response:
+    if not file.is_file():
+        return HTMLResponse(_NOT_BUILT, 503, {"Cache-Control": "no-store"})
+    return _file(request, file, policy)
+
+
+def _file(request: Request, file: Path, policy: str) -> Response:
+    coded = {coding: file.with_name(file.name + suffix) for coding, suffix in _CODED.items()}
+    available = [coding for coding, path in coded.items() if path.is_file()]
+    coding = preferred_coding(request.headers.get("Accept-Encoding"), available)
+    body = coded.get(coding, file).read_bytes()
+    # The build names the files under assets/ by their content.
+    cache_control = "public, max-age=31536000, immutable" if file.parent.name == "assets" else "no-cache"
+    media_type = _MEDIA_TYPES[file.suffix]
+    response = respond(request, body, media_type, etag=entity_tag(body), cache_control=cache_control, coding=coding)
+    response.headers["Content-Security-Policy"] = policy
+    return response

@@ -1,9 +1,15 @@
 import { defineConfig } from "vitest/config";
+import { precompressed } from "./plugins/precompressed.ts";
+import { preloadedPages } from "./plugins/preloaded_pages.ts";
 
 // `npm run dev` serves the pages itself and forwards the API to a running `hgs serve`.
 const server = process.env.HGS_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
+  plugins: [
+    preloadedPages({ "view.html": "/src/ui/view_page.ts", "index.html": "/src/ui/list_page.ts" }),
+    precompressed(),
+  ],
   build: {
     outDir: "../server/viewer",
     emptyOutDir: true,

@@ -35,32 +35,50 @@ def add_parser(commands: Any) -> None:
         "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
         help="a page of another host that may read scenes, e.g. https://example.org; * for all; may be repeated",
     )  # fmt: skip
+    parser.add_argument(
+        "--allow-host", metavar="NAME", dest="hosts", action="append", default=[],
+        help="a name that people reach this server by, beside localhost and IP addresses; may be repeated; "
+        "HGS_ALLOW_HOSTS holds more, separated by commas",
+    )  # fmt: skip
+    parser.add_argument(
+        "--connections-per-address", metavar="N", type=int, default=None,
+        help="connections that one address may have open; give more if it is a proxy's (default: a quarter of all)",
+    )  # fmt: skip
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
     if options.workers < 0:
         raise InputError("--workers", f"{options.workers} is negative", "give 0 or more")
+    if options.connections_per_address is not None and options.connections_per_address < 1:
+        raise InputError("--connections-per-address", f"{options.connections_per_address} is too few", "give 1 or more")
     from jobs.artifacts import ArtifactStore
     from jobs.home import Home
+    from server.allowed_hosts import AllowedHosts
     from server.app import create_app
     from server.capture_folders import CaptureFolders
+    from server.connection_limits import ConnectionLimits, open_file_limit, raise_open_file_limit
+    from server.log import configure_log
     from server.publishing import publish_run
     from server.serving import HttpServer, bind
     from server.worker_processes import WorkerProcesses
 
+    configure_log()
+    raise_open_file_limit()
+    limits = ConnectionLimits.for_files(open_file_limit(), options.connections_per_address)
+    hosts = AllowedHosts.configured(options.host, options.hosts)
     home = Home.from_environment()
     with bind(options.host, options.port) as listener:
         store = ArtifactStore(home.store_url)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         captures = CaptureFolders.configured(home.folder, options.captures)
-        app = create_app(home, captures=captures, origins=options.origins, artifacts=store)
+        app = create_app(home, captures=captures, origins=options.origins, hosts=hosts, artifacts=store)
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
         host = f"[{host}]" if ":" in host else host
         address = f"http://{host}:{listener.getsockname()[1]}"
         pages = [f"{address}/view/{scene}" for scene in scenes] or [f"{address}/"]
-        server = HttpServer(app, on_ready=lambda: print(*pages, sep="\n", flush=True))
+        server = HttpServer(app, limits=limits, on_ready=lambda: print(*pages, sep="\n", flush=True))
         # Uvicorn handles the signals while it serves, and raises them again after its shutdown.
         signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
         with WorkerProcesses(home, options.workers):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
+from server.conditional import respond_json
 from server.job_events import describe_job, job_events, revision
 from server.job_query import JobQuery, cursor
 from server.problems import ProblemError
@@ -23,6 +25,8 @@ from server.service import Service, ServiceDep
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/jobs")
+
+_JOB_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")  # whatever else a client asks for, not every database can look up
 
 
 class Submission(BaseModel):
@@ -47,12 +51,13 @@ async def submit(request: Request, service: ServiceDep) -> Response:
 
 
 @router.api_route("", methods=["GET", "HEAD"])
-def list_jobs(request: Request, service: ServiceDep) -> dict[str, Any]:
+def list_jobs(request: Request, service: ServiceDep) -> Response:
     """List the jobs: those that run, those that wait, those that are finished, each newest first."""
     query = JobQuery.read(request.query_params.multi_items())
     jobs = service.jobs.list(query.limit + 1, query.state, query.after)
     page = jobs[: query.limit]
-    return {"jobs": [describe_job(job) for job in page], "next": cursor(page[-1]) if len(jobs) > len(page) else None}
+    more = cursor(page[-1]) if len(jobs) > len(page) else None
+    return respond_json(request, {"jobs": [describe_job(job) for job in page], "next": more})
 
 
 @router.api_route("/{job_id}", methods=["GET", "HEAD"])
@@ -117,9 +122,9 @@ def _submit(service: Service, submission: Submission) -> Job:
 
 
 def _known(service: Service, job_id: str) -> Job:
-    job = service.jobs.get(job_id)
+    job = service.jobs.get(job_id) if _JOB_ID.fullmatch(job_id) else None
     if job is None:
-        raise ProblemError(404, "job-not-found", f"job {job_id}: no such job")
+        raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
     return job
 
 

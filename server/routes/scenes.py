@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
+from starlette.concurrency import run_in_threadpool
 
-from server.conditional import entity_tag, respond
+from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.problems import ProblemError
 from server.service import ServiceDep
 
@@ -16,9 +17,10 @@ router = APIRouter(prefix="/v1/scenes")
 
 
 @router.api_route("", methods=["GET", "HEAD"])
-async def scenes(service: ServiceDep) -> dict[str, Any]:
+async def scenes(request: Request, service: ServiceDep) -> Response:
     """List the published scenes, newest first."""
-    return {"scenes": await service.catalogue.scenes()}
+    found = await service.catalogue.scenes()
+    return await run_in_threadpool(respond_json, request, {"scenes": found})
 
 
 @router.api_route("/{scene_id}", methods=["GET", "HEAD"])
@@ -29,11 +31,11 @@ def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
 
 @router.api_route("/{scene_id}/manifest", methods=["GET", "HEAD"])
 def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
-    """Serve the manifest's exact bytes."""
+    """Serve the manifest's exact bytes, compressed for those who ask."""
     body = service.artifacts.manifest(scene_id)
     if body is None:
         raise ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")
-    return respond(request, body, "application/json", etag=entity_tag(body), cache_control="no-cache")
+    return respond_compressed(request, body, "application/json")
 
 
 @router.api_route("/{scene_id}/thumbnail", methods=["GET", "HEAD"])

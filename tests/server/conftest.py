@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from jobs.store import Job, JobState, Place
 from server.app import create_app
 from server.capture_folders import CaptureFolders
 from server.scene_index import Chunk, SceneIndex, Slice
+from server.serving import HttpServer, bind
 
 SliceSpec = tuple[float, float, Sequence[int]]  # start, end, sizes of the chunks
 
@@ -161,7 +163,7 @@ class Server:
 
         async def send() -> httpx.Response:
             transport = httpx.ASGITransport(self.app, raise_app_exceptions=False)
-            async with httpx.AsyncClient(transport=transport, base_url="http://server") as client:
+            async with httpx.AsyncClient(transport=transport, base_url="http://localhost") as client:
                 return await client.request(method, path, **arguments)
 
         return asyncio.run(send())
@@ -222,6 +224,22 @@ def scene_folder(tmp_path: Path, chunks: list[bytes], manifest: bytes) -> Path:
     for chunk in chunks:
         (run / "scene" / "chunks" / hashlib.sha256(chunk).hexdigest()).write_bytes(chunk)
     return run
+
+
+@contextlib.asynccontextmanager
+async def running_server(app: FastAPI, **settings: Any) -> AsyncIterator[tuple[HttpServer, str]]:
+    """Serve on a loopback port of the system's choice; yield the server and host:port."""
+    listener = bind("127.0.0.1", 0)
+    server = HttpServer(app, **settings)
+    task = asyncio.create_task(server.serve([listener]))
+    while not server.started:
+        await asyncio.sleep(0.01)
+    try:
+        yield server, f"127.0.0.1:{listener.getsockname()[1]}"
+    finally:
+        server.should_exit = True
+        await asyncio.wait_for(task, 30)
+        listener.close()
 
 
 @pytest.fixture

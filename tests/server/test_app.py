@@ -27,7 +27,7 @@ publish_run(ArtifactStore(home.store_url), Path(sys.argv[2]), "studio")
 app = create_app(home)
 
 async def main():
-    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://server") as client:
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as client:
         assert (await client.get("/v1/scenes/studio")).status_code == 200
         assert (await client.get("/v1/jobs")).json() == {"jobs": [], "next": None}
         (home.folder / "captures" / "empty").mkdir(parents=True)
@@ -54,7 +54,7 @@ def test_allowed_origins_may_read_and_not_write(tmp_path: Path, server: Any) -> 
 
     async def scenario() -> None:
         headers = {"Origin": "https://a.example"}
-        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://server") as client:
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as client:
             read = await client.get("/v1/scenes", headers=headers)
             assert read.headers["access-control-allow-origin"] == "https://a.example"
             asks = {**headers, "Access-Control-Request-Method": "POST"}

@@ -20,23 +20,15 @@ from hgs_core.base.errors import InputError
 from jobs.store import JobState
 from server.protocol import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream
-from server.serving import HttpServer, bind
+from server.serving import bind
+from tests.server.conftest import running_server
 
 
 @contextlib.asynccontextmanager
 async def running(app: Any) -> AsyncIterator[str]:
     """Serve on a port of the system's choice; yield host:port."""
-    listener = bind("127.0.0.1", 0)
-    server = HttpServer(app)
-    task = asyncio.create_task(server.serve([listener]))
-    while not server.started:
-        await asyncio.sleep(0.01)
-    try:
-        yield f"127.0.0.1:{listener.getsockname()[1]}"
-    finally:
-        server.should_exit = True
-        await asyncio.wait_for(task, 30)
-        listener.close()
+    async with running_server(app) as (_, address):
+        yield address
 
 
 def with_stream(

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import gzip
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,12 @@ def viewer(tmp_path: Path, server: Any) -> Path:
     folder = tmp_path / "viewer"
     (folder / "assets").mkdir(parents=True)
     (folder / "index.html").write_text("<title>index</title>")
-    (folder / "assets" / "main-1a2b.js").write_text("1;")
+    (folder / "view.html").write_text("<title>view</title>")
+    (folder / ".built-1a2b").write_text("")
+    script = folder / "assets" / "main-1a2b.js"
+    script.write_text("1;" * 1000)
+    Path(f"{script}.br").write_bytes(b"the build makes this")
+    Path(f"{script}.gz").write_bytes(gzip.compress(script.read_bytes()))
     (folder / "assets" / "zstd-1a2b.wasm").write_bytes(b"\0asm")
     (tmp_path / "secret.txt").write_text("secret")
     return folder
@@ -36,12 +43,59 @@ def test_files_named_by_content_are_immutable_and_pages_are_not(server: Any, vie
     assert server.get("/").headers["cache-control"] == "no-cache"
 
 
-def test_page_addresses_fall_back_to_the_index(server: Any, viewer: Path) -> None:
-    assert "index" in server.get("/scene/studio").text
+@pytest.mark.parametrize("path", ["/view/studio", "/view/studio/", "/view/A.b-C_1"])
+def test_every_scene_has_a_page(server: Any, viewer: Path, path: str) -> None:
+    assert "view" in server.get(path).text
 
 
-def test_missing_files_are_404(server: Any, viewer: Path) -> None:
-    assert server.get("/assets/other.js").status_code == 404
+@pytest.mark.parametrize(
+    "path",
+    ["/metrics", "/docs", "/view", "/view/", "/view/a/b", "/view/-%00", "/assets/other.js", "/assets/%00", "/assets/",
+     "/assets", "/.built-1a2b", "/assets/main-1a2b.js.br", "/index.html/", "/" + "a" * 300, "/a" * 3000],
+)  # fmt: skip
+def test_what_is_no_page_is_404_for_programs_and_people(server: Any, viewer: Path, path: str) -> None:
+    answer = server.get(path)
+    assert (answer.status_code, answer.json()["code"]) == (404, "not-found")
+    page = server.get(path, Accept="text/html,application/xhtml+xml,*/*;q=0.8")
+    assert (page.status_code, page.headers["content-type"]) == (404, "text/html; charset=utf-8")
+    assert "no such page" in page.text
+    assert answer.headers["vary"] == page.headers["vary"] == "Accept"
+
+
+@pytest.mark.parametrize(
+    ("accepted", "coding"),
+    [("gzip, deflate, br, zstd", "br"), ("gzip", "gzip"), ("br;q=0, gzip", "gzip"), ("identity", None), ("zstd", None)],
+)
+def test_scripts_are_sent_as_the_build_has_compressed_them(
+    server: Any, viewer: Path, accepted: str, coding: str | None
+) -> None:
+    script = viewer / "assets" / "main-1a2b.js"
+    suffix = {"br": ".br", "gzip": ".gz", None: ""}[coding]
+    sent = script.with_name(script.name + suffix).read_bytes()
+    for method in ("GET", "HEAD"):
+        response = server.request(method, "/assets/main-1a2b.js", headers={"Accept-Encoding": accepted})
+        assert response.headers.get("content-encoding") == coding
+        assert response.headers["content-length"] == str(len(sent))
+        assert response.headers["content-type"] == "text/javascript; charset=utf-8"
+        assert response.headers["vary"] == "Accept-Encoding"
+        assert "immutable" in response.headers["cache-control"]
+        assert response.headers["etag"] == f'"{hashlib.sha256(sent).hexdigest()}"'
+    same = server.get("/assets/main-1a2b.js", Accept_Encoding=accepted, If_None_Match=response.headers["etag"])
+    assert (same.status_code, same.content, same.headers["vary"]) == (304, b"", "Accept-Encoding")
+
+
+def test_only_pages_of_scenes_may_be_framed(server: Any, viewer: Path) -> None:
+    assert "frame-ancestors 'none'" in server.get("/").headers["content-security-policy"]
+    assert "frame-ancestors 'none'" in server.get("/v1/jobs").headers["content-security-policy"]
+    assert "frame-ancestors" not in server.get("/view/studio").headers["content-security-policy"]
+
+
+@pytest.mark.parametrize("path", ["/", "/view/studio", "/assets/main-1a2b.js", "/nothing", "/v1/jobs", "/v1/nothing"])
+def test_every_answer_tells_browsers_to_take_care(server: Any, viewer: Path, path: str) -> None:
+    headers = server.get(path).headers
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "same-origin"
+    assert headers["content-security-policy"].startswith("default-src 'none'")
 
 
 @pytest.mark.parametrize("path", ["/../secret.txt", "/%2e%2e/secret.txt", "/assets/..%2f..%2fsecret.txt", "/a%00.js"])

@@ -6,11 +6,14 @@ import contextlib
 import hashlib
 import json
 import os
+import resource
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -22,10 +25,16 @@ MODULES = Path(__file__).resolve().parent.parent / "modules"
 
 
 @contextlib.contextmanager
-def serving(home: Path, *arguments: object, **environment: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """Run `hgs serve` on a port of the system's choice; yield the process and the address of the page it prints."""
+def serving(
+    home: Path, *arguments: object, shell: str = "true", **environment: str
+) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """Run `hgs serve` on a port of the system's choice; yield the process and the address of the page it prints.
+
+    The commands `shell` are run in its process first, such as `ulimit`.
+    """
+    command = [sys.executable, "-m", "server.cli", "serve", *map(str, arguments), "--port", "0"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "server.cli", "serve", *map(str, arguments), "--port", "0"],
+        ["bash", "-c", f'{shell} && exec "$@"', "bash", *command],
         cwd=REPOSITORY,
         env={**os.environ, "HGS_HOME": str(home), **environment},
         stdout=subprocess.PIPE,
@@ -78,3 +87,32 @@ def test_submitted_capture_becomes_a_scene_and_no_worker_is_left(
         process.communicate(timeout=60)
     with FileLiveness(tmp_path / "home" / "live").claim_dead(worker) as dead:
         assert dead
+
+
+def test_idle_connections_keep_nobody_out_and_do_not_fill_the_log(tmp_path: Path) -> None:
+    with serving(tmp_path, "--workers", 0, shell="ulimit -n 256") as (process, page), contextlib.ExitStack() as stack:
+        address = urlsplit(page)
+        assert address.hostname is not None
+        assert address.port is not None
+        for k in range(300):
+            client = stack.enter_context(socket.create_connection((address.hostname, address.port), timeout=60))
+            if k % 2:
+                client.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: ")
+        for _ in range(10):
+            assert httpx.get(f"{page}v1/health", timeout=60).status_code == 200
+        process.terminate()
+        _, errors = process.communicate(timeout=60)
+    assert errors.count("the connection that waits the longest makes room") == 1
+    assert len(errors.splitlines()) < 10
+
+
+def test_serves_with_as_many_files_as_the_system_allows(tmp_path: Path) -> None:
+    with serving(tmp_path, "--workers", 0, shell="ulimit -S -n 200 && ulimit -H -n 400") as (process, _):
+        assert resource.prlimit(process.pid, resource.RLIMIT_NOFILE) == (400, 400)
+
+
+def test_answers_to_the_names_it_is_given(tmp_path: Path) -> None:
+    names = ("--allow-host", "hgs.example", "--workers", 0)
+    with serving(tmp_path, *names, HGS_ALLOW_HOSTS="other.example") as (_, page):
+        for host, status in (("hgs.example", 200), ("other.example:80", 200), ("evil.example", 421)):
+            assert httpx.get(f"{page}v1/health", headers={"Host": host}).status_code == status

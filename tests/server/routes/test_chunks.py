@@ -47,7 +47,8 @@ def test_other_tag_is_answered_with_the_body(server: Any, path: str) -> None:
 @pytest.mark.parametrize(
     ("asked", "first", "last"),
     [("bytes=0-0", 0, 0), ("bytes=10-19", 10, 19), ("bytes=1000-", 1000, 1023), ("bytes=-24", 1000, 1023),
-     ("bytes=1000-9999", 1000, 1023), ("bytes=-9999", 0, 1023), ("Bytes=5-6", 5, 6)],
+     ("bytes=1000-9999", 1000, 1023), ("bytes=-9999", 0, 1023), ("Bytes=5-6", 5, 6),
+     ("bytes=0-" + "9" * 5000, 0, 1023), ("bytes=-" + "9" * 5000, 0, 1023), ("bytes=" + "0" * 5000 + "5-6", 5, 6)],
 )  # fmt: skip
 def test_range_is_206(server: Any, path: str, asked: str, first: int, last: int) -> None:
     response = server.get(path, Range=asked)
@@ -61,7 +62,7 @@ def test_ranges_that_are_not_served_get_the_whole(server: Any, path: str, asked:
     assert (response.status_code, response.content) == (200, DATA)
 
 
-@pytest.mark.parametrize("asked", ["bytes=1024-", "bytes=5000-6000", "bytes=-0"])
+@pytest.mark.parametrize("asked", ["bytes=1024-", "bytes=5000-6000", "bytes=-0", "bytes=" + "9" * 5000 + "-"])
 def test_range_behind_the_end_is_416(server: Any, path: str, asked: str) -> None:
     response = server.get(path, Range=asked)
     assert response.status_code == 416

@@ -145,7 +145,7 @@ def test_pages_of_other_origins_may_not_submit(server: Any) -> None:
 
 
 def test_pages_of_the_server_may_submit(server: Any) -> None:
-    headers = {"Origin": "http://server"}
+    headers = {"Origin": "http://localhost"}
     assert server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers=headers).status_code == 201
 
 
@@ -258,3 +258,11 @@ def test_wrong_methods_are_405(server: Any) -> None:
 
 def test_unknown_addresses_of_the_api_are_404(server: Any) -> None:
     assert_problem(server.get("/v1/nonsense"), 404, "not-found", "/v1/nonsense")
+
+
+@pytest.mark.parametrize("job_id", ["%00", "A", "-a", "a" * 65, "%ed%a0%80", "a%20b"])
+def test_what_is_no_job_id_is_not_looked_up(server: Any, job_id: str) -> None:
+    server.jobs.refuse = RuntimeError("a database that cannot store this text")
+    for method, path in (("GET", ""), ("GET", "/events"), ("POST", "/cancel"), ("POST", "/retry")):
+        response = server.request(method, f"/v1/jobs/{job_id}{path}")
+        assert (response.status_code, response.json()["code"]) == (404, "job-not-found")

@@ -5,6 +5,8 @@ from typing import Any
 
 import pytest
 
+from server.content_coding import compress
+
 
 @pytest.fixture(autouse=True)
 def studio(server: Any, manifest: bytes) -> None:
@@ -47,13 +49,44 @@ def test_scene_that_cannot_be_read_is_left_out_of_the_list(server: Any) -> None:
 def test_files_of_a_scene_are_revalidated(
     server: Any, manifest: bytes, name: str, body: bytes | None, media_type: str
 ) -> None:
-    response = server.get(f"/v1/scenes/studio/{name}")
+    response = server.get(f"/v1/scenes/studio/{name}", Accept_Encoding="")
     assert (response.status_code, response.content) == (200, body or manifest)
     assert response.headers["content-type"] == media_type
     assert response.headers["cache-control"] == "no-cache"
     etag = response.headers["etag"]
     assert etag == f'"{hashlib.sha256(response.content).hexdigest()}"'
-    assert server.get(f"/v1/scenes/studio/{name}", If_None_Match=etag).status_code == 304
+    assert server.get(f"/v1/scenes/studio/{name}", Accept_Encoding="", If_None_Match=etag).status_code == 304
+
+
+@pytest.mark.parametrize("coding", ["zstd", "gzip"])
+def test_manifest_is_compressed_once_for_those_who_ask(server: Any, manifest: bytes, coding: str) -> None:
+    compress.cache_clear()
+    plain = server.get("/v1/scenes/studio/manifest", Accept_Encoding="identity")
+    coded, again = (server.get("/v1/scenes/studio/manifest", Accept_Encoding=coding) for _ in range(2))
+    assert coded.headers["content-encoding"] == coding
+    assert int(coded.headers["content-length"]) < len(manifest)
+    assert coded.content == manifest  # decoded by the client
+    assert coded.headers["etag"] == again.headers["etag"] != plain.headers["etag"]
+    assert plain.headers["vary"] == coded.headers["vary"] == "Accept-Encoding"
+    assert "content-encoding" not in plain.headers
+    etag = coded.headers["etag"]
+    same = server.get("/v1/scenes/studio/manifest", Accept_Encoding=coding, If_None_Match=etag)
+    assert (same.status_code, same.headers["etag"], same.headers["vary"]) == (304, etag, "Accept-Encoding")
+    other = server.get("/v1/scenes/studio/manifest", Accept_Encoding="identity", If_None_Match=etag)
+    assert other.status_code == 200
+    assert compress.cache_info().misses == 1
+
+
+def test_lists_are_compressed_and_revalidated(server: Any, manifest: bytes) -> None:
+    for k in range(10):
+        server.artifacts.manifests[f"studio-{k}"] = manifest
+    for path in ("/v1/scenes", "/v1/jobs"):
+        for _ in range(3):
+            server.request("POST", "/v1/jobs", json={"capture": "studio"})
+        response = server.get(path, Accept_Encoding="gzip")
+        assert response.headers["content-encoding"] == "gzip"
+        etag = response.headers["etag"]
+        assert server.get(path, Accept_Encoding="gzip", If_None_Match=etag).status_code == 304
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,125 @@
+"""How many connections may be open, for how long they may keep the server waiting, and which one makes room."""
+
+from __future__ import annotations
+
+import logging
+import resource
+import sys
+from collections import Counter, defaultdict
+from dataclasses import dataclass
+from typing import Protocol, Self
+
+from uvicorn.server import ServerState
+
+__all__ = ["ConnectionLimits", "OpenConnections", "open_file_limit", "raise_open_file_limit"]
+
+log = logging.getLogger("hgs.server")
+
+MOST_CONNECTIONS = 8192
+MOST_SPARE_FILES = 2048
+
+
+@dataclass(frozen=True)
+class ConnectionLimits:
+    """Limits of one server, by default those that docs/protocol.md names."""
+
+    total: int
+    per_address: int
+    batch: int  # connections that are accepted together, before the first of them is looked at
+    head_seconds: float = 10.0  # from a connection's start, or a later request's first byte, to the end of the headers
+    body_seconds: float = 20.0  # for the rest of a request
+    idle_seconds: int = 15  # between two requests
+    stall_seconds: float = 30.0  # for a client that takes nothing of its answer
+
+    @classmethod
+    def for_files(cls, files: int, per_address: int | None = None) -> Self:
+        """Return the limits of a process that may open `files` files: some are left for the store and the database.
+
+        Without `per_address`, an address may have a quarter of all connections.
+        """
+        spare = min(files // 4, MOST_SPARE_FILES)
+        total = min(files - spare, MOST_CONNECTIONS)
+        return cls(total, per_address or max(total // 4, 1), batch=max(spare // 2, 1))
+
+
+def open_file_limit() -> int:
+    """Return how many files this process may open."""
+    files, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    return files if files != resource.RLIM_INFINITY else sys.maxsize
+
+
+def raise_open_file_limit() -> None:
+    """Let this process and its children open as many files as the system allows."""
+    _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
+
+class Connection(Protocol):
+    """What `OpenConnections` keeps account of."""
+
+    @property
+    def address(self) -> str:
+        """The client's address, without its port."""
+        ...
+
+    def drop(self) -> None:
+        """Close the connection at once, without an answer."""
+
+
+class OpenConnections(ServerState):
+    """Uvicorn's state of a server, with an account of what each address has open.
+
+    Where there is no room, the connection that has kept the server waiting for a request the longest makes room: those
+    who ask are served, however many connections others hold open and do not use.
+    """
+
+    def __init__(self, limits: ConnectionLimits) -> None:
+        super().__init__()
+        self.limits = limits
+        self._places: set[Connection] = set()
+        self._of_address: Counter[str] = Counter()
+        # Those that wait for their client's request, the longest first; all, and by address.
+        self._waiting: dict[Connection, None] = {}
+        self._waiting_of: defaultdict[str, dict[Connection, None]] = defaultdict(dict)
+
+    def admit(self, connection: Connection) -> bool:
+        """Give a new connection a place, and return whether there was one to give."""
+        limits, address = self.limits, connection.address
+        if self._of_address[address] >= limits.per_address:
+            full = f"{address} has {limits.per_address} connections; --connections-per-address allows more"
+            waiting = self._waiting_of[address]
+        elif len(self._places) >= limits.total:
+            full, waiting = f"{limits.total} connections are open, as many as there may be", self._waiting
+        else:
+            full, waiting = "", {}
+        if full and not waiting:
+            log.warning("a connection is refused, since all are in use: %s", full)
+            return False
+        if full:
+            log.warning("the connection that waits the longest makes room: %s", full)
+            last = next(iter(waiting))
+            self.release(last)
+            last.drop()
+        self._places.add(connection)
+        self._of_address[address] += 1
+        return True
+
+    def waits(self, connection: Connection) -> None:
+        """Note that from now on the connection waits for its client's request."""
+        if connection in self._places:
+            self._waiting[connection] = self._waiting_of[connection.address][connection] = None
+
+    def works(self, connection: Connection) -> None:
+        """Note that the connection is in use."""
+        if connection in self._waiting:
+            del self._waiting[connection], self._waiting_of[connection.address][connection]
+
+    def release(self, connection: Connection) -> None:
+        """Take the place of a connection that has ended, if it still has one."""
+        if connection not in self._places:
+            return
+        self.works(connection)
+        self._places.remove(connection)
+        self._of_address[connection.address] -= 1
+        if not self._of_address[connection.address]:  # else addresses would be remembered for ever
+            del self._of_address[connection.address], self._waiting_of[connection.address]
