@@ -9,11 +9,11 @@ from typing import Any, cast
 import h11
 from uvicorn.config import Config
 from uvicorn.protocols.http.h11_impl import H11Protocol
-from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from uvicorn.server import ServerState
 
 from server.connection_limits import OpenConnections
 from server.problems import PROBLEM_JSON, ProblemError, problem_document
+from server.websocket_protocol import WebSocketProtocol
 
 __all__ = ["HttpConnection", "WebSocketConnection"]
 
@@ -176,8 +176,8 @@ class HttpConnection(H11Protocol):
             self._drain_timer = None
 
 
-class WebSocketConnection(WebSocketsSansIOProtocol):
-    """Uvicorn's WebSocket, which gives its connection's place back when it ends."""
+class WebSocketConnection(WebSocketProtocol):
+    """A WebSocket which gives its connection's place back when it ends."""
 
     began_as: HttpConnection | None = None
 

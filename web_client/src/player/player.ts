@@ -52,7 +52,11 @@ export class ScenePlayer {
       {
         decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
         consumed: (bytes) => this.#stream.consumed(bytes),
-        failed: options.onError,
+        lost: (id, message) => {
+          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+          console.warn(message);
+          this.#scene?.buffer.lose(id);
+        },
       },
       fetchChunk,
     );
@@ -61,6 +65,7 @@ export class ScenePlayer {
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
+        missing: (id) => this.#scene?.buffer.lose(id),
         progress: (bytes) => {
           this.#bytes += bytes;
         },
@@ -71,7 +76,9 @@ export class ScenePlayer {
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
     );
-    document.addEventListener("visibilitychange", () => this.#visibility(), { signal: this.#abort.signal });
+    const { signal } = this.#abort;
+    document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
+    addEventListener("online", () => this.#stream.wake(), { signal });
     this.#animation = requestAnimationFrame((now) => this.#frame(now));
   }
 
@@ -91,6 +98,7 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       splats: this.#renderer.count,
       dynamicSplats: this.#orders.dynamicSplats,
+      lostChunks: this.#scene?.buffer.lost ?? 0,
       framesPerSecond: this.#frames.value,
       firstFrame: this.#firstFrame,
     };
@@ -250,8 +258,9 @@ export class ScenePlayer {
     else if (clock.playing) this.#stream.play(clock.time, clock.rate);
   }
 
-  /** A hidden page gets no frames: its playhead stands. */
+  /** A hidden page gets no frames: its playhead stands. The connection may have died meanwhile. */
   #visibility(): void {
+    if (!document.hidden) this.#stream.wake();
     const clock = this.#scene?.clock;
     if (!clock?.playing) return;
     if (document.hidden) this.#stream.pause(clock.time);

@@ -25,6 +25,8 @@ export interface PlayerStats {
   readonly bytesTotal: number;
   readonly splats: number;
   readonly dynamicSplats: number;
+  /** Chunks that the server cannot give, or not undamaged; the scene is shown without them. */
+  readonly lostChunks: number;
   readonly framesPerSecond: number;
   /** Milliseconds from opening the page to the first picture; null before. */
   readonly firstFrame: number | null;

@@ -33,14 +33,24 @@ export class LoadingNotice {
   update(stats: PlayerStats, stalled: boolean): void {
     if (this.#failed) return;
     if (stats.bytesTotal > 0) this.#bar.value = stats.bytes / stats.bytesTotal;
-    const kind =
-      stats.stream === "retrying" ? "retrying" : stats.firstFrame === null ? "loading" : stalled ? "stalled" : "none";
+    const kind = kindOf(stats, stalled);
     if (this.node.dataset.kind !== kind) this.node.dataset.kind = kind;
-    setText(this.#text, kind === "none" ? "" : describe(kind, stats));
+    setText(this.#text, describe(kind, stats));
   }
 }
 
-function describe(kind: "retrying" | "loading" | "stalled", stats: PlayerStats): string {
+type Kind = "retrying" | "loading" | "stalled" | "damaged" | "none";
+
+function kindOf(stats: PlayerStats, stalled: boolean): Kind {
+  if (stats.stream === "retrying") return "retrying";
+  if (stats.firstFrame === null && stats.lostChunks === 0) return "loading";
+  if (stalled) return "stalled";
+  return stats.lostChunks > 0 ? "damaged" : "none";
+}
+
+function describe(kind: Kind, stats: PlayerStats): string {
+  if (kind === "none") return "";
+  if (kind === "damaged") return "A part of this scene is damaged and cannot be shown.";
   if (kind === "retrying") return "The connection is lost; trying again…";
   if (stats.bytesTotal === 0) return "Connecting…";
   const share = `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`;
