@@ -9,6 +9,7 @@ export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
   bytesTotal: 400_000,
   lineRate: 250_000,
   chunks: 3,
+  lostChunks: 0,
   complete: false,
   splats: 1000,
   dynamicSplats: 100,

@@ -13,6 +13,7 @@ import { PlayerClock } from "./clock";
 import { LineRate } from "./line_rate";
 import { type OrderKey, OrderRequests, orderKey } from "./order_requests";
 import { Picture } from "./picture";
+import { Playback } from "./playback";
 import type { PlayerOptions, PlayerStats } from "./player_types";
 import type { View } from "./view";
 
@@ -27,12 +28,13 @@ export class ScenePlayer {
   readonly #picture: Picture;
   readonly #line = new LineRate();
   readonly #waiting: (() => void)[] = [];
-  #scene: { manifest: Manifest; buffer: SceneBuffer; clock: PlayerClock } | null = null;
+  #manifest: Manifest | null = null;
+  #playback: Playback | null = null; // from the manifest on
   #animation = 0; // 0 while no frame is asked for
   #version = 0; // of what the worker has decoded
-  #stalled = false;
   #streamState: StreamState = "connecting";
   #bytes = 0;
+  #lostChunks = 0;
 
   /** @throws Error if the browser has no WebGL2. */
   constructor(options: PlayerOptions) {
@@ -49,8 +51,9 @@ export class ScenePlayer {
         decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
         consumed: (bytes) => this.#stream.consumed(bytes),
         failed: (reason) => {
-          reportError(new Error(reason)); // for the console: people cannot do anything about a hash
-          options.onError("A part of the scene arrived damaged and is left out.");
+          reportError(new Error(reason)); // for the console: the page says it in plain words
+          this.#lostChunks++;
+          this.invalidate();
         },
       },
       fetchChunk,
@@ -73,20 +76,22 @@ export class ScenePlayer {
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
     );
-    document.addEventListener("visibilitychange", () => this.#visibility(), { signal: this.#abort.signal });
+    document.addEventListener("visibilitychange", () => this.#playback?.pageHidden(document.hidden), {
+      signal: this.#abort.signal,
+    });
     this.invalidate();
   }
 
   get clock(): PlayerClock | null {
-    return this.#scene?.clock ?? null;
+    return this.#playback?.clock ?? null;
   }
 
   get buffer(): SceneBuffer | null {
-    return this.#scene?.buffer ?? null;
+    return this.#playback?.buffer ?? null;
   }
 
   get stats(): PlayerStats {
-    const totals = this.#scene?.manifest.totals;
+    const totals = this.#manifest?.totals;
     const now = performance.now();
     const { frames, first, orderAge } = this.#picture;
     return {
@@ -95,7 +100,8 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#line.rate(now),
       chunks: this.#version,
-      complete: this.#scene?.buffer.complete ?? false,
+      lostChunks: this.#lostChunks,
+      complete: this.#playback?.buffer.complete ?? false,
       splats: this.#renderer.count,
       dynamicSplats: this.#orders.dynamicSplats,
       framesPerSecond: frames.rate(now),
@@ -115,38 +121,22 @@ export class ScenePlayer {
   }
 
   play(): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.play();
-    this.#stream.play(clock.time, clock.rate);
+    this.#playback?.play();
     this.invalidate();
   }
 
   pause(): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.pause();
-    this.#stalled = false;
-    this.#stream.pause(clock.time);
+    this.#playback?.pause();
     this.invalidate();
   }
 
   setRate(rate: number): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.rate = rate;
-    if (clock.playing) this.#stream.play(clock.time, rate);
+    this.#playback?.setRate(rate);
   }
 
   /** Move the playhead; what is missing there comes before everything else. */
   seek(time: number): void {
-    const scene = this.#scene;
-    if (!scene) return;
-    scene.clock.seek(time);
-    const at = scene.clock.time;
-    if (!scene.buffer.ready(at)) this.#stream.seek(at);
-    else if (scene.clock.playing) this.#stream.play(at, scene.clock.rate);
-    else this.#stream.pause(at);
+    this.#playback?.seek(time);
     this.invalidate();
   }
 
@@ -185,9 +175,9 @@ export class ScenePlayer {
       this.#tell({ type: "scene", manifest });
       const clock = new PlayerClock(manifest.start, manifest.end);
       clock.seek(this.#options.time ?? manifest.start);
-      this.#scene = { manifest, buffer: new SceneBuffer(manifest), clock };
+      this.#manifest = manifest;
+      this.#playback = new Playback(clock, new SceneBuffer(manifest), this.#stream);
       this.#renderer.background = manifest.background;
-      this.#stream.playheadAt(clock.time);
       this.#options.onManifest(manifest);
       if (this.#options.playing) this.play();
     } catch (error) {
@@ -205,10 +195,10 @@ export class ScenePlayer {
       case "decoded":
         if (message.kind === "static") this.#renderer.writeStatics(message.first, message.texels);
         else this.#renderer.writeDynamics(message.first, message.texels, message.fifth);
-        this.#scene?.buffer.arrived(message.id);
+        this.#playback?.buffer.arrived(message.id);
         this.#version++;
         this.#chunks.decoded(message.id);
-        if (this.#scene?.buffer.complete) this.#stream.close(); // nothing more can come
+        if (this.#playback?.buffer.complete) this.#stream.close(); // nothing more can come
         break;
       case "failed":
         void this.#chunks.damaged(message.id, message.message);
@@ -237,46 +227,26 @@ export class ScenePlayer {
   /** Bring everything up to `now`, milliseconds; returns whether there is more to do at the next frame. */
   #advance(now: number): boolean {
     const view = this.#options.view();
-    const scene = this.#scene;
-    if (!scene || !view) return false;
-    const { clock, buffer } = scene;
-    const time = clock.tick(now / 1000, (moment) => buffer.ready(moment));
-    this.#stream.playheadAt(time);
-    this.#reportStall(clock);
-    const wanted = orderKey(view, time, this.#version);
+    const playback = this.#playback;
+    if (!playback || !view) return false;
+    const wanted = orderKey(view, playback.tick(now / 1000), this.#version);
     this.#orders.want(wanted);
-    const unfinished = this.#picture.update(view, () => this.#shot(view), clock.playing && !clock.stalled, now);
-    if (this.#settled(wanted, view, scene)) for (const resolve of this.#waiting.splice(0)) resolve();
-    return clock.playing || unfinished;
+    const unfinished = this.#picture.update(view, () => this.#shot(view), playback.moving, now);
+    if (this.#settled(wanted, view, playback)) for (const resolve of this.#waiting.splice(0)) resolve();
+    return playback.clock.playing || unfinished;
   }
 
   /** At the time of the order, so that what is drawn and what is alive always agree. */
   #shot(view: View): Shot {
-    const antialiased = this.#options.antialiased ?? this.#scene?.manifest.antialiased ?? false;
+    const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
     return { ...view, time: this.#orders.normalisedTime, antialiased };
   }
 
   /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */
-  #settled(wanted: OrderKey, view: View, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
+  #settled(wanted: OrderKey, view: View, { buffer, clock: { playing } }: Playback): boolean {
     const { shown } = this.#orders;
-    if (!shown || !this.#picture.shows(view, clock.playing)) return false;
+    if (!shown || !this.#picture.shows(view, playing)) return false;
     if (!buffer.staticComplete || !buffer.ready(shown.time)) return false;
-    return clock.playing ? shown.version === wanted.version : this.#orders.shows(wanted);
-  }
-
-  /** The server's playhead runs ahead while this one waits; tell it. */
-  #reportStall(clock: PlayerClock): void {
-    if (clock.stalled === this.#stalled) return;
-    this.#stalled = clock.stalled;
-    if (clock.stalled) this.#stream.pause(clock.time);
-    else if (clock.playing) this.#stream.play(clock.time, clock.rate);
-  }
-
-  /** A hidden page gets no frames: its playhead stands. */
-  #visibility(): void {
-    const clock = this.#scene?.clock;
-    if (!clock?.playing) return;
-    if (document.hidden) this.#stream.pause(clock.time);
-    else this.#stream.play(clock.time, clock.rate);
+    return playing ? shown.version === wanted.version : this.#orders.shows(wanted);
   }
 }

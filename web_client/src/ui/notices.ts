@@ -39,6 +39,7 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
   }
 }
 
+const DAMAGED = "A part of this scene is damaged and cannot be shown.";
 const LOST_FOR_LONG = "The picture has not come back. Loading the page again should help.";
 
 /** A button that loads the page again. */
@@ -91,6 +92,7 @@ export class Notices {
   }
 
   update(stats: PlayerStats, stalled: boolean): void {
+    if (stats.lostChunks > 0) this.fail(DAMAGED);
     const kind = noticeKind(stats, stalled);
     if (kind !== this.#kind) this.#show(kind);
     if (stats.bytesTotal > 0) this.#bar.value = stats.bytes / stats.bytesTotal;

@@ -9,15 +9,9 @@ it.each(["/view/studio-1f9c03ab", "/view/studio-1f9c03ab/"])("plays a scene at %
   expect(pageAt(path)).toEqual({ kind: "view", scene: "studio-1f9c03ab" });
 });
 
-it.each([
-  "/nothing",
-  "/view",
-  "/view/",
-  "/view/a/b",
-  "/view/Studio",
-  "/view/-a",
-  `/view/${"a".repeat(65)}`,
-  "/scenes/a",
-])("has nothing at %s", (path) => {
-  expect(pageAt(path)).toEqual({ kind: "unknown" });
-});
+it.each(["/nothing", "/view", "/view/", "/view/a/b", `/view/${"a".repeat(65)}`, "/scenes/a"])(
+  "has nothing at %s",
+  (path) => {
+    expect(pageAt(path)).toEqual({ kind: "unknown" });
+  },
+);
