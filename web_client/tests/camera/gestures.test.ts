@@ -85,6 +85,13 @@ it("turns with a drag from where it leaves the slack", () => {
   expect(tap).not.toHaveBeenCalled();
 });
 
+it("takes two fingers that rest for no tap", () => {
+  for (const pointerId of [1, 2]) pointer("down", 100 * pointerId, 100, { pointerType: "touch", pointerId });
+  for (const pointerId of [1, 2]) pointer("up", 100 * pointerId, 100, { pointerType: "touch", pointerId });
+  vi.runAllTimers();
+  expect(tap).not.toHaveBeenCalled();
+});
+
 it("zooms with two fingers, which are no tap even if one of them rests", () => {
   pointer("down", 100, 100, { pointerType: "touch" });
   pointer("down", 200, 100, { pointerType: "touch", pointerId: 2 });
