@@ -19,7 +19,6 @@ export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((c
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
-
   readonly #chunks: number; // of the whole scene
 
   constructor(readonly manifest: Manifest) {
