@@ -93,6 +93,7 @@ export class Notices {
 
   update(stats: PlayerStats, stalled: boolean): void {
     if (stats.lostChunks > 0) this.fail(DAMAGED);
+    else if (this.#problem.textContent === DAMAGED) this.#remark.hidden = true; // it has come after all
     const kind = noticeKind(stats, stalled);
     if (kind !== this.#kind) this.#show(kind);
     if (stats.bytesTotal > 0) this.#bar.value = stats.bytes / stats.bytesTotal;

@@ -44,7 +44,7 @@ export class Transport {
   #resume = false;
   #dragging = false;
   #shown: Button | null = null;
-  #chunks = -1; // at the last look at the buffer
+  #chunks = -1; // that had come, or were lost, at the last look at the buffer
 
   constructor(
     readonly player: ScenePlayer,
@@ -103,9 +103,9 @@ export class Transport {
     setAttribute(this.#loop, "aria-pressed", String(clock.loop));
     const share = (clock.time - clock.start) / (clock.end - clock.start);
     this.#seek.style.setProperty("--played", `${(100 * share).toFixed(2)}%`);
-    const { chunks } = this.player.stats;
-    if (chunks === this.#chunks) return;
-    this.#chunks = chunks;
+    const { chunks, lostChunks } = this.player.stats;
+    if (chunks + lostChunks === this.#chunks) return;
+    this.#chunks = chunks + lostChunks;
     this.#seek.style.setProperty("--ranges", bufferedGradient(buffer.ranges(), clock.start, clock.end));
   }
 
