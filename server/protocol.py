@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, ClassVar
 
 import msgpack
@@ -20,6 +20,7 @@ __all__ = [
     "MAX_BALANCE",
     "MAX_HAVE",
     "MAX_MESSAGE_BYTES",
+    "MAX_PARTS",
     "MAX_PAYLOAD",
     "MAX_RATE",
     "MIN_PAYLOAD",
@@ -29,6 +30,7 @@ __all__ = [
     "End",
     "Error",
     "Hello",
+    "Missing",
     "Pause",
     "Ping",
     "Play",
@@ -47,6 +49,7 @@ PROTOCOL_VERSION = 1
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
 MAX_HAVE = 1 << 14  # chunk ids
+MAX_PARTS = 1 << 10  # chunks that the client keeps in part
 MAX_BALANCE = 1 << 26  # bytes of credit
 MAX_RATE = 16.0  # scene seconds per second
 MAX_PAYLOAD = 1 << 16  # bytes in one chunk frame: a seek waits for at most one of them
@@ -77,6 +80,8 @@ class Hello:
     protocol: int
     credits: int  # bytes: the first grant
     have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
+    parts: Mapping[bytes, int] = field(default_factory=dict)  # first bytes of chunks that it keeps: id -> how many
+    manifest_id: bytes | None = None  # SHA-256 of the manifest that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
 
@@ -124,23 +129,32 @@ class Ping:
 
 @dataclass(frozen=True)
 class Welcome:
-    """Answers `Hello`: the manifest's exact bytes and the sum of the sizes of the chunks to come."""
+    """Answers `Hello`: the manifest's exact bytes and how many bytes of chunks are to come."""
 
     type: ClassVar[str] = "welcome"
     protocol: int
     scene: str
-    manifest: bytes
+    manifest: bytes  # empty if the client keeps the one of `manifest_id`
+    manifest_id: bytes  # its SHA-256
     remaining: int
 
 
 @dataclass(frozen=True)
 class SliceSent:
-    """Every chunk of the slice `index`, [start, end] in seconds, has been sent or was in the have-list."""
+    """Every chunk of the slice `index`, [start, end] in seconds, has been sent, was in the have-list or is missing."""
 
     type: ClassVar[str] = "slice"
     index: int
     start: float
     end: float
+
+
+@dataclass(frozen=True)
+class Missing:
+    """The server cannot read the chunk `id`, and goes on without it."""
+
+    type: ClassVar[str] = "missing"
+    id: bytes
 
 
 @dataclass(frozen=True)
@@ -169,7 +183,7 @@ class Error:
 
 
 ClientMessage = Hello | Credit | Seek | Play | Pause | Ping
-ServerMessage = Welcome | SliceSent | Pong | End | Error
+ServerMessage = Welcome | SliceSent | Missing | Pong | End | Error
 
 
 def encode(message: ServerMessage | ClientMessage) -> bytes:
@@ -177,6 +191,7 @@ def encode(message: ServerMessage | ClientMessage) -> bytes:
     fields = {name: value for name, value in asdict(message).items() if value is not None}
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
+        fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
     packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
     return packed
 
@@ -212,9 +227,12 @@ def _malformed(detail: str) -> ProtocolError:
 
 
 def _uint(fields: Mapping[str, Any], name: str) -> int:
-    value = _required(fields, name)
+    return _unsigned(_required(fields, name), f"{fields['type']}.{name}:")
+
+
+def _unsigned(value: Any, name: str) -> int:
     if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        raise _malformed(f"{fields['type']}.{name}: {value!r:.80} is not an unsigned integer")
+        raise _malformed(f"{name} {value!r:.80} is not an unsigned integer")
     return value
 
 
@@ -247,6 +265,25 @@ def _have(fields: Mapping[str, Any]) -> frozenset[bytes]:
     return frozenset(value)
 
 
+def _parts(fields: Mapping[str, Any]) -> dict[bytes, int]:
+    value = fields.get("parts", [])
+    if not isinstance(value, list) or len(value) > MAX_PARTS:
+        raise _malformed(f"hello.parts is not a list of at most {MAX_PARTS} pairs")
+    parts = {}
+    for pair in value:
+        if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], bytes) or len(pair[0]) != 32:
+            raise _malformed("hello.parts: an entry is not a pair of an id of 32 bytes and an offset")
+        parts[pair[0]] = _unsigned(pair[1], "hello.parts: an offset")
+    return parts
+
+
+def _manifest_id(fields: Mapping[str, Any]) -> bytes | None:
+    value = fields.get("manifest_id")
+    if "manifest_id" in fields and not (isinstance(value, bytes) and len(value) == 32):
+        raise _malformed("hello.manifest_id is not 32 bytes of binary")
+    return value
+
+
 def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
@@ -258,6 +295,8 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         protocol=version,
         credits=_uint(fields, "credits"),
         have=_have(fields),
+        parts=_parts(fields),
+        manifest_id=_manifest_id(fields),
         time=_number(fields, "time") if "time" in fields else None,
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from functools import cached_property
 
 from hgs_core.codec.manifest import Manifest
 from hgs_core.errors import InputError
+from server.slice_queue import SliceQueue
 
 __all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
 
@@ -50,19 +52,34 @@ class SceneIndex:
         chunks = (*self.static, *(chunk for piece in self.slices for chunk in piece.chunks))
         return {chunk.id: chunk.size for chunk in chunks}
 
+    @cached_property
+    def chunk_bytes(self) -> int:
+        """The size of all chunks together."""
+        return sum(self.sizes.values())
+
+    @cached_property
+    def manifest_id(self) -> bytes:
+        """The SHA-256 of the manifest's bytes."""
+        return hashlib.sha256(self.manifest).digest()
+
+    @cached_property
+    def queue(self) -> SliceQueue:
+        """All slices, to be asked by time; sessions take slices out of copies."""
+        return SliceQueue([piece.end for piece in self.slices])
+
     @property
     def bytes_total(self) -> int:
         """The size of the whole scene: its chunks and its manifest."""
-        return sum(self.sizes.values()) + len(self.manifest)
-
-    def is_over(self, index: int, time: float) -> bool:
-        """Return whether the slice is no longer shown at `time`, in seconds; the last one is, at its very end."""
-        end = self.slices[index].end
-        return time > end or (time == end and index < len(self.slices) - 1)
+        return self.chunk_bytes + len(self.manifest)
 
     def alive(self, time: float) -> list[int]:
         """Return the indices of the slices that are shown at `time`, in seconds."""
-        return [k for k, piece in enumerate(self.slices) if piece.start <= time and not self.is_over(k, time)]
+        found = []
+        index = self.queue.first_shown_after(time)
+        while index is not None and self.slices[index].start <= time:
+            found.append(index)
+            index = self.queue.first_shown_after(time, index + 1)
+        return found
 
 
 def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:

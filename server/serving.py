@@ -11,6 +11,7 @@ from fastapi import FastAPI
 from hgs_core.errors import InputError
 from server.protocol import MAX_MESSAGE_BYTES
 from server.service import Service
+from server.websocket_protocol import WebSocketProtocol
 
 __all__ = ["HttpServer", "bind"]
 
@@ -51,6 +52,7 @@ class HttpServer(uvicorn.Server):
                 log_level="warning",
                 access_log=False,
                 server_header=False,
+                ws=WebSocketProtocol,
                 # One message above our own limit still gets an `error` before the close.
                 ws_max_size=2 * MAX_MESSAGE_BYTES,
                 ws_per_message_deflate=False,  # chunks are compressed already

@@ -19,6 +19,7 @@ from server.protocol import (
     Credit,
     End,
     Hello,
+    Missing,
     Pause,
     Ping,
     Play,
@@ -93,10 +94,10 @@ class StreamSession:
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
         self._balance = 0  # bytes of chunk frames that the client has room for
         self._sent_bytes = 0
-        self._have: set[bytes] = set()  # complete chunks
-        self._offsets: dict[bytes, int] = {}  # of chunks that are sent in part
+        self._have: set[bytes] = set()  # chunks that are not to be sent
+        self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
         self._statics = deque(scene.static)
-        self._unmarked = set(range(len(scene.slices)))
+        self._unmarked = scene.queue.copy()
         self._urgent: deque[int] = deque()  # slices alive at the time of the last seek
         self._sought = False  # after a seek statics and slices take turns
         self._static_turn = True
@@ -150,13 +151,37 @@ class StreamSession:
             return self._outbox.popleft()
         return None if pick is None else self._part(pick)
 
+    def miss(self, part: ChunkPart) -> None:
+        """Go on without the chunk of a frame that `take` has just returned, because it cannot be read."""
+        chunk = part.chunk
+        self._balance += HEADER_BYTES + part.length
+        self._sent_bytes -= part.length
+        self._offsets.pop(chunk.id, None)
+        self._have.add(chunk.id)
+        if self._current is not None and self._current.chunk == chunk:
+            self._current = None
+        self._outbox.append(encode(Missing(chunk.id)))
+
     def _greet(self, hello: Hello, clock: float) -> None:
+        scene = self._scene
+        sizes = scene.sizes
+        self._offsets = {chunk: offset for chunk, offset in hello.parts.items() if chunk in sizes and offset > 0}
+        for chunk, offset in self._offsets.items():
+            if offset >= sizes[chunk]:
+                detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
+                raise ProtocolError(4000, "malformed", detail)
         self._greeted = True
         self._grant(hello.credits)
-        self._have = set(hello.have & self._scene.sizes.keys())
-        self._playhead.set(self._scene.start if hello.time is None else hello.time, clock, hello.rate)
-        remaining = sum(size for chunk, size in self._scene.sizes.items() if chunk not in self._have)
-        self._outbox.append(encode(Welcome(PROTOCOL_VERSION, self._scene.scene_id, self._scene.manifest, remaining)))
+        self._have = {chunk for chunk in hello.have if chunk in sizes}
+        for chunk in self._have:
+            self._offsets.pop(chunk, None)
+        self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
+        kept = sum(sizes[chunk] for chunk in self._have) + sum(self._offsets.values())
+        manifest = b"" if hello.manifest_id == scene.manifest_id else scene.manifest
+        welcome = Welcome(
+            PROTOCOL_VERSION, scene.scene_id, manifest, scene.manifest_id, remaining=scene.chunk_bytes - kept
+        )
+        self._outbox.append(encode(welcome))
 
     def _grant(self, amount: int) -> None:
         if self._balance + amount > MAX_BALANCE:
@@ -169,7 +194,8 @@ class StreamSession:
         self._static_turn = True
         self._current = self._begun = None
         self._urgent = deque(self._scene.alive(self._playhead.time))
-        self._unmarked.update(self._urgent)
+        for index in self._urgent:
+            self._unmarked.add(index)
 
     def _choose(self, clock: float) -> _Pick | None:
         """Return what to send next; on the way, announce the slices that are found to be complete."""
@@ -198,8 +224,7 @@ class StreamSession:
             return self._urgent[0]
         if self._begun is not None:
             return self._begun
-        now = self._playhead.at(clock)
-        return min(self._unmarked, key=lambda index: (self._scene.is_over(index, now), index), default=None)
+        return self._unmarked.next(self._playhead.at(clock))
 
     def _announce(self, index: int) -> None:
         complete = self._scene.slices[index]

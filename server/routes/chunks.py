@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
+from server.chunk_cache import DamagedChunkError
 from server.conditional import respond
 from server.problems import ProblemError
 from server.service import ServiceDep
@@ -16,7 +17,10 @@ router = APIRouter()
 @router.api_route("/v1/chunks/{chunk_id}", methods=["GET", "HEAD"])
 async def chunk(request: Request, chunk_id: str, service: ServiceDep) -> Response:
     """Serve a chunk, whole or in part."""
-    data = await service.chunks.get(chunk_id)
+    try:
+        data = await service.chunks.get(chunk_id)
+    except DamagedChunkError as error:
+        raise ProblemError(500, "chunk-damaged", str(error)) from error
     if data is None:
         raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: no such chunk")
     return respond(

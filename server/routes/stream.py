@@ -14,6 +14,7 @@ from server.problems import ProblemError, problem_response
 from server.protocol import Error, ProtocolError, chunk_header, encode
 from server.service import ServiceDep
 from server.stream_session import ChunkPart, StreamSession
+from server.token_bucket import TokenBucket
 
 __all__ = ["router"]
 
@@ -21,6 +22,9 @@ router = APIRouter()
 log = logging.getLogger("hgs.server")
 
 HELLO_SECONDS = 10.0
+MESSAGE_RATE = 100.0  # control messages per second; every chunk frame that is sent allows one more
+MESSAGE_BURST = 200.0
+MESSAGE_UNIT = 4096  # bytes; a longer message counts as several
 
 
 @router.websocket("/v1/scenes/{scene_id}/stream")
@@ -48,9 +52,10 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
 async def _converse(socket: WebSocket, session: StreamSession, chunks: ChunkCache) -> None:
     """Read and write at once; whichever side fails first ends both."""
     news = asyncio.Event()
+    budget = TokenBucket(MESSAGE_RATE, MESSAGE_BURST)
     sides = {
-        asyncio.create_task(_listen(socket, session, news)),
-        asyncio.create_task(_speak(socket, session, chunks, news)),
+        asyncio.create_task(_listen(socket, session, budget, news)),
+        asyncio.create_task(_speak(socket, session, chunks, budget, news)),
     }
     try:
         done, _ = await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
@@ -62,10 +67,11 @@ async def _converse(socket: WebSocket, session: StreamSession, chunks: ChunkCach
         side.result()
 
 
-async def _listen(socket: WebSocket, session: StreamSession, news: asyncio.Event) -> None:
+async def _listen(socket: WebSocket, session: StreamSession, budget: TokenBucket, news: asyncio.Event) -> None:
     while True:
+        greeted = session.greeted
         try:
-            message = await asyncio.wait_for(socket.receive(), None if session.greeted else HELLO_SECONDS)
+            message = await asyncio.wait_for(socket.receive(), None if greeted else HELLO_SECONDS)
         except TimeoutError:
             raise ProtocolError(4008, "hello-timeout", f"no hello within {HELLO_SECONDS:g} s") from None
         if message["type"] == "websocket.disconnect":
@@ -75,25 +81,31 @@ async def _listen(socket: WebSocket, session: StreamSession, news: asyncio.Event
             raise ProtocolError(1003, "not-binary", "control messages are binary, not text")
         session.receive(data, time.monotonic())
         news.set()
+        # Nothing more is read while a client that asks too often waits, so that the others do not.
+        if greeted and (pause := budget.spend(1 + len(data) // MESSAGE_UNIT, time.monotonic())) > 0:
+            await asyncio.sleep(pause)
 
 
-async def _speak(socket: WebSocket, session: StreamSession, chunks: ChunkCache, news: asyncio.Event) -> None:
+async def _speak(
+    socket: WebSocket, session: StreamSession, chunks: ChunkCache, budget: TokenBucket, news: asyncio.Event
+) -> None:
     while True:
         item = session.take(time.monotonic())
         if item is None:
             await news.wait()
             news.clear()
-            continue
-        await socket.send_bytes(item if isinstance(item, bytes) else await _frame(item, chunks))
+        elif isinstance(item, bytes):
+            await socket.send_bytes(item)
+        elif (data := await chunks.expect(item.chunk)) is None:
+            session.miss(item)
+        else:
+            await socket.send_bytes(_frame(item, data))
+            budget.earn(1)
         await asyncio.sleep(0)  # sending does not wait while the socket has room, and others want to be served too
 
 
-async def _frame(part: ChunkPart, chunks: ChunkCache) -> bytes:
-    chunk = part.chunk
-    data = await chunks.get(chunk.id.hex())
-    if data is None or len(data) != chunk.size:
-        raise LookupError(f"chunk {chunk.id.hex()}: missing, or not of the {chunk.size} bytes that the manifest says")
-    header = chunk_header(chunk.id, part.offset, chunk.size)
+def _frame(part: ChunkPart, data: bytes) -> bytes:
+    header = chunk_header(part.chunk.id, part.offset, part.chunk.size)
     return b"".join((header, memoryview(data)[part.offset : part.offset + part.length]))
 
 

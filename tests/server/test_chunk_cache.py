@@ -2,8 +2,12 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
+import logging
 
-from server.chunk_cache import ChunkCache
+import pytest
+
+from server.chunk_cache import RETRY_SECONDS, ChunkCache
+from server.scene_index import Chunk
 
 
 class Store:
@@ -66,5 +70,40 @@ def test_cancelled_caller_does_not_cancel_the_read_for_others() -> None:
         await asyncio.sleep(0)
         first.cancel()
         assert await second == b"data"
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.parametrize(
+    ("stored", "size", "fault"),
+    [(None, 4, "not in the store"), (b"dat\0", 4, "another SHA-256"), (b"data", 5, "where the manifest says 5")],
+)
+def test_fault_is_logged_once_and_the_store_is_asked_again_later(
+    stored: bytes | None, size: int, fault: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+    store = Store(b"data")
+    (name,) = store.chunks
+    right = store.chunks.pop(name)
+    if stored is not None:
+        store.chunks[name] = stored
+    now = 100.0
+
+    async def scenario() -> None:
+        nonlocal now
+        cache = ChunkCache(store.read, clock=lambda: now)
+        chunk = Chunk(bytes.fromhex(name), size)
+        assert await asyncio.gather(*(cache.expect(chunk) for _ in range(3))) == [None] * 3
+        now += RETRY_SECONDS - 1
+        assert await cache.expect(chunk) is None
+        assert len(store.reads) == 1
+        now += 2
+        assert await cache.expect(chunk) is None
+        assert [record.levelname for record in caplog.records] == ["ERROR"]
+        assert name in caplog.text
+        assert fault in caplog.text
+        store.chunks[name] = right
+        now += RETRY_SECONDS
+        assert await cache.expect(Chunk(chunk.id, 4)) == b"data"
 
     asyncio.run(scenario())

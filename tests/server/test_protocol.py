@@ -12,10 +12,12 @@ from server.protocol import (
     HEADER_BYTES,
     MAX_HAVE,
     MAX_MESSAGE_BYTES,
+    MAX_PARTS,
     ClientMessage,
     Credit,
     End,
     Hello,
+    Missing,
     Pause,
     Ping,
     Play,
@@ -38,6 +40,8 @@ CLIENT_MESSAGES = st.one_of(
         protocol=st.just(1),
         credits=UINT,
         have=st.frozensets(CHUNK, max_size=5),
+        parts=st.dictionaries(CHUNK, UINT, max_size=5),
+        manifest_id=st.none() | CHUNK,
         time=st.none() | TIME,
         rate=RATE,
     ),
@@ -121,9 +125,38 @@ def test_unknown_fields_are_ignored() -> None:
     assert decode(msgpack.packb({"type": "seek", "time": 1, "colour": "red"})) == Seek(1.0)
 
 
-def test_message_at_the_limit_holds_a_full_have_list() -> None:
+def test_hello_of_a_client_that_keeps_nothing_may_leave_out_all_lists() -> None:
+    assert decode(msgpack.packb({"type": "hello", "protocol": 1, "credits": 5})) == Hello(1, 5)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"parts": None},
+        {"parts": {bytes(32): 1}},
+        {"parts": [bytes(32)]},
+        {"parts": [[bytes(31), 1]]},
+        {"parts": [["0" * 64, 1]]},
+        {"parts": [[bytes(32), -1]]},
+        {"parts": [[bytes(32), 1.5]]},
+        {"parts": [[bytes(32), True]]},
+        {"parts": [[bytes(32), 1, 2]]},
+        {"parts": [[bytes(32), 1]] * (MAX_PARTS + 1)},
+        {"manifest_id": None},
+        {"manifest_id": "0" * 64},
+        {"manifest_id": bytes(31)},
+    ],
+)
+def test_what_a_client_keeps_is_checked(fields: dict[str, object]) -> None:
+    with pytest.raises(ProtocolError, match=f"hello.{next(iter(fields))}") as caught:
+        decode(msgpack.packb({"type": "hello", "protocol": 1, "credits": 0} | fields))
+    assert (caught.value.close_code, caught.value.code) == (4000, "malformed")
+
+
+def test_message_at_the_limit_holds_full_lists() -> None:
     full = frozenset(k.to_bytes(32, "big") for k in range(MAX_HAVE))
-    data = encode(Hello(protocol=1, credits=0, have=full))
+    parts = {k.to_bytes(32, "big"): 1 << 31 for k in range(MAX_PARTS)}
+    data = encode(Hello(protocol=1, credits=0, have=full, parts=parts, manifest_id=bytes(32)))
     assert len(data) <= MAX_MESSAGE_BYTES
     decoded = decode(data)
     assert isinstance(decoded, Hello)
@@ -143,8 +176,12 @@ def test_messages_above_the_limit_are_refused() -> None:
 
 
 def test_server_messages_are_maps_of_their_fields() -> None:
-    welcome = msgpack.unpackb(encode(Welcome(1, "studio", b"{}", 12)))
-    assert welcome == {"type": "welcome", "protocol": 1, "scene": "studio", "manifest": b"{}", "remaining": 12}
+    welcome = msgpack.unpackb(encode(Welcome(1, "studio", b"{}", bytes(32), 12)))
+    assert welcome == {
+        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": b"{}", "manifest_id": bytes(32),
+        "remaining": 12,
+    }  # fmt: skip
+    assert msgpack.unpackb(encode(Missing(bytes(32)))) == {"type": "missing", "id": bytes(32)}
     assert msgpack.unpackb(encode(End(7))) == {"type": "end", "bytes": 7}
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 from collections.abc import Callable
 from typing import Any
 
@@ -72,8 +73,15 @@ def test_welcome_carries_the_manifest_and_what_remains(make_scene: MakeScene) ->
     scene = make_scene([10, 20], THREE_SLICES)
     welcome = drain(start(scene, have=frozenset({scene.static[1].id})))[0]
     assert welcome == {
-        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": scene.manifest, "remaining": 10_010,
+        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": scene.manifest,
+        "manifest_id": hashlib.sha256(scene.manifest).digest(), "remaining": 10_010,
     }  # fmt: skip
+
+
+def test_manifest_that_the_client_keeps_is_not_sent_again(make_scene: MakeScene) -> None:
+    scene = make_scene([10], [])
+    assert drain(start(scene, manifest_id=scene.manifest_id))[0]["manifest"] == b""
+    assert drain(start(scene, manifest_id=bytes(32)))[0]["manifest"] == scene.manifest
 
 
 def test_statics_in_layer_order_then_slices_with_markers_then_end(make_scene: MakeScene) -> None:
@@ -151,6 +159,54 @@ def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
     items = drain(start(scene, have=have))
     assert not {chunk.id for chunk in chunks_of(items)} & have
     assert marks_of(items) == [0, 1, 2]
+
+
+def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -> None:
+    scene = make_scene([2 * MAX_PAYLOAD, 500], [(0.0, 1.0, [3000])])
+    first, second = scene.static
+    have = frozenset({second.id})
+    items = drain(start(scene, have=have, parts={first.id: 70_000, second.id: 20, b"\0" * 32: 1 << 40}))
+    assert items[0]["remaining"] == 2 * MAX_PAYLOAD - 70_000 + 3000
+    assert [(part.chunk, part.offset, part.length) for part in items if isinstance(part, ChunkPart)] == [
+        (first, 70_000, 2 * MAX_PAYLOAD - 70_000),
+        (scene.slices[0].chunks[0], 0, 3000),
+    ]
+    assert items[-1] == {"type": "end", "bytes": 2 * MAX_PAYLOAD - 70_000 + 3000}
+
+
+@pytest.mark.parametrize("offset", [10, 11, 1 << 40])
+def test_part_that_is_no_part_is_refused(make_scene: MakeScene, offset: int) -> None:
+    scene = make_scene([10], [])
+    with pytest.raises(ProtocolError, match="has 10 bytes") as caught:
+        start(scene, parts={scene.static[0].id: offset})
+    assert (caught.value.close_code, caught.value.code) == (4000, "malformed")
+
+
+def test_chunk_that_cannot_be_read_costs_itself_alone(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], [(0.0, 1.0, [1000, 2000]), (1.0, 2.0, [3000])])
+    session = start(scene)
+    items: list[Any] = []
+    while (item := session.take(0.0)) is not None:
+        if isinstance(item, ChunkPart) and item.chunk.size in (20, 1000):
+            session.miss(item)
+        else:
+            items.append(msgpack.unpackb(item) if isinstance(item, bytes) else item)
+    assert items[2] == {"type": "missing", "id": scene.static[1].id}
+    assert items[3] == {"type": "missing", "id": scene.slices[0].chunks[0].id}
+    assert [chunk.size for chunk in chunks_of(items)] == [10, 2000, 3000]
+    assert marks_of(items) == [0, 1]
+    assert items[-1] == {"type": "end", "bytes": 5010}
+    assert session.balance == WINDOW - 5010 - 3 * HEADER_BYTES
+
+
+def test_chunk_that_breaks_off_is_not_gone_on_with(make_scene: MakeScene) -> None:
+    session = start(make_scene([3 * MAX_PAYLOAD, 20], []))
+    step(session, 1)
+    (second,) = step(session, 1)
+    session.miss(second)
+    items = drain(session)
+    assert [chunk.size for chunk in chunks_of(items)] == [20]
+    assert items[-1] == {"type": "end", "bytes": MAX_PAYLOAD + 20}
 
 
 def test_full_have_list_gets_markers_and_end_without_credit(make_scene: MakeScene) -> None:
@@ -250,26 +306,35 @@ ACTIONS = st.one_of(
     sizes=st.lists(st.lists(st.integers(1, 100_000), max_size=3), min_size=1, max_size=4),
     credit=st.integers(0, 100_000),
     actions=st.lists(ACTIONS, max_size=40),
+    missing=st.sets(st.integers(0, 20)),
 )
 def test_credits_are_never_exceeded_and_every_byte_comes_once(
-    make_scene: MakeScene, static: list[int], sizes: list[list[int]], credit: int, actions: list[Any]
+    make_scene: MakeScene, static: list[int], sizes: list[list[int]], credit: int, actions: list[Any], missing: set[int]
 ) -> None:
     scene = make_scene(static, [(k * 0.75, k * 0.75 + 1.0, chunk_sizes) for k, chunk_sizes in enumerate(sizes)])
     session = start(scene, credits=credit)
     granted, sent, clock = credit, 0, 0.0
     received: dict[bytes, int] = {}
+    lost = {chunk for k, chunk in enumerate(scene.sizes) if k in missing}
+    told: set[bytes] = set()
 
     def take() -> Any:
         nonlocal sent
         item = session.take(clock)
-        if isinstance(item, ChunkPart):
+        if isinstance(item, ChunkPart) and item.chunk.id in lost:
+            session.miss(item)
+        elif isinstance(item, ChunkPart):
             sent += HEADER_BYTES + item.length
             assert item.offset == received.get(item.chunk.id, 0)
             assert 1 <= item.length <= MAX_PAYLOAD
             received[item.chunk.id] = item.offset + item.length
             assert received[item.chunk.id] <= item.chunk.size
         elif item is not None and (message := msgpack.unpackb(item))["type"] == "slice":
-            assert all(received[chunk.id] == chunk.size for chunk in scene.slices[message["index"]].chunks)
+            needed = [chunk for chunk in scene.slices[message["index"]].chunks if chunk.id not in told]
+            assert all(received[chunk.id] == chunk.size for chunk in needed)
+        elif item is not None and message["type"] == "missing":
+            assert message["id"] in lost - told
+            told.add(message["id"])
         assert sent <= granted
         assert session.balance == granted - sent
         return item
@@ -286,4 +351,5 @@ def test_credits_are_never_exceeded_and_every_byte_comes_once(
         granted += 1 << 20
     while take() is not None:
         pass
-    assert received == dict(scene.sizes)
+    assert received == {chunk: size for chunk, size in scene.sizes.items() if chunk not in lost}
+    assert told == lost

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -40,6 +41,7 @@ class Site:
     cameras: tuple[Camera, ...]
     start: float  # seconds
     end: float
+    folder: Path  # of its manifest and chunks
 
 
 def _pose(eye: tuple[float, float, float], roll: float = 0.0) -> np.ndarray:
@@ -144,16 +146,11 @@ def browser() -> Iterator[Browser]:
         yield opened
 
 
-@pytest.fixture(scope="session")
-def sites(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Site]]:
-    """Serve the scenes as `hgs serve` does, in a process of its own."""
+@contextmanager
+def serving(runs: list[Path], home: Path) -> Iterator[list[str]]:
+    """Serve the scenes of runs as `hgs serve` does, in a process of its own; yields the addresses of their pages."""
     if not (REPOSITORY / "server" / "viewer" / "index.html").is_file():
         pytest.skip("the viewer is not built: run npm ci && npm run build in web_client")
-    folder = tmp_path_factory.mktemp("runs")
-    home = tmp_path_factory.mktemp("home")
-    runs = [folder / "clouds", folder / "dust"]
-    for run, encode in zip(runs, (_encode_clouds, _encode_dust), strict=True):
-        encode(run / "scene")
     command = [sys.executable, "-m", "server.cli", "serve", *map(str, runs), "--port", "0", "--workers", "0"]
     log = home / "server.log"
     with log.open("wb") as errors:
@@ -169,16 +166,27 @@ def sites(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Site]]:
         assert server.stdout is not None
         pages = [server.stdout.readline().strip() for _ in runs]
         assert all(page.startswith("http") for page in pages), log.read_text()
-        yield [_site(page, run / "scene") for page, run in zip(pages, runs, strict=True)]
+        yield pages
     finally:
         server.terminate()
         server.communicate(timeout=30)
 
 
+@pytest.fixture(scope="session")
+def sites(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Site]]:
+    """The clouds and the dust, served."""
+    folder = tmp_path_factory.mktemp("runs")
+    runs = [folder / "clouds", folder / "dust"]
+    for run, encode in zip(runs, (_encode_clouds, _encode_dust), strict=True):
+        encode(run / "scene")
+    with serving(runs, tmp_path_factory.mktemp("home")) as pages:
+        yield [_site(page, run / "scene") for page, run in zip(pages, runs, strict=True)]
+
+
 def _site(page: str, folder: Path) -> Site:
     manifest = load_manifest(folder)
     address = page.partition("/view/")[0]
-    return Site(address, page, decode_scene(folder), manifest.cameras, manifest.start, manifest.end)
+    return Site(address, page, decode_scene(folder), manifest.cameras, manifest.start, manifest.end, folder)
 
 
 @pytest.fixture(scope="session")

@@ -85,4 +85,5 @@ def test_unknown_chunks_are_404(server: Any, name: str) -> None:
 def test_damaged_chunk_is_never_served(server: Any, path: str) -> None:
     server.artifacts.chunks[path.rpartition("/")[2]] = b"other bytes"
     response = server.get(path)
-    assert (response.status_code, response.json()["code"]) == (500, "internal")
+    assert (response.status_code, response.json()["code"]) == (500, "chunk-damaged")
+    assert path.rpartition("/")[2] in response.json()["detail"]

@@ -19,6 +19,7 @@ export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((c
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
+  readonly #lost = new Set<string>();
   readonly #chunks: number; // of the whole scene
 
   constructor(readonly manifest: Manifest) {
@@ -29,16 +30,27 @@ export class SceneBuffer {
   /** Note that a chunk can be drawn from now on. */
   arrived(id: string): void {
     this.#arrived.add(id);
+    this.#lost.delete(id);
   }
 
-  /** True if every dynamic splat alive at `time` is here. */
+  /** Note that a chunk cannot be had: what else there is at its time is shown without it. */
+  lose(id: string): void {
+    if (!this.#arrived.has(id)) this.#lost.add(id);
+  }
+
+  /** How many chunks are shown without. */
+  get lost(): number {
+    return this.#lost.size;
+  }
+
+  /** True if every dynamic splat alive at `time` is here, or cannot be had. */
   ready(time: number): boolean {
     const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
     return slice === undefined || this.#complete(slice);
   }
 
   get staticComplete(): boolean {
-    return this.manifest.static.every((chunk) => this.#arrived.has(chunk.id));
+    return this.manifest.static.every((chunk) => this.#settled(chunk.id));
   }
 
   /** True if the whole scene is here. */
@@ -62,6 +74,10 @@ export class SceneBuffer {
   }
 
   #complete(slice: SliceEntry): boolean {
-    return chunksOf(slice).every((id) => this.#arrived.has(id));
+    return chunksOf(slice).every((id) => this.#settled(id));
+  }
+
+  #settled(id: string): boolean {
+    return this.#arrived.has(id) || this.#lost.has(id);
   }
 }

@@ -8,8 +8,8 @@ export interface IntakeEvents {
   decode(id: string, bytes: Uint8Array<ArrayBuffer>): void;
   /** The stream's decoder is done with so many bytes. */
   consumed(bytes: number): void;
-  /** A chunk stays damaged; one line for people. */
-  failed(message: string): void;
+  /** A chunk stays damaged; `message` says how. */
+  lost(id: string, message: string): void;
 }
 
 export class ChunkIntake {
@@ -38,7 +38,7 @@ export class ChunkIntake {
     this.#consume(id);
     const times = this.#fetched.get(id) ?? 0;
     if (times >= PAUSES.length) {
-      this.events.failed(message);
+      this.events.lost(id, message);
       return;
     }
     this.#fetched.set(id, times + 1);

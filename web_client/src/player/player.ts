@@ -34,7 +34,6 @@ export class ScenePlayer {
   #version = 0; // of what the worker has decoded
   #streamState: StreamState = "connecting";
   #bytes = 0;
-  #lostChunks = 0;
 
   /** @throws Error if the browser has no WebGL2. */
   constructor(options: PlayerOptions) {
@@ -50,9 +49,10 @@ export class ScenePlayer {
       {
         decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
         consumed: (bytes) => this.#stream.consumed(bytes),
-        failed: (reason) => {
-          reportError(new Error(reason)); // for the console: the page says it in plain words
-          this.#lostChunks++;
+        lost: (id, message) => {
+          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+          console.warn(message);
+          this.#playback?.buffer.lose(id);
           this.invalidate();
         },
       },
@@ -63,6 +63,10 @@ export class ScenePlayer {
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
+        missing: (id) => {
+          this.#playback?.buffer.lose(id);
+          this.invalidate();
+        },
         progress: (bytes) => {
           this.#bytes += bytes;
           this.#line.count(bytes, performance.now());
@@ -76,9 +80,9 @@ export class ScenePlayer {
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
     );
-    document.addEventListener("visibilitychange", () => this.#playback?.pageHidden(document.hidden), {
-      signal: this.#abort.signal,
-    });
+    const { signal } = this.#abort;
+    document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
+    addEventListener("online", () => this.#stream.wake(), { signal });
     this.invalidate();
   }
 
@@ -100,7 +104,7 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#line.rate(now),
       chunks: this.#version,
-      lostChunks: this.#lostChunks,
+      lostChunks: this.#playback?.buffer.lost ?? 0,
       complete: this.#playback?.buffer.complete ?? false,
       splats: this.#renderer.count,
       dynamicSplats: this.#orders.dynamicSplats,
@@ -209,6 +213,12 @@ export class ScenePlayer {
         break;
     }
     this.invalidate();
+  }
+
+  /** While the page was hidden the connection may have died. */
+  #visibility(): void {
+    if (!document.hidden) this.#stream.wake();
+    this.#playback?.pageHidden(document.hidden);
   }
 
   #contextChanged(lost: boolean): void {

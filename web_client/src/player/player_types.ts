@@ -29,7 +29,7 @@ export interface PlayerStats {
   readonly lineRate: number;
   /** Chunks decoded. */
   readonly chunks: number;
-  /** Chunks that cannot be had undamaged; the scene is shown without them. */
+  /** Chunks that the server cannot give, or not undamaged; the scene is shown without them. */
   readonly lostChunks: number;
   /** True once the whole scene is here. */
   readonly complete: boolean;

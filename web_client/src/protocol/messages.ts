@@ -5,9 +5,24 @@ import { decode, encode } from "@msgpack/msgpack";
 export const PROTOCOL = 1;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
+/** Most entries of a hello's lists. */
+export const MOST_HAVE = 16384;
+export const MOST_PARTS = 1024;
 
 export type ClientMessage =
-  | { type: "hello"; protocol: number; credits: number; have: Uint8Array[]; time?: number; rate: number }
+  | {
+      type: "hello";
+      protocol: number;
+      credits: number;
+      /** Complete chunks that are here. */
+      have: Uint8Array[];
+      /** Chunks whose first bytes are here, and how many. */
+      parts: [Uint8Array, number][];
+      /** SHA-256 of the manifest that is here. */
+      manifest_id?: Uint8Array;
+      time?: number;
+      rate: number;
+    }
   | { type: "credit"; bytes: number }
   | { type: "seek"; time: number }
   | { type: "play"; time: number; rate: number }
@@ -15,7 +30,17 @@ export type ClientMessage =
   | { type: "ping"; id: number };
 
 export type ServerMessage =
-  | { type: "welcome"; protocol: number; scene: string; manifest: Uint8Array; remaining: number }
+  | {
+      type: "welcome";
+      protocol: number;
+      scene: string;
+      /** Empty if hello named it. */
+      manifest: Uint8Array;
+      manifest_id: Uint8Array;
+      remaining: number;
+    }
+  /** The server cannot give the chunk. */
+  | { type: "missing"; id: Uint8Array }
   | { type: "slice"; index: number; start: number; end: number }
   | { type: "pong"; id: number }
   | { type: "end"; bytes: number }
@@ -37,7 +62,8 @@ export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
 }
 
 const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "number" | "string" | "bytes">>>> = {
-  welcome: { protocol: "number", scene: "string", manifest: "bytes", remaining: "number" },
+  welcome: { protocol: "number", scene: "string", manifest: "bytes", manifest_id: "bytes", remaining: "number" },
+  missing: { id: "bytes" },
   slice: { index: "number", start: "number", end: "number" },
   pong: { id: "number" },
   end: { bytes: "number" },

@@ -1,26 +1,36 @@
 /**
  * A scene's stream over WebSocket: puts chunk frames together, grants credit as chunks are consumed, and comes back after
- * a broken connection with the list of what it has.
+ * a broken or silent connection with the list of what it has.
  */
 
+import { Connection, type Socket } from "./connection";
 import {
   CHUNK_FRAME,
   type ClientMessage,
   decodeChunkFrame,
   decodeMessage,
-  encodeMessage,
   fromHex,
+  MOST_HAVE,
+  MOST_PARTS,
   PROTOCOL,
   ProtocolError,
+  type ServerMessage,
+  toHex,
 } from "./messages";
+import { PartialChunks } from "./partial_chunks";
+import { PlayheadMessages } from "./playhead_messages";
 
-/** First grant, bytes: fills 50 Mbit/s at 300 ms, and a seek waits behind no more than this. */
-const WINDOW = 2 << 20;
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
-const FIRST_RETRY = 500; // ms, doubled at each failure
+/** Longest wait before the first retry, ms; doubled at each failure. */
+const FIRST_RETRY = 500;
 const LAST_RETRY = 8000; // ms
-
+const MOST_PATIENCE = 8;
+/** Faults that may pass: the close that follows decides whether to come back. */
+const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
+/** Closed with one of these, or with 4000 and above, the server would refuse again. */
+const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
+const HELLO_TIMEOUT = 4008;
 export type StreamState = "connecting" | "open" | "retrying" | "closed";
 
 export interface StreamEvents {
@@ -28,6 +38,8 @@ export interface StreamEvents {
   manifest(bytes: Uint8Array): void;
   /** A complete chunk; call `consumed` with its size when it is done with. */
   chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
+  /** A chunk that the server cannot give; the next connection may bring it. */
+  missing(id: string): void;
   /** Chunk bytes arrived, headers not counted. */
   progress(bytes: number): void;
   state(state: StreamState): void;
@@ -40,27 +52,17 @@ interface Playhead {
   readonly rate: number; // 0 while paused
 }
 
-/** As much of WebSocket as is used, so that tests can bring their own. */
-export interface Socket {
-  binaryType: BinaryType;
-  onopen: ((event: Event) => void) | null;
-  onmessage: ((event: MessageEvent) => void) | null;
-  onclose: ((event: CloseEvent) => void) | null;
-  send(data: Uint8Array<ArrayBuffer>): void;
-  close(code?: number): void;
-}
-
 export class SceneStream {
   readonly #have = new Set<string>();
-  readonly #partial = new Map<string, { bytes: Uint8Array<ArrayBuffer>; filled: number }>();
-  #socket: Socket | null = null;
-  #manifest: Uint8Array | null = null;
+  readonly #partial = new PartialChunks();
+  readonly #moves = new PlayheadMessages((message) => this.#send(message));
+  #connection: Connection | null = null;
+  #manifestId: Uint8Array | null = null;
   #playhead: Playhead;
-  #open = false;
-  #owed = 0; // credit to grant
   #undecoded = 0;
   #failures = 0;
-  #timer: ReturnType<typeof setTimeout> | undefined;
+  #patience = 1; // doubled by every silence
+  #retry: ReturnType<typeof setTimeout> | undefined; // while there is no connection
 
   constructor(
     readonly url: string,
@@ -74,17 +76,17 @@ export class SceneStream {
 
   seek(time: number): void {
     this.#playhead = { ...this.#playhead, time };
-    this.#send({ type: "seek", time });
+    this.#moves.put({ type: "seek", time });
   }
 
   play(time: number, rate: number): void {
     this.#playhead = { time, rate };
-    this.#send({ type: "play", time, rate });
+    this.#moves.put({ type: "play", time, rate });
   }
 
   pause(time: number): void {
     this.#playhead = { time, rate: 0 };
-    this.#send({ type: "pause", time });
+    this.#moves.put({ type: "pause", time });
   }
 
   /** Note where the playhead is, for the next connection; the server keeps its own. */
@@ -98,66 +100,93 @@ export class SceneStream {
     this.#grant();
   }
 
+  /** The network or the page is back: connect now, or find out whether the connection has survived. */
+  wake(): void {
+    if (this.#retry !== undefined) this.#connect();
+    else this.#connection?.check();
+  }
+
   /** Leave for good. */
   close(): void {
-    clearTimeout(this.#timer);
-    const socket = this.#socket;
-    this.#detach();
-    socket?.close(1000);
+    clearTimeout(this.#retry);
+    this.#retry = undefined;
+    this.#leave();
     this.events.state("closed");
   }
 
   #connect(): void {
+    clearTimeout(this.#retry);
+    this.#retry = undefined;
     this.events.state("connecting");
-    const socket = this.connect(this.url);
-    this.#socket = socket;
-    socket.binaryType = "arraybuffer";
-    socket.onopen = () => {
-      this.#open = true;
-      this.#owed = 0;
-      const { time, rate } = this.#playhead;
-      const have = Array.from(this.#have, fromHex);
-      const hello: ClientMessage = { type: "hello", protocol: PROTOCOL, credits: WINDOW, have, rate };
-      this.#send(time === null ? hello : { ...hello, time });
+    const events = {
+      open: (credits: number) => this.#greet(credits),
+      message: (bytes: Uint8Array<ArrayBuffer>) => this.#guarded(bytes),
+      closed: (code: number) => this.#closed(code),
+      silent: () => this.#silent(),
     };
-    socket.onmessage = ({ data }) => {
-      try {
-        this.#receive(new Uint8Array(data as ArrayBuffer));
-      } catch (error) {
-        if (!(error instanceof ProtocolError)) throw error;
-        this.#fail(`the server broke the protocol: ${error.message}`);
-      }
-    };
-    socket.onclose = ({ code }) => {
-      this.#detach();
-      if (code >= 4000 || code === 1003 || code === 1009) this.#fail(`the server closed the stream (${code})`);
-      else this.#retry();
-    };
+    this.#connection = new Connection(this.connect(this.url), events, this.#patience);
   }
 
-  #detach(): void {
-    if (this.#socket) this.#socket.onopen = this.#socket.onmessage = this.#socket.onclose = null;
-    this.#socket = null;
-    this.#open = false;
-    this.#partial.clear(); // a new connection sends them from the start
+  #greet(credits: number): void {
+    this.#moves.clear();
+    const { time, rate } = this.#playhead;
+    this.#send({
+      type: "hello",
+      protocol: PROTOCOL,
+      credits,
+      have: [...this.#have].slice(0, MOST_HAVE).map(fromHex),
+      parts: this.#partial.keep(MOST_PARTS).map(([id, filled]) => [fromHex(id), filled]),
+      ...(this.#manifestId && { manifest_id: this.#manifestId }),
+      ...(time !== null && { time }),
+      rate,
+    });
   }
 
-  #retry(): void {
+  #guarded(bytes: Uint8Array<ArrayBuffer>): void {
+    try {
+      this.#receive(bytes);
+    } catch (error) {
+      if (!(error instanceof ProtocolError)) throw error;
+      this.#fail(`the server broke the protocol: ${error.message}`);
+    }
+  }
+
+  #closed(code: number): void {
+    this.#leave();
+    const final = FINAL_CODES.has(code) || (code >= 4000 && code !== HELLO_TIMEOUT);
+    if (final) this.#fail(`the server closed the stream (${code})`);
+    else this.#retryLater();
+  }
+
+  /** Let go of the connection; it tells nothing any more. */
+  #leave(): void {
+    this.#connection?.leave();
+    this.#connection = null;
+    this.#moves.clear();
+  }
+
+  /** Nothing has come for too long. A line on which a message takes longer than that is given more time next. */
+  #silent(): void {
+    this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
+    this.#leave();
+    this.#retryLater();
+  }
+
+  /** Anywhere in a span, so that all viewers of a server that has come back do not come at once. */
+  #retryLater(): void {
     this.events.state("retrying");
-    const wait = Math.min(LAST_RETRY, FIRST_RETRY * 2 ** this.#failures++);
-    this.#timer = setTimeout(() => this.#connect(), wait * (0.75 + 0.5 * Math.random()));
+    const longest = Math.min(LAST_RETRY, FIRST_RETRY * 2 ** this.#failures++);
+    this.#retry = setTimeout(() => this.#connect(), longest * Math.random());
   }
 
   #fail(message: string): void {
-    const socket = this.#socket;
-    this.#detach();
-    socket?.close(1000);
+    this.#leave();
     this.events.state("closed");
     this.events.failed(message);
   }
 
   #send(message: ClientMessage): void {
-    if (this.#open) this.#socket?.send(encodeMessage(message));
+    this.#connection?.send(message);
   }
 
   #receive(bytes: Uint8Array<ArrayBuffer>): void {
@@ -166,49 +195,55 @@ export class SceneStream {
       return;
     }
     const message = decodeMessage(bytes);
-    if (message?.type === "welcome") this.#welcome(message.protocol, message.manifest);
-    // Faults of the server may pass: the close that follows decides whether to come back.
-    if (message?.type === "error" && message.code !== "internal") this.#fail(message.detail);
+    switch (message?.type) {
+      case "welcome":
+        this.#welcome(message);
+        break;
+      case "missing":
+        this.#partial.drop(toHex(message.id));
+        this.events.missing(toHex(message.id));
+        break;
+      case "pong":
+        this.#connection?.answered(message.id);
+        break;
+      case "end":
+        this.#connection?.rest();
+        break;
+      case "error":
+        if (!PASSING.has(message.code)) this.#fail(message.detail);
+        break;
+    }
   }
 
-  #welcome(protocol: number, manifest: Uint8Array): void {
+  #welcome({ protocol, manifest, manifest_id }: Extract<ServerMessage, { type: "welcome" }>): void {
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.events.state("open");
-    if (this.#manifest === null) {
-      this.#manifest = manifest.slice();
-      this.events.manifest(this.#manifest);
-    } else if (!sameBytes(this.#manifest, manifest)) {
+    if (this.#manifestId === null) {
+      if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
+      this.#manifestId = manifest_id.slice();
+      this.events.manifest(manifest.slice());
+    } else if (!sameBytes(this.#manifestId, manifest_id)) {
       this.#fail("the scene has been published anew; load the page again");
     }
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
-    const { id, offset, size, payload } = decodeChunkFrame(message);
-    const partial = this.#partial.get(id) ?? { bytes: new Uint8Array(size), filled: 0 };
-    if (offset !== partial.filled || size !== partial.bytes.length) {
-      throw new ProtocolError(`chunk ${id.slice(0, 12)}: byte ${offset} of ${size} came after ${partial.filled}`);
-    }
-    partial.bytes.set(payload, offset);
-    partial.filled += payload.length;
-    this.#owed += message.length;
-    this.events.progress(payload.length);
-    if (partial.filled < size) {
-      this.#partial.set(id, partial);
-    } else {
-      this.#partial.delete(id);
-      this.#have.add(id);
+    const frame = decodeChunkFrame(message);
+    const chunk = this.#partial.add(frame);
+    this.events.progress(frame.payload.length);
+    if (chunk && !this.#have.has(frame.id)) {
+      this.#have.add(frame.id);
       this.#failures = 0; // it moves: the next retry comes soon again
-      this.#undecoded += size;
-      this.events.chunk(id, partial.bytes);
+      this.#patience = 1;
+      this.#undecoded += chunk.length;
+      this.events.chunk(frame.id, chunk);
     }
     this.#grant();
   }
 
   /** Give credit back in portions, but not to a decoder that cannot keep up. */
   #grant(): void {
-    if (this.#undecoded > UNDECODED || this.#owed < WINDOW / 8) return;
-    this.#send({ type: "credit", bytes: this.#owed });
-    this.#owed = 0;
+    if (this.#undecoded <= UNDECODED) this.#connection?.grant();
   }
 }
 

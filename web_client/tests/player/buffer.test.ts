@@ -66,6 +66,18 @@ describe("SceneBuffer", () => {
     expect(buffer.complete).toBe(true);
   });
 
+  it("shows what there is at the time of a chunk that cannot be had", () => {
+    const buffer = new SceneBuffer(manifest({ slices, static: [entry("s"), entry("t")] }));
+    for (const id of ["c", "t"]) buffer.arrived(id);
+    for (const id of ["d", "s", "t"]) buffer.lose(id);
+    expect(buffer.ready(1.5)).toBe(true);
+    expect(buffer.ranges()).toEqual([[1, 2]]);
+    expect(buffer.staticComplete).toBe(true);
+    expect(buffer.lost).toBe(2);
+    buffer.arrived("d"); // it has been mended
+    expect(buffer.lost).toBe(1);
+  });
+
   it("is always ready in a still scene", () => {
     const buffer = new SceneBuffer(manifest({ static: [entry("s")] }));
     expect(buffer.ready(1)).toBe(true);

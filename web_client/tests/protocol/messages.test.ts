@@ -26,13 +26,17 @@ function frame(offset: number, size: number, payload: number[]): Uint8Array<Arra
 describe("control messages", () => {
   it("encodes a hello as one map with string keys", () => {
     const have = [fromHex(ID)];
-    const bytes = encodeMessage({ type: "hello", protocol: 1, credits: 4096, have, time: 0.5, rate: 1 });
-    expect(decode(bytes)).toEqual({ type: "hello", protocol: 1, credits: 4096, have, time: 0.5, rate: 1 });
+    const parts: [Uint8Array, number][] = [[fromHex(ID), 5]];
+    const hello = { type: "hello", protocol: 1, credits: 4096, have, parts, time: 0.5, rate: 1 } as const;
+    const bytes = encodeMessage({ ...hello, have });
+    expect(decode(bytes)).toEqual(hello);
     expect(bytes[0]).not.toBe(0x01);
   });
 
   it("decodes a welcome whose manifest is a view into the message", () => {
-    const bytes = encode({ type: "welcome", protocol: 1, scene: "s", manifest: new Uint8Array([1, 2]), remaining: 9 });
+    const manifest = new Uint8Array([1, 2]);
+    const manifest_id = new Uint8Array(32);
+    const bytes = encode({ type: "welcome", protocol: 1, scene: "s", manifest, manifest_id, remaining: 9 });
     const message = decodeMessage(bytes);
     if (message?.type !== "welcome") throw new Error("not a welcome");
     expect(Array.from(message.manifest)).toEqual([1, 2]);

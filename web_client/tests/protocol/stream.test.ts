@@ -1,7 +1,8 @@
 import { decode, encode } from "@msgpack/msgpack";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { Socket } from "../../src/protocol/connection";
 import { fromHex } from "../../src/protocol/messages";
-import { SceneStream, type Socket, type StreamEvents } from "../../src/protocol/stream";
+import { SceneStream, type StreamEvents } from "../../src/protocol/stream";
 
 const A = "aa".repeat(32);
 const B = "bb".repeat(32);
@@ -31,9 +32,15 @@ class FakeSocket implements Socket {
     this.onmessage?.({ data: bytes.slice().buffer } as MessageEvent);
   }
 
-  welcome(manifest = "{}"): void {
+  /** @param manifest empty to leave it out; its id is `id` of every byte. */
+  welcome(manifest = "{}", id = 7): void {
     const bytes = new TextEncoder().encode(manifest);
-    this.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest: bytes, remaining: 0 }));
+    const manifest_id = new Uint8Array(32).fill(id);
+    this.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
+  }
+
+  types(): unknown[] {
+    return this.sent.map(({ type }) => type);
   }
 
   frame(id: string, offset: number, size: number, payload: Uint8Array): void {
@@ -62,6 +69,7 @@ function connect(time: number | null = 0.5) {
   const events = {
     manifest: vi.fn(),
     chunk: vi.fn<StreamEvents["chunk"]>(),
+    missing: vi.fn(),
     progress: vi.fn(),
     state: vi.fn(),
     failed: vi.fn(),
@@ -120,12 +128,11 @@ describe("SceneStream", () => {
   });
 
   it("grants back what it has received, headers included", () => {
-    const { socket, stream } = connect();
+    const { socket } = connect();
     socket.open();
     socket.welcome();
-    const payload = new Uint8Array(1 << 19);
+    const payload = new Uint8Array(32 << 10);
     socket.frame(A, 0, payload.length, payload);
-    stream.consumed(payload.length);
     expect(socket.credits()).toBe(payload.length + 48);
   });
 
@@ -145,29 +152,202 @@ describe("SceneStream", () => {
     socket.open();
     socket.welcome();
     socket.frame(A, 0, 1, Uint8Array.of(1));
-    socket.frame(B, 0, 2, Uint8Array.of(1)); // half of it: must come again
+    socket.frame(B, 0, 2, Uint8Array.of(1)); // half of it
     stream.playheadAt(1.25);
     socket.drop(1006);
     expect(events.state).toHaveBeenLastCalledWith("retrying");
     vi.advanceTimersByTime(2000);
     sockets[1].open();
-    expect(sockets[1].sent[0]).toMatchObject({ have: [fromHex(A)], time: 1.25 });
-    sockets[1].welcome();
-    sockets[1].frame(B, 0, 2, Uint8Array.of(1, 2));
-    expect(events.chunk).toHaveBeenCalledTimes(2);
+    expect(sockets[1].sent[0]).toMatchObject({
+      have: [fromHex(A)],
+      parts: [[fromHex(B), 1]],
+      manifest_id: new Uint8Array(32).fill(7),
+      time: 1.25,
+    });
+    sockets[1].welcome("");
+    sockets[1].frame(B, 1, 2, Uint8Array.of(2));
+    expect(events.chunk.mock.calls.map(([id, bytes]) => [id, [...bytes]])).toEqual([
+      [A, [1]],
+      [B, [1, 2]],
+    ]);
     expect(events.manifest).toHaveBeenCalledOnce();
   });
 
-  it("waits longer after each failure", () => {
+  it("names no more than a hello may, and takes the rest again", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome();
+    const id = (k: number) => k.toString(16).padStart(64, "0");
+    for (let k = 0; k < 17000; k++) socket.frame(id(k), 0, 1, Uint8Array.of(1));
+    for (let k = 17000; k < 18100; k++) socket.frame(id(k), 0, 2, Uint8Array.of(1));
+    socket.drop(1006);
+    vi.advanceTimersByTime(2000);
+    sockets[1].open();
+    const hello = sockets[1].sent[0] as { have: Uint8Array[]; parts: [Uint8Array, number][] };
+    expect([hello.have.length, hello.parts.length]).toEqual([16384, 1024]);
+    sockets[1].welcome("");
+    sockets[1].frame(id(16999), 0, 1, Uint8Array.of(1));
+    sockets[1].frame(id(18099), 0, 2, Uint8Array.of(1, 2));
+    expect(events.failed).not.toHaveBeenCalled();
+    expect(events.chunk).toHaveBeenCalledTimes(17001);
+  });
+
+  it("goes on without a chunk that the server cannot give, and asks for it again next time", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome();
+    socket.frame(A, 0, 2, Uint8Array.of(1));
+    socket.receive(encode({ type: "missing", id: fromHex(A) }));
+    expect(events.missing).toHaveBeenCalledExactlyOnceWith(A);
+    socket.drop(1006);
+    vi.advanceTimersByTime(2000);
+    sockets[1].open();
+    expect(sockets[1].sent[0]).toMatchObject({ have: [], parts: [] });
+    sockets[1].welcome("");
+    sockets[1].frame(A, 0, 2, Uint8Array.of(1, 2));
+    expect(events.chunk).toHaveBeenCalledOnce();
+  });
+
+  it("comes back anywhere in a span that grows with each failure", () => {
+    const random = vi.spyOn(Math, "random").mockReturnValue(0.999);
     connect();
-    for (const wait of [500, 1000, 2000]) {
+    for (const longest of [500, 1000, 2000, 4000, 8000, 8000]) {
       const attempts = sockets.length;
       sockets[attempts - 1].drop(1006);
-      vi.advanceTimersByTime(wait * 0.7);
+      vi.advanceTimersByTime(longest * 0.99);
       expect(sockets.length).toBe(attempts);
-      vi.advanceTimersByTime(wait * 0.6);
+      vi.advanceTimersByTime(longest * 0.01);
       expect(sockets.length).toBe(attempts + 1);
     }
+    random.mockReturnValue(0);
+    sockets[sockets.length - 1].drop(1006);
+    vi.advanceTimersByTime(1);
+    expect(sockets.length).toBe(8);
+    random.mockRestore();
+  });
+
+  it("comes back after a hello that took too long", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.receive(encode({ type: "error", code: "hello-timeout", detail: "no hello within 10 s" }));
+    socket.drop(4008);
+    vi.advanceTimersByTime(2000);
+    expect(events.failed).not.toHaveBeenCalled();
+    expect(sockets.length).toBe(2);
+  });
+
+  it("asks after four silent seconds, and connects anew after eight", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome();
+    vi.advanceTimersByTime(3400);
+    expect(socket.types()).not.toContain("ping");
+    vi.advanceTimersByTime(1100);
+    expect(socket.types()).toContain("ping");
+    vi.advanceTimersByTime(3000);
+    expect(sockets.length).toBe(1);
+    vi.advanceTimersByTime(2000);
+    expect(socket.closed).toBe(1000);
+    expect(events.state).toHaveBeenCalledWith("retrying");
+    expect(sockets.length).toBe(2);
+  });
+
+  it("stays while the server answers", () => {
+    const { socket } = connect();
+    socket.open();
+    socket.welcome();
+    for (let k = 0; k < 20; k++) {
+      vi.advanceTimersByTime(4700);
+      socket.receive(encode({ type: "pong", id: 0 }));
+    }
+    expect(sockets.length).toBe(1);
+    expect(socket.types().filter((type) => type === "ping").length).toBe(20);
+  });
+
+  it("gives a line more time after each silence, until a chunk has come", () => {
+    connect();
+    for (const seconds of [8, 16, 32, 64, 64]) {
+      const attempts = sockets.length;
+      vi.advanceTimersByTime(seconds * 1000 - 600);
+      expect(sockets.length).toBe(attempts);
+      vi.advanceTimersByTime(9000);
+      expect(sockets.length).toBe(attempts + 1);
+      sockets[attempts].open(); // the connection alone is no sign that it will do
+    }
+    sockets[5].welcome();
+    sockets[5].frame(A, 0, 1, Uint8Array.of(1));
+    sockets[5].drop(1006);
+    vi.advanceTimersByTime(500);
+    vi.advanceTimersByTime(9000);
+    expect(sockets.length).toBe(8);
+  });
+
+  it("does not hold silence against a page that has slept", () => {
+    let slept = 0;
+    const now = performance.now.bind(performance);
+    const clock = vi.spyOn(performance, "now").mockImplementation(() => now() + slept);
+    const { socket } = connect();
+    socket.open();
+    socket.welcome();
+    vi.advanceTimersByTime(4500); // it has asked already
+    slept = 3600_000;
+    vi.advanceTimersByTime(3500);
+    expect(sockets.length).toBe(1);
+    socket.receive(encode({ type: "pong", id: 0 }));
+    vi.advanceTimersByTime(3500);
+    expect(sockets.length).toBe(1);
+    clock.mockRestore();
+  });
+
+  it("waits for nothing when it has everything", () => {
+    const { socket } = connect();
+    socket.open();
+    socket.welcome();
+    socket.receive(encode({ type: "end", bytes: 0 }));
+    vi.advanceTimersByTime(600_000);
+    expect(socket.types()).toEqual(["hello"]);
+    expect(sockets.length).toBe(1);
+  });
+
+  it("asks at once when the network is back", () => {
+    const { socket, stream } = connect();
+    socket.open();
+    socket.welcome();
+    stream.wake();
+    stream.wake();
+    expect(socket.types()).toEqual(["hello", "ping"]);
+    vi.advanceTimersByTime(5100);
+    expect(sockets.length).toBe(2);
+  });
+
+  it("connects at once when the network is back", () => {
+    const random = vi.spyOn(Math, "random").mockReturnValue(0.999);
+    const { socket, stream } = connect();
+    socket.drop(1006);
+    stream.wake();
+    expect(sockets.length).toBe(2);
+    vi.advanceTimersByTime(3000);
+    expect(sockets.length).toBe(2);
+    random.mockRestore();
+  });
+
+  it("tells twenty places a second while the playhead is dragged, and the last one", () => {
+    const { socket, stream } = connect();
+    socket.open();
+    socket.welcome();
+    for (let k = 1; k <= 240; k++) {
+      stream.pause(k / 100);
+      stream.seek(k / 100);
+      vi.advanceTimersByTime(1000 / 240);
+    }
+    vi.advanceTimersByTime(100);
+    const seeks = socket.sent.filter(({ type }) => type === "seek");
+    expect(seeks.length).toBeGreaterThan(15);
+    expect(seeks.length).toBeLessThan(23);
+    expect(socket.sent.slice(-2)).toEqual([
+      { type: "pause", time: 2.4 },
+      { type: "seek", time: 2.4 },
+    ]);
   });
 
   it("does not come back when the server says why not", () => {
@@ -187,7 +367,7 @@ describe("SceneStream", () => {
     socket.drop(1012);
     vi.advanceTimersByTime(2000);
     sockets[1].open();
-    sockets[1].welcome('{"a": 1}');
+    sockets[1].welcome('{"a": 1}', 8);
     expect(events.failed).toHaveBeenCalledOnce();
   });
 

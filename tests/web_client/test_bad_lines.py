@@ -1,0 +1,98 @@
+"""The real page on lines that fall silent, and with chunks that have been damaged on the server's disk."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+
+import pytest
+
+from hgs_core.codec import load_manifest
+from tests.web_client.conftest import serving
+from tests.web_client.swallowing_proxy import swallowing_proxy
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from tests.web_client.conftest import Site
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(120)]
+
+READY = "() => window.hgs?.ready.then(() => true)"
+NOTICE = "A part of this scene is damaged and cannot be shown."
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    opened = browser.new_page(viewport={"width": 320, "height": 200})
+    yield opened
+    opened.close()
+
+
+def test_silent_connection_is_replaced_and_what_came_is_kept(page: Page, site: Site) -> None:
+    address = urlsplit(site.page)
+    assert address.hostname is not None
+    assert address.port is not None
+    statics = sum(chunk.bytes for chunk in load_manifest(site.folder).static)
+    limit = (site.folder / "manifest.json").stat().st_size + statics // 2
+    with swallowing_proxy((address.hostname, address.port), limit) as proxy:
+        page.goto(f"http://127.0.0.1:{proxy.port}{address.path}?paused=1&t=0.4")
+        page.wait_for_function(READY)
+        assert proxy.swallowed.is_set()
+        assert proxy.websockets == 2
+        page.wait_for_function("() => window.hgs.state.bytes >= window.hgs.state.bytesTotal")
+        assert page.evaluate("() => window.hgs.state.bytes === window.hgs.state.bytesTotal")  # nothing came twice
+
+
+@pytest.fixture
+def damaged(site: Site, tmp_path: Path) -> Iterator[str]:
+    """The page of a scene of which a static chunk is damaged, and a dynamic one of the first slice missing."""
+    run = tmp_path / "clouds"
+    shutil.copytree(site.folder, run / "scene")
+    with serving([run], tmp_path) as pages:
+        manifest = load_manifest(site.folder)
+        chunks = tmp_path / "store" / "chunks"
+        path = chunks / manifest.static[-1].id
+        data = bytearray(path.read_bytes())
+        data[len(data) // 2] ^= 1
+        path.write_bytes(data)
+        (chunks / manifest.slices[0].chunks[-1].id).unlink()
+        yield pages[0]
+
+
+def test_damaged_chunks_cost_their_splats_and_a_notice(page: Page, damaged: str) -> None:
+    page.goto(f"{damaged}?t=0")
+    page.wait_for_function(READY)
+    page.get_by_role("alert").filter(has_text=NOTICE).wait_for()
+    assert page.evaluate("() => window.hgs.state.lostChunks") == 2
+    assert page.evaluate("() => window.hgs.state.splats") > 500
+    page.wait_for_function("() => window.hgs.state.time > 0.2")  # it plays through the damaged slice
+
+
+def test_chunk_that_cannot_be_decoded_costs_its_splats_and_a_notice(page: Page, site: Site) -> None:
+    """One bit of the stream's first chunk is wrong, and what is fetched in its place is wrong too."""
+    page.add_init_script(
+        """
+      const Original = WebSocket;
+      window.WebSocket = class extends Original {
+        constructor(url) {
+          super(url);
+          const flip = ({ data }) => {
+            const bytes = new Uint8Array(data);
+            if (bytes[0] !== 1) return;
+            bytes[100] ^= 1;
+            this.removeEventListener("message", flip);
+          };
+          this.addEventListener("message", flip);
+        }
+      };
+    """
+    )
+    page.route("**/v1/chunks/*", lambda route: route.fulfill(body=b"no chunk"))
+    page.goto(f"{site.page}?paused=1&t=0.4")
+    page.wait_for_function(READY)
+    page.get_by_role("alert").filter(has_text=NOTICE).wait_for()
+    assert page.evaluate("() => window.hgs.state.splats") > 0

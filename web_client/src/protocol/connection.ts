@@ -1,0 +1,92 @@
+/** One WebSocket to the server: how much it may have in flight, and whether it still lives. */
+
+import { CreditWindow } from "./credit_window";
+import { LineWatch } from "./line_watch";
+import { CHUNK_FRAME, type ClientMessage, encodeMessage } from "./messages";
+
+/** Ids of pings: to measure the line, and to ask whether the server is there. */
+const MEASURE = 1;
+const ASK = 0;
+
+/** As much of WebSocket as is used, so that tests can bring their own. */
+export interface Socket {
+  binaryType: BinaryType;
+  onopen: ((event: Event) => void) | null;
+  onmessage: ((event: MessageEvent) => void) | null;
+  onclose: ((event: CloseEvent) => void) | null;
+  send(data: Uint8Array<ArrayBuffer>): void;
+  close(code?: number): void;
+}
+
+export interface ConnectionEvents {
+  /** Say hello with so much credit. */
+  open(credits: number): void;
+  message(bytes: Uint8Array<ArrayBuffer>): void;
+  closed(code: number): void;
+  /** Nothing has come for too long. */
+  silent(): void;
+}
+
+export class Connection {
+  readonly #watch: LineWatch;
+  #window: CreditWindow | null = null; // until it is open
+
+  /** @param patience times the usual wait is taken for silence. */
+  constructor(
+    readonly socket: Socket,
+    events: ConnectionEvents,
+    patience: number,
+  ) {
+    const start = performance.now();
+    this.#watch = new LineWatch(() => this.send({ type: "ping", id: ASK }), events.silent, patience);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => {
+      this.#watch.heard();
+      // TCP and the upgrade have taken a round trip each, at least.
+      this.#window = new CreditWindow((performance.now() - start) / 2);
+      events.open(this.#window.grant());
+    };
+    socket.onmessage = ({ data }) => {
+      this.#watch.heard();
+      const bytes = new Uint8Array(data as ArrayBuffer);
+      if (bytes[0] === CHUNK_FRAME && this.#window?.received(bytes.length, performance.now())) {
+        this.send({ type: "ping", id: MEASURE });
+      }
+      events.message(bytes);
+    };
+    socket.onclose = ({ code }) => events.closed(code);
+  }
+
+  /** Send, if it is open. */
+  send(message: ClientMessage): void {
+    if (this.#window) this.socket.send(encodeMessage(message));
+  }
+
+  /** Let the server send as much as the window has room for. */
+  grant(): void {
+    const bytes = this.#window?.grant() ?? 0;
+    if (bytes > 0) this.send({ type: "credit", bytes });
+  }
+
+  /** A ping has been answered. */
+  answered(id: number): void {
+    if (id === MEASURE) this.#window?.answered(performance.now());
+  }
+
+  /** Find out whether it still lives. */
+  check(): void {
+    this.#watch.check();
+  }
+
+  /** Nothing is waited for any more: silence is right. */
+  rest(): void {
+    this.#watch.stop();
+  }
+
+  /** Close it; no event comes any more. */
+  leave(): void {
+    this.#watch.stop();
+    this.socket.onopen = this.socket.onmessage = this.socket.onclose = null;
+    this.socket.close(1000);
+  }
+}
