@@ -172,7 +172,7 @@ def test_a_context_that_never_comes_back_offers_to_load_again(browser: Browser, 
 def test_the_picture_follows_the_pixels_of_the_device(browser: Browser, site: Site) -> None:
     """The window moves to a monitor with twice the pixels: the canvas keeps its size in CSS pixels."""
     with viewing(browser, site) as page:
-        page.add_style_tag(content=".picture { width: 300px; height: 200px }")
+        page.locator("canvas").evaluate("({ style }) => { style.width = '300px'; style.height = '200px' }")
         page.wait_for_function("() => window.hgs.state.width === 300 && window.hgs.state.height === 200")
         monitor = {"width": 641, "height": 480, "deviceScaleFactor": 2, "mobile": False}
         page.context.new_cdp_session(page).send("Emulation.setDeviceMetricsOverride", monitor)
