@@ -47,6 +47,26 @@ def test_silent_connection_is_replaced_and_what_came_is_kept(page: Page, site: S
         assert page.evaluate("() => window.hgs.state.bytes === window.hgs.state.bytesTotal")  # nothing came twice
 
 
+@pytest.mark.parametrize(
+    "event", ["window.dispatchEvent(new Event('online'))", "document.dispatchEvent(new Event('visibilitychange'))"]
+)
+def test_connection_is_tried_at_once_when_the_network_or_the_page_is_back(page: Page, site: Site, event: str) -> None:
+    page.add_init_script(
+        """
+      window.pings = 0;
+      const send = WebSocket.prototype.send;
+      WebSocket.prototype.send = function (data) {
+        if (new TextDecoder().decode(data).includes("ping")) window.pings++;
+        send.call(this, data);
+      };
+    """
+    )
+    page.goto(f"{site.page}?paused=1&t=0.4")
+    page.wait_for_function(READY)
+    page.wait_for_function("() => window.hgs.state.bytes === window.hgs.state.bytesTotal")
+    assert page.evaluate(f"() => {{ const before = window.pings; {event}; return window.pings - before; }}") == 1
+
+
 @pytest.fixture
 def damaged(site: Site, tmp_path: Path) -> Iterator[str]:
     """The page of a scene of which a static chunk is damaged, and a dynamic one of the first slice missing."""

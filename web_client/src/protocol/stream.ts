@@ -31,6 +31,7 @@ const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
 /** Closed with one of these, or with 4000 and above, the server would refuse again. */
 const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
 const HELLO_TIMEOUT = 4008;
+
 export type StreamState = "connecting" | "open" | "retrying" | "closed";
 
 export interface StreamEvents {
