@@ -1,13 +1,17 @@
-/** The page: `/view/{scene}` plays a scene, every other address lists scenes and jobs. */
+/** The page: `/` lists scenes and jobs, `/view/{scene}` plays a scene, and nothing is at any other address. */
 
+import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
 
-const scene = /^\/view\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})\/?$/.exec(location.pathname);
+const page = pageAt(location.pathname);
 
 // Each page is a bundle of its own, so that the list does not load the player.
-if (scene) {
+if (page.kind === "view") {
   const { showViewPage } = await import("./ui/view_page");
-  showViewPage(document.body, scene[1]);
+  showViewPage(document.body, page.scene);
+} else if (page.kind === "unknown") {
+  const { showNotFoundPage } = await import("./ui/not_found_page");
+  showNotFoundPage(document.body);
 } else {
   const { showListPage } = await import("./ui/list_page");
   showListPage(document.body);

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import STAGES, create_run
 from hgs_core.scene.files import load_scene
 from hgs_core.train.config import TrainConfig
+from tests.conftest import REPOSITORY
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig.from_json({
@@ -35,11 +37,20 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def finished(capture: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def reported() -> dict[str, int]:
+    """Stages that have reported progress, in order, and how often; filled by `finished`."""
+    return {}
+
+
+@pytest.fixture(scope="module")
+def finished(capture: Path, tmp_path_factory: pytest.TempPathFactory, reported: dict[str, int]) -> Path:
+    def report(progress: Progress) -> None:
+        reported[progress.stage] = reported.get(progress.stage, 0) + 1
+
     run = tmp_path_factory.mktemp("runs") / "run"
     create_run(run, capture, CONFIG)
     for stage in STAGES.values():
-        stage(run, silent)
+        stage(run, report)
     return run
 
 
@@ -50,6 +61,12 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
     assert len(decoded.static) <= len(scene.static)
     assert [camera.name for camera in manifest.cameras] == ["0", "1", "2", "3", "4"]
     assert manifest.training["cycles"] == 60
+
+
+def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:
+    table = (REPOSITORY / "docs" / "protocol.md").read_text().partition("| stage, in order |")[2].partition("\n\n")[0]
+    documented = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
+    assert list(reported) == [name for name in documented if name not in ("initialise", "publish")]  # those are jobs'
 
 
 def test_finished_stages_do_nothing(finished: Path) -> None:

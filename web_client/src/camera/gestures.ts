@@ -1,4 +1,4 @@
-/** Pointer, wheel, touch and keys on the picture, as motions of an orbit camera. */
+/** Pointer, wheel, touch and keys on the picture, as motions of an orbit camera and as taps. */
 
 export interface CameraMotion {
   /** Radians. */
@@ -15,16 +15,31 @@ const KEY_TURN = 0.06; // radians
 const KEY_PAN = 24; // CSS pixels
 const KEY_ZOOM = 1.1;
 const WHEEL_LINE = 20; // CSS pixels of a wheel that counts lines
+/** A pointer that has moved no farther than this is a tap and no drag, CSS pixels. */
+const SLACK = { mouse: 4, finger: 10 };
+/** A second tap within this makes a double tap, milliseconds; a single one waits as long. */
+const DOUBLE_TAP = 250;
 
 interface Point {
   x: number;
   y: number;
 }
 
-/** Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses. */
-export function listenForGestures(target: HTMLElement, motion: CameraMotion, signal: AbortSignal): void {
+/**
+ * Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses.
+ *
+ * A tap or click is told to `onTap`; a double one resets the camera and is no tap.
+ */
+export function listenForGestures(
+  target: HTMLElement,
+  motion: CameraMotion,
+  onTap: () => void,
+  signal: AbortSignal,
+): void {
   const pointers = new Map<number, Point>();
   let panning = false;
+  let resting: Point | null = null; // where the only pointer went down, while it may become a tap
+  let firstTap: ReturnType<typeof setTimeout> | undefined;
 
   const drag = (id: number, to: Point): void => {
     const from = pointers.get(id);
@@ -44,6 +59,35 @@ export function listenForGestures(target: HTMLElement, motion: CameraMotion, sig
     pointers.set(id, to);
   };
 
+  const tap = (): void => {
+    const second = firstTap !== undefined;
+    clearTimeout(firstTap);
+    firstTap = undefined;
+    if (second) {
+      motion.reset();
+      return;
+    }
+    firstTap = setTimeout(() => {
+      firstTap = undefined;
+      onTap();
+    }, DOUBLE_TAP);
+  };
+
+  /** A pointer that has rested begins its drag where it leaves the slack, so that the picture does not jump. */
+  const move = (event: PointerEvent): void => {
+    const to = { x: event.clientX, y: event.clientY };
+    if (resting) {
+      const slack = event.pointerType === "mouse" ? SLACK.mouse : SLACK.finger;
+      const [dx, dy] = [to.x - resting.x, to.y - resting.y];
+      const distance = Math.hypot(dx, dy);
+      if (distance <= slack) return;
+      const share = slack / distance;
+      pointers.set(event.pointerId, { x: resting.x + dx * share, y: resting.y + dy * share });
+      resting = null;
+    }
+    drag(event.pointerId, to);
+  };
+
   target.addEventListener(
     "pointerdown",
     (event) => {
@@ -51,17 +95,19 @@ export function listenForGestures(target: HTMLElement, motion: CameraMotion, sig
       target.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
       panning = event.button !== 0 || event.shiftKey;
+      resting = pointers.size === 1 && !panning ? { x: event.clientX, y: event.clientY } : null;
     },
     { signal },
   );
-  target.addEventListener("pointermove", (event) => drag(event.pointerId, { x: event.clientX, y: event.clientY }), {
-    signal,
-  });
-  const release = (event: PointerEvent) => pointers.delete(event.pointerId);
+  target.addEventListener("pointermove", move, { signal });
+  const release = (event: PointerEvent): void => {
+    if (pointers.delete(event.pointerId) && resting && event.type === "pointerup") tap();
+    resting = null;
+  };
   target.addEventListener("pointerup", release, { signal });
   target.addEventListener("pointercancel", release, { signal });
+  signal.addEventListener("abort", () => clearTimeout(firstTap));
   target.addEventListener("contextmenu", (event) => event.preventDefault(), { signal }); // the right button pans
-  target.addEventListener("dblclick", () => motion.reset(), { signal });
   target.addEventListener(
     "wheel",
     (event) => {

@@ -20,8 +20,12 @@ export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((c
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
   readonly #lost = new Set<string>();
+  readonly #chunks: number; // of the whole scene
 
-  constructor(readonly manifest: Manifest) {}
+  constructor(readonly manifest: Manifest) {
+    const all = [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)];
+    this.#chunks = new Set(all.map((chunk) => chunk.id)).size;
+  }
 
   /** Note that a chunk can be drawn from now on. */
   arrived(id: string): void {
@@ -47,6 +51,11 @@ export class SceneBuffer {
 
   get staticComplete(): boolean {
     return this.manifest.static.every((chunk) => this.#settled(chunk.id));
+  }
+
+  /** True if the whole scene is here. */
+  get complete(): boolean {
+    return this.#arrived.size === this.#chunks;
   }
 
   /** The stretches of time that are ready, as disjoint [start, end] in order. */

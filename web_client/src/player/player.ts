@@ -10,11 +10,12 @@ import { placeChunks } from "../worker/placement";
 import { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
-import { FrameRate } from "./frame_rate";
-import { type OrderKey, OrderRequests } from "./order_requests";
+import { LineRate } from "./line_rate";
+import { type OrderKey, OrderRequests, orderKey } from "./order_requests";
+import { Picture } from "./picture";
+import { Playback } from "./playback";
 import type { PlayerOptions, PlayerStats } from "./player_types";
-import { Stillness } from "./stillness";
-import { sameView, type View } from "./view";
+import type { View } from "./view";
 
 export class ScenePlayer {
   readonly #options: PlayerOptions;
@@ -24,30 +25,26 @@ export class ScenePlayer {
   readonly #stream: SceneStream;
   readonly #chunks: ChunkIntake;
   readonly #abort = new AbortController();
-  readonly #frames = new FrameRate();
-  readonly #stillness = new Stillness();
+  readonly #picture: Picture;
+  readonly #line = new LineRate();
   readonly #waiting: (() => void)[] = [];
-  #scene: { manifest: Manifest; buffer: SceneBuffer; clock: PlayerClock } | null = null;
-  #animation = 0;
+  #manifest: Manifest | null = null;
+  #playback: Playback | null = null; // from the manifest on
+  #animation = 0; // 0 while no frame is asked for
   #version = 0; // of what the worker has decoded
-  #drawn: View | null = null; // null when the picture is out of date
-  #quick = false; // how it was drawn
-  #stalled = false;
   #streamState: StreamState = "connecting";
   #bytes = 0;
-  #firstFrame: number | null = null;
 
   /** @throws Error if the browser has no WebGL2. */
   constructor(options: PlayerOptions) {
     this.#options = options;
-    this.#renderer = new SplatRenderer(options.canvas, () => {
-      this.#orders.forget();
-      this.#drawn = null;
-    });
+    this.#renderer = new SplatRenderer(options.canvas, (lost) => this.#contextChanged(lost));
     this.#orders = new OrderRequests((message, transfer) => this.#tell(message, transfer), this.#renderer);
+    this.#picture = new Picture(this.#renderer, this.#orders);
     this.#worker = new Worker(new URL("../worker/worker.ts", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#fromWorker(data);
-    this.#worker.onerror = (event) => options.onError(`the decoder stopped: ${event.message || "it did not load"}`);
+    this.#worker.onerror = () =>
+      options.onError("The decoder of this page has stopped. Loading the page again may help.");
     this.#chunks = new ChunkIntake(
       {
         decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
@@ -55,7 +52,8 @@ export class ScenePlayer {
         lost: (id, message) => {
           // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
           console.warn(message);
-          this.#scene?.buffer.lose(id);
+          this.#playback?.buffer.lose(id);
+          this.invalidate();
         },
       },
       fetchChunk,
@@ -65,12 +63,18 @@ export class ScenePlayer {
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
-        missing: (id) => this.#scene?.buffer.lose(id),
+        missing: (id) => {
+          this.#playback?.buffer.lose(id);
+          this.invalidate();
+        },
         progress: (bytes) => {
           this.#bytes += bytes;
+          this.#line.count(bytes, performance.now());
+          this.invalidate();
         },
         state: (state) => {
           this.#streamState = state;
+          this.invalidate();
         },
         failed: options.onError,
       },
@@ -79,68 +83,72 @@ export class ScenePlayer {
     const { signal } = this.#abort;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     addEventListener("online", () => this.#stream.wake(), { signal });
-    this.#animation = requestAnimationFrame((now) => this.#frame(now));
+    this.invalidate();
   }
 
   get clock(): PlayerClock | null {
-    return this.#scene?.clock ?? null;
+    return this.#playback?.clock ?? null;
   }
 
   get buffer(): SceneBuffer | null {
-    return this.#scene?.buffer ?? null;
+    return this.#playback?.buffer ?? null;
   }
 
   get stats(): PlayerStats {
-    const totals = this.#scene?.manifest.totals;
+    const totals = this.#manifest?.totals;
+    const now = performance.now();
+    const { frames, first, orderAge } = this.#picture;
     return {
       stream: this.#streamState,
       bytes: this.#bytes,
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
+      lineRate: this.#line.rate(now),
+      chunks: this.#version,
+      lostChunks: this.#playback?.buffer.lost ?? 0,
+      complete: this.#playback?.buffer.complete ?? false,
       splats: this.#renderer.count,
       dynamicSplats: this.#orders.dynamicSplats,
-      lostChunks: this.#scene?.buffer.lost ?? 0,
-      framesPerSecond: this.#frames.value,
-      firstFrame: this.#firstFrame,
+      framesPerSecond: frames.rate(now),
+      framesDrawn: frames.drawn,
+      framesDropped: frames.dropped,
+      sortTime: this.#orders.sortTime,
+      orderAge,
+      contextLost: this.#renderer.lost,
+      firstFrame: first,
     };
   }
 
+  /** Something that shows has changed, such as the view: the next frame looks at it. Without news there are no frames. */
+  invalidate(): void {
+    if (this.#animation !== 0 || this.#abort.signal.aborted) return;
+    this.#animation = requestAnimationFrame((now) => this.#frame(now));
+  }
+
   play(): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.play();
-    this.#stream.play(clock.time, clock.rate);
+    this.#playback?.play();
+    this.invalidate();
   }
 
   pause(): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.pause();
-    this.#stalled = false;
-    this.#stream.pause(clock.time);
+    this.#playback?.pause();
+    this.invalidate();
   }
 
   setRate(rate: number): void {
-    const clock = this.#scene?.clock;
-    if (!clock) return;
-    clock.rate = rate;
-    if (clock.playing) this.#stream.play(clock.time, rate);
+    this.#playback?.setRate(rate);
   }
 
   /** Move the playhead; what is missing there comes before everything else. */
   seek(time: number): void {
-    const scene = this.#scene;
-    if (!scene) return;
-    scene.clock.seek(time);
-    const at = scene.clock.time;
-    if (!scene.buffer.ready(at)) this.#stream.seek(at);
-    else if (scene.clock.playing) this.#stream.play(at, scene.clock.rate);
-    else this.#stream.pause(at);
+    this.#playback?.seek(time);
+    this.invalidate();
   }
 
   /** Resolves when everything that is alive at the playhead has arrived, has been sorted, and is drawn. */
   settled(): Promise<void> {
     return new Promise((resolve) => {
       this.#waiting.push(resolve);
+      this.invalidate();
     });
   }
 
@@ -149,13 +157,14 @@ export class ScenePlayer {
     const view = this.#options.view();
     if (!view || !this.#orders.shown) return null;
     const shot = this.#shot(view);
+    this.invalidate(); // the device's pace is taken from every picture
     return float ? this.#renderer.readFloatPixels(shot) : this.#renderer.readPixels(shot);
   }
 
   /** Stop and give everything back. */
   dispose(): void {
-    cancelAnimationFrame(this.#animation);
     this.#abort.abort();
+    cancelAnimationFrame(this.#animation);
     this.#stream.close();
     this.#chunks.dispose();
     this.#worker.terminate();
@@ -170,9 +179,9 @@ export class ScenePlayer {
       this.#tell({ type: "scene", manifest });
       const clock = new PlayerClock(manifest.start, manifest.end);
       clock.seek(this.#options.time ?? manifest.start);
-      this.#scene = { manifest, buffer: new SceneBuffer(manifest), clock };
+      this.#manifest = manifest;
+      this.#playback = new Playback(clock, new SceneBuffer(manifest), this.#stream);
       this.#renderer.background = manifest.background;
-      this.#stream.playheadAt(clock.time);
       this.#options.onManifest(manifest);
       if (this.#options.playing) this.play();
     } catch (error) {
@@ -190,80 +199,64 @@ export class ScenePlayer {
       case "decoded":
         if (message.kind === "static") this.#renderer.writeStatics(message.first, message.texels);
         else this.#renderer.writeDynamics(message.first, message.texels, message.fifth);
-        this.#scene?.buffer.arrived(message.id);
+        this.#playback?.buffer.arrived(message.id);
         this.#version++;
         this.#chunks.decoded(message.id);
+        if (this.#playback?.buffer.complete) this.#stream.close(); // nothing more can come
         break;
       case "failed":
         void this.#chunks.damaged(message.id, message.message);
         break;
       case "ordered":
         this.#orders.receive(message);
-        this.#drawn = null;
+        this.#picture.outdate();
         break;
     }
+    this.invalidate();
+  }
+
+  /** While the page was hidden the connection may have died. */
+  #visibility(): void {
+    if (!document.hidden) this.#stream.wake();
+    this.#playback?.pageHidden(document.hidden);
+  }
+
+  #contextChanged(lost: boolean): void {
+    if (!lost) this.#orders.forget();
+    this.#picture.outdate();
+    this.invalidate();
   }
 
   #frame(now: number): void {
-    this.#animation = requestAnimationFrame((next) => this.#frame(next));
-    const view = this.#options.view();
-    const scene = this.#scene;
-    if (!scene || !view) return;
-    const { clock, buffer } = scene;
-    const time = clock.tick(now / 1000, (moment) => buffer.ready(moment));
-    this.#stream.playheadAt(time);
-    this.#reportStall(clock);
-    const r = view.pose.rotation;
-    const wanted: OrderKey = {
-      axis: { x: r[6], y: r[7], z: r[8], offset: view.pose.translation[2], near: view.camera.near },
-      time,
-      version: this.#version,
-    };
-    this.#orders.want(wanted);
-    const still = this.#stillness.update(view, clock.playing && !clock.stalled, now);
-    this.#draw(view, this.#renderer.slow && !still, now);
-    if (this.#settled(wanted, view, scene)) for (const resolve of this.#waiting.splice(0)) resolve();
+    this.#animation = 0;
+    if (this.#advance(now)) this.invalidate();
+    else this.#picture.frames.rest();
+    this.#options.onFrame();
   }
 
-  /** Draw if the picture is out of date or was drawn quickly without need, once the device has done the last one. */
-  #draw(view: View, quick: boolean, now: number): void {
-    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
-    if (current || !this.#orders.shown || this.#renderer.busy(now)) return;
-    this.#renderer.draw(this.#shot(view), quick);
-    this.#drawn = view;
-    this.#quick = quick;
-    this.#frames.count(now);
-    if (this.#firstFrame === null && this.#renderer.count > 0) this.#firstFrame = performance.now();
+  /** Bring everything up to `now`, milliseconds; returns whether there is more to do at the next frame. */
+  #advance(now: number): boolean {
+    const view = this.#options.view();
+    const playback = this.#playback;
+    if (!playback || !view) return false;
+    const wanted = orderKey(view, playback.tick(now / 1000), this.#version);
+    this.#orders.want(wanted);
+    const unfinished = this.#picture.update(view, () => this.#shot(view), playback.moving, now);
+    if (this.#settled(wanted, view, playback)) for (const resolve of this.#waiting.splice(0)) resolve();
+    return playback.clock.playing || unfinished;
   }
 
   /** At the time of the order, so that what is drawn and what is alive always agree. */
   #shot(view: View): Shot {
-    const antialiased = this.#options.antialiased ?? this.#scene?.manifest.antialiased ?? false;
+    const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
     return { ...view, time: this.#orders.normalisedTime, antialiased };
   }
 
   /** Whether all that is alive is drawn; of a playing scene, at the time that is shown. */
-  #settled(wanted: OrderKey, view: View, { buffer, clock }: { buffer: SceneBuffer; clock: PlayerClock }): boolean {
+  #settled(wanted: OrderKey, view: View, { buffer, clock: { playing } }: Playback): boolean {
     const { shown } = this.#orders;
-    if (!shown || this.#renderer.lost || !sameView(this.#drawn, view)) return false;
+    if (!shown || !this.#picture.shows(view, playing)) return false;
     if (!buffer.staticComplete || !buffer.ready(shown.time)) return false;
-    return clock.playing ? shown.version === wanted.version : !this.#quick && this.#orders.shows(wanted);
-  }
-
-  /** The server's playhead runs ahead while this one waits; tell it. */
-  #reportStall(clock: PlayerClock): void {
-    if (clock.stalled === this.#stalled) return;
-    this.#stalled = clock.stalled;
-    if (clock.stalled) this.#stream.pause(clock.time);
-    else if (clock.playing) this.#stream.play(clock.time, clock.rate);
-  }
-
-  /** A hidden page gets no frames: its playhead stands. The connection may have died meanwhile. */
-  #visibility(): void {
-    if (!document.hidden) this.#stream.wake();
-    const clock = this.#scene?.clock;
-    if (!clock?.playing) return;
-    if (document.hidden) this.#stream.pause(clock.time);
-    else this.#stream.play(clock.time, clock.rate);
+    return playing ? shown.version === wanted.version : this.#orders.shows(wanted);
   }
 }

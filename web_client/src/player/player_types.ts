@@ -12,9 +12,11 @@ export interface PlayerOptions {
   readonly playing: boolean;
   /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
   readonly antialiased: boolean | null;
-  /** From where the scene is seen now; asked at every frame. Null while that is not known. */
+  /** From where the scene is seen now; asked at every frame. Null while that is not known. Tell changes to `invalidate`. */
   readonly view: () => View | null;
   readonly onManifest: (manifest: Manifest) => void;
+  /** Called at the end of every frame, and so after every change of what the player tells of itself. */
+  readonly onFrame: () => void;
   /** One line for people; playing may go on. */
   readonly onError: (message: string) => void;
 }
@@ -23,11 +25,27 @@ export interface PlayerStats {
   readonly stream: StreamState;
   readonly bytes: number;
   readonly bytesTotal: number;
-  readonly splats: number;
-  readonly dynamicSplats: number;
+  /** Bytes per second over the last second. */
+  readonly lineRate: number;
+  /** Chunks decoded. */
+  readonly chunks: number;
   /** Chunks that the server cannot give, or not undamaged; the scene is shown without them. */
   readonly lostChunks: number;
+  /** True once the whole scene is here. */
+  readonly complete: boolean;
+  readonly splats: number;
+  readonly dynamicSplats: number;
+  /** 0 while nothing has to be drawn. */
   readonly framesPerSecond: number;
+  readonly framesDrawn: number;
+  /** Frames that the browser offered while the scene played, and for which no new picture was ready. */
+  readonly framesDropped: number;
+  /** How long the worker needed for the order that is shown, milliseconds. */
+  readonly sortTime: number;
+  /** How long before it was drawn that order had been asked for, milliseconds. */
+  readonly orderAge: number;
+  /** True while the browser has taken the graphics device away. */
+  readonly contextLost: boolean;
   /** Milliseconds from opening the page to the first picture; null before. */
   readonly firstFrame: number | null;
 }

@@ -34,8 +34,6 @@ export interface Job {
   readonly updated: number;
 }
 
-export const STAGES = ["initialise", "train", "encode", "publish"] as const;
-
 export const isFinal = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
 
 export const thumbnailUrl = (scene: string): string => `/v1/scenes/${encodeURIComponent(scene)}/thumbnail`;

@@ -64,12 +64,13 @@ export class SplatRenderer {
   #lost = false;
 
   /**
-   * @param onRestored called when a lost context is back: a new order must be set and the picture drawn.
+   * @param onContext called when the context is lost, and when it is back: then a new order must be set and the picture
+   *   drawn.
    * @throws Error if the browser has no WebGL2.
    */
   constructor(
     readonly canvas: HTMLCanvasElement,
-    onRestored: () => void,
+    onContext: (lost: boolean) => void,
   ) {
     const gl = canvas.getContext("webgl2", {
       alpha: false,
@@ -86,6 +87,7 @@ export class SplatRenderer {
       (event) => {
         event.preventDefault(); // else it never comes back
         this.#lost = true;
+        onContext(true);
       },
       { signal },
     );
@@ -94,7 +96,7 @@ export class SplatRenderer {
       () => {
         this.#lost = false;
         this.#build();
-        onRestored();
+        onContext(false);
       },
       { signal },
     );

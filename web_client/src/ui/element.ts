@@ -39,3 +39,8 @@ export function icon(path: string): SVGSVGElement {
 export function setText(target: Element, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
+
+/** Set the attribute only if it differs, for the same reason. */
+export function setAttribute(target: Element, name: string, value: string): void {
+  if (target.getAttribute(name) !== value) target.setAttribute(name, value);
+}

@@ -9,6 +9,12 @@ export function formatBytes(bytes: number): string {
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[power - 1]}`;
 }
 
+/** "512 kbit/s", "1.9 Mbit/s" of bytes per second, as lines are sold. */
+export function formatBitRate(bytesPerSecond: number): string {
+  const kilobits = (8 * bytesPerSecond) / 1000;
+  return kilobits < 999.5 ? `${Math.round(kilobits)} kbit/s` : `${(kilobits / 1000).toFixed(1)} Mbit/s`;
+}
+
 /** "950", "12.4k", "1.2M" */
 export function formatCount(count: number): string {
   if (count < 1000) return String(count);

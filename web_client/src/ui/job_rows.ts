@@ -1,14 +1,16 @@
 /** The jobs as rows: title, stage, progress with its figures, error, cancel. */
 
-import { cancelJob, isFinal, type Job, retryJob, STAGES } from "../protocol/api";
+import { cancelJob, isFinal, type Job, retryJob } from "../protocol/api";
 import { element, setText } from "./element";
 
-const STAGE_NAMES: Readonly<Record<string, string>> = {
-  initialise: "Finding points",
-  train: "Training",
-  encode: "Encoding",
-  publish: "Publishing",
-};
+/** The steps of a job, in order, and the stages of docs/protocol.md that each of them is. */
+const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
+  { name: "Finding what moves", stages: ["initialise", "masks"] },
+  { name: "Placing points", stages: ["points"] },
+  { name: "Training", stages: ["train"] },
+  { name: "Encoding", stages: ["encode"] },
+  { name: "Publishing", stages: ["publish"] },
+];
 
 const STATE_NAMES: Readonly<Record<Job["state"], string>> = {
   queued: "Waiting",
@@ -18,14 +20,23 @@ const STATE_NAMES: Readonly<Record<Job["state"], string>> = {
   cancelled: "Cancelled",
 };
 
-/** "Training 420 / 2,000" */
+const stageOf = (job: Job): string | null => job.progress?.stage ?? job.stage;
+
+/** The index of the step that a job is at; -1 before the first, and in a stage that this page does not know. */
+export function stepOf(job: Job): number {
+  const stage = stageOf(job);
+  return stage === null ? -1 : STEPS.findIndex(({ stages }) => stages.includes(stage));
+}
+
+/** "Training 420 / 2,000"; a stage that this page does not know by its own name, "Depth maps 3 / 16". */
 export function describeProgress(job: Job): string {
   if (job.state !== "running") return STATE_NAMES[job.state];
-  const stage = job.progress?.stage ?? job.stage;
+  const stage = stageOf(job);
   if (stage === null) return "Starting";
-  const name = STAGE_NAMES[stage] ?? stage;
-  if (!job.progress || job.progress.total <= 0) return name;
-  return `${name} ${job.progress.done.toLocaleString("en")} / ${job.progress.total.toLocaleString("en")}`;
+  const words = stage.replace(/[_-]+/g, " ").trim();
+  const name = STEPS[stepOf(job)]?.name ?? words.charAt(0).toUpperCase() + words.slice(1);
+  const { done, total } = job.progress ?? { done: 0, total: 0 };
+  return total > 1 ? `${name} ${done.toLocaleString("en")} / ${total.toLocaleString("en")}` : name;
 }
 
 /** "loss 0.041 · psnr 28.3" */
@@ -44,7 +55,8 @@ class JobRow {
   readonly #state = element("span", { class: "job-state" });
   readonly #figures = element("p", { class: "job-figures" });
   readonly #bar = element("progress", { max: 1, value: 0 });
-  readonly #steps = STAGES.map((stage) => element("li", {}, STAGE_NAMES[stage] ?? stage));
+  readonly #steps = STEPS.map(({ name }) => element("li", {}, name));
+  readonly #stepList = element("ol", { class: "job-steps" }, ...this.#steps);
   readonly #error = element("p", { class: "job-error" });
   readonly #cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
   readonly #retry = element("button", { type: "button", class: "button quiet" }, "Try again");
@@ -59,7 +71,7 @@ class JobRow {
       { class: "job" },
       element("div", { class: "job-head" }, this.#title, this.#state, this.#open, this.#retry, this.#cancel),
       this.#bar,
-      element("ol", { class: "job-steps" }, ...this.#steps),
+      this.#stepList,
       this.#figures,
       this.#error,
     );
@@ -76,9 +88,10 @@ class JobRow {
     const running = job.state === "running";
     this.#bar.hidden = !running;
     this.#bar.setAttribute("aria-label", describeProgress(job));
-    if (job.progress && job.progress.total > 0) this.#bar.value = job.progress.done / job.progress.total;
+    if (job.progress && job.progress.total > 1) this.#bar.value = job.progress.done / job.progress.total;
     else this.#bar.removeAttribute("value");
-    const at = STAGES.findIndex((stage) => stage === (job.progress?.stage ?? job.stage));
+    const at = stepOf(job);
+    this.#stepList.hidden = !running || (at < 0 && stageOf(job) !== null); // what came before an unknown stage is unknown
     this.#steps.forEach((step, i) => {
       step.dataset.state = i < at ? "done" : i === at ? "now" : "later";
     });

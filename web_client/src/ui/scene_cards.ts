@@ -16,6 +16,7 @@ function card(scene: Scene): HTMLElement {
   ];
   const picture = element("img", { src: thumbnailUrl(scene.id), alt: "", loading: "lazy", width: 320, height: 180 });
   picture.addEventListener("error", () => picture.remove()); // the placeholder behind it shows
+  const length = scene.end - scene.start;
   return element(
     "li",
     {},
@@ -27,7 +28,7 @@ function card(scene: Scene): HTMLElement {
         { class: "card-picture" },
         picture,
         element("span", { class: "card-play" }, icon(PLAY)),
-        element("span", { class: "card-length" }, formatDuration(scene.end - scene.start)),
+        length > 0 ? element("span", { class: "card-length" }, formatDuration(length)) : null, // a still scene has none
       ),
       element("h3", { class: "card-title" }, scene.title || scene.id),
       element("p", { class: "card-figures" }, figures.join(" · ")),

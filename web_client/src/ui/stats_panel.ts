@@ -1,49 +1,65 @@
 /** Figures of the running player, for the curious. */
 
 import type { ScenePlayer } from "../player/player";
+import type { PlayerStats } from "../player/player_types";
 import { element, setText } from "./element";
-import { formatBytes, formatCount } from "./format";
+import { formatBitRate, formatBytes, formatCount } from "./format";
 
+/** Often enough to follow, and slowly enough to read, milliseconds. */
+const REFRESH = 500;
 const STREAM_NAMES = { connecting: "connecting", open: "connected", retrying: "reconnecting", closed: "closed" };
+
+type Figures = Readonly<Record<string, string>>;
+
+/** The panel's rows, from top to bottom. */
+export function figuresOf(stats: PlayerStats, picture: { readonly width: number; readonly height: number }): Figures {
+  const { framesPerSecond: rate, framesDrawn: drawn, framesDropped: dropped } = stats;
+  return {
+    "Frames/s": rate > 0 ? rate.toFixed(rate < 1 ? 2 : 1) : "at rest",
+    "Dropped frames": `${dropped} of ${drawn + dropped}`,
+    "Order age": `${stats.orderAge.toFixed(0)} ms`,
+    "Sort time": `${stats.sortTime.toFixed(1)} ms`,
+    "Splats drawn": formatCount(stats.splats),
+    "of them moving": formatCount(stats.dynamicSplats),
+    Received: `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`,
+    "Line rate": formatBitRate(stats.lineRate),
+    "First picture": stats.firstFrame === null ? "–" : `${(stats.firstFrame / 1000).toFixed(2)} s`,
+    Picture: `${picture.width} × ${picture.height}`,
+    Stream: stats.complete ? "complete" : STREAM_NAMES[stats.stream],
+  };
+}
 
 export class StatsPanel {
   readonly #values = new Map<string, HTMLElement>();
+  #timer: ReturnType<typeof setInterval> | undefined;
   readonly node = element("dl", { class: "stats", hidden: true, "aria-label": "Statistics" });
 
-  constructor(readonly player: ScenePlayer) {
-    for (const name of [
-      "Frames/s",
-      "Splats drawn",
-      "of them moving",
-      "Received",
-      "First picture",
-      "Picture",
-      "Stream",
-    ]) {
-      const value = element("dd");
-      this.#values.set(name, value);
-      this.node.append(element("dt", {}, name), value);
-    }
+  constructor(
+    readonly player: ScenePlayer,
+    readonly canvas: HTMLCanvasElement,
+    signal: AbortSignal,
+  ) {
+    signal.addEventListener("abort", () => clearInterval(this.#timer));
   }
 
   toggle(): void {
     this.node.hidden = !this.node.hidden;
-  }
-
-  update(canvas: HTMLCanvasElement): void {
+    clearInterval(this.#timer);
     if (this.node.hidden) return;
-    const stats = this.player.stats;
-    this.#set("Frames/s", stats.framesPerSecond > 0 ? stats.framesPerSecond.toFixed(1) : "–");
-    this.#set("Splats drawn", formatCount(stats.splats));
-    this.#set("of them moving", formatCount(stats.dynamicSplats));
-    this.#set("Received", `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`);
-    this.#set("First picture", stats.firstFrame === null ? "–" : `${(stats.firstFrame / 1000).toFixed(2)} s`);
-    this.#set("Picture", `${canvas.width} × ${canvas.height}`);
-    this.#set("Stream", STREAM_NAMES[stats.stream]);
+    this.#timer = setInterval(() => this.#update(), REFRESH);
+    this.#update();
   }
 
-  #set(name: string, text: string): void {
-    const value = this.#values.get(name);
-    if (value) setText(value, text);
+  #update(): void {
+    for (const [name, text] of Object.entries(figuresOf(this.player.stats, this.canvas))) {
+      setText(this.#values.get(name) ?? this.#add(name), text);
+    }
+  }
+
+  #add(name: string): HTMLElement {
+    const value = element("dd");
+    this.#values.set(name, value);
+    this.node.append(element("dt", {}, name), value);
+    return value;
   }
 }

@@ -2,7 +2,7 @@
 
 import type { Manifest } from "../codec/types";
 import type { ScenePlayer } from "../player/player";
-import { element, icon, setText } from "./element";
+import { element, icon, setAttribute, setText } from "./element";
 import { formatTime } from "./format";
 import { LOOP, PAUSE, PLAY, REPLAY } from "./icons";
 
@@ -44,6 +44,7 @@ export class Transport {
   #resume = false;
   #dragging = false;
   #shown: Button | null = null;
+  #chunks = -1; // that had come, or were lost, at the last look at the buffer
 
   constructor(
     readonly player: ScenePlayer,
@@ -70,6 +71,7 @@ export class Transport {
   }
 
   toggle(): void {
+    if (this.node.hidden) return;
     if (this.player.clock?.playing) this.player.pause();
     else this.player.play();
   }
@@ -77,6 +79,7 @@ export class Transport {
   toggleLoop(): void {
     const clock = this.player.clock;
     if (clock) clock.loop = !clock.loop;
+    this.update();
   }
 
   /** Stand still, so many frames later. */
@@ -87,7 +90,7 @@ export class Transport {
     this.player.seek(clock.time + frames * this.#frame);
   }
 
-  /** Show the player's state; called at every frame. */
+  /** Show the player's state; called at every frame of the player. */
   update(): void {
     const { clock, buffer } = this.player;
     if (!clock || !buffer || this.node.hidden) return;
@@ -96,11 +99,14 @@ export class Transport {
     if (!this.#dragging) this.#seek.value = String(clock.time);
     const position = formatTime(clock.time - clock.start);
     setText(this.#time, `${position} / ${formatTime(clock.end - clock.start)}`);
-    this.#seek.setAttribute("aria-valuetext", position);
+    setAttribute(this.#seek, "aria-valuetext", position);
+    setAttribute(this.#loop, "aria-pressed", String(clock.loop));
     const share = (clock.time - clock.start) / (clock.end - clock.start);
     this.#seek.style.setProperty("--played", `${(100 * share).toFixed(2)}%`);
+    const { chunks, lostChunks } = this.player.stats;
+    if (chunks + lostChunks === this.#chunks) return;
+    this.#chunks = chunks + lostChunks;
     this.#seek.style.setProperty("--ranges", bufferedGradient(buffer.ranges(), clock.start, clock.end));
-    this.#loop.setAttribute("aria-pressed", String(clock.loop));
   }
 
   #showButton(what: Button): void {

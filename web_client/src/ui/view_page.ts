@@ -1,5 +1,6 @@
 /** The page that plays a scene. */
 
+import { listenForGestures } from "../camera/gestures";
 import { ScenePlayer } from "../player/player";
 import { streamUrl } from "../protocol/api";
 import type { Pixels } from "../renderer/renderer";
@@ -7,7 +8,7 @@ import { CameraMenu } from "./camera_menu";
 import { element, icon } from "./element";
 import { BACK, FULLSCREEN, STATS } from "./icons";
 import { IdleHiding } from "./idle_hiding";
-import { LoadingNotice } from "./loading_notice";
+import { Notices } from "./notices";
 import { StatsPanel } from "./stats_panel";
 import { Transport } from "./transport";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
@@ -35,12 +36,12 @@ declare global {
 export function showViewPage(root: HTMLElement, scene: string): void {
   document.title = `${scene} · HGS`;
   root.className = "view-page";
-  const notice = new LoadingNotice();
+  const notices = new Notices();
   try {
-    new ViewPage(root, scene, parseViewParameters(location.search), notice);
+    new ViewPage(root, scene, parseViewParameters(location.search), notices);
   } catch (error) {
-    root.replaceChildren(notice.node);
-    notice.fail(error instanceof Error ? error.message : String(error));
+    root.replaceChildren(notices.node);
+    notices.fail(error instanceof Error ? error.message : String(error));
   }
 }
 
@@ -49,31 +50,30 @@ class ViewPage {
   readonly #canvas = element("canvas", {
     class: "picture",
     role: "img",
-    "aria-label": "Scene; drag or use the arrow keys to turn",
+    "aria-label": "Scene; drag or use the arrow keys to turn, click to play or pause",
   });
   readonly #title = element("h1");
   readonly #player: ScenePlayer;
   readonly #viewpoint: Viewpoint;
   readonly #stats: StatsPanel;
   #transport: Transport | null = null;
-  #animation = 0;
   #fail: (error: Error) => void = () => {};
 
   constructor(
     readonly root: HTMLElement,
     scene: string,
     readonly parameters: ViewParameters,
-    readonly notice: LoadingNotice,
+    readonly notices: Notices,
   ) {
     const { signal } = this.#abort;
     this.#title.textContent = scene;
-    root.replaceChildren(this.#canvas, notice.node);
-    this.#viewpoint = new Viewpoint(this.#canvas, parameters, signal);
+    root.replaceChildren(this.#canvas, notices.node);
+    this.#viewpoint = new Viewpoint(this.#canvas, parameters, () => this.#player.invalidate(), signal);
     this.#player = new ScenePlayer({
       canvas: this.#canvas,
       streamUrl: streamUrl(scene),
       time: parameters.time,
-      playing: !parameters.paused,
+      playing: !(parameters.paused ?? matchMedia("(prefers-reduced-motion: reduce)").matches),
       antialiased: parameters.antialiased,
       view: () => this.#viewpoint.view(),
       onManifest: (manifest) => {
@@ -83,20 +83,22 @@ class ViewPage {
         this.#transport = new Transport(this.#player, manifest);
         if (!parameters.exact) this.#showControls(manifest.cameras.map((camera) => camera.name));
       },
+      onFrame: () => {
+        const { stats, clock } = this.#player;
+        notices.update(stats, clock?.stalled ?? false);
+        root.classList.toggle("lost", stats.contextLost);
+        this.#transport?.update();
+      },
       onError: (message) => {
-        notice.fail(message);
+        notices.fail(message);
         this.#fail(new Error(message));
       },
     });
-    this.#stats = new StatsPanel(this.#player);
+    this.#stats = new StatsPanel(this.#player, this.#canvas, signal);
     this.#offerHandle();
-    const update = () => {
-      this.#animation = requestAnimationFrame(update);
-      notice.update(this.#player.stats, this.#player.clock?.stalled ?? false);
-      this.#transport?.update();
-      this.#stats.update(this.#canvas);
-    };
-    update();
+    if (!parameters.exact) {
+      listenForGestures(this.#canvas, this.#viewpoint, () => this.#transport?.toggle(), signal);
+    }
     addEventListener("pagehide", () => this.#leave(), { signal });
   }
 
@@ -105,10 +107,10 @@ class ViewPage {
     const transport = this.#transport;
     if (!transport) return;
     const cameraMenu = new CameraMenu(this.#viewpoint, cameras);
-    const button = (label: string, path: string, onclick: () => void) =>
+    const button = (label: string, path: string, onclick: () => void, hidden = false) =>
       element(
         "button",
-        { type: "button", class: "round small", title: label, "aria-label": label, onclick },
+        { type: "button", class: "round small", title: label, "aria-label": label, hidden, onclick },
         icon(path),
       );
     const bar = element(
@@ -118,7 +120,7 @@ class ViewPage {
       this.#title,
       cameraMenu.node,
       button("Statistics (S)", STATS, () => this.#stats.toggle()),
-      button("Full screen (F)", FULLSCREEN, () => this.#toggleFullscreen()),
+      button("Full screen (F)", FULLSCREEN, () => this.#toggleFullscreen(), !document.fullscreenEnabled),
     );
     this.root.append(bar, this.#stats.node, transport.node);
     addEventListener("keydown", (event) => this.#press(event, transport), { signal });
@@ -188,7 +190,6 @@ class ViewPage {
   }
 
   #leave(): void {
-    cancelAnimationFrame(this.#animation);
     this.#abort.abort();
     this.#player.dispose();
     delete window.hgs;

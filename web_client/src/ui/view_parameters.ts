@@ -5,8 +5,8 @@ export interface ViewParameters {
   readonly time: number | null;
   /** `camera`: name of a capture camera; null for the first. */
   readonly camera: string | null;
-  /** `paused`: 1 to stand still. */
-  readonly paused: boolean;
+  /** `paused`: 1 to stand still, 0 to play; null to play unless the visitor's system asks for less motion. */
+  readonly paused: boolean | null;
   /** `width`, `height`: size of the picture in CSS pixels and in its backing store; null to fill the window. */
   readonly size: { readonly width: number; readonly height: number } | null;
   /** `exact`: 1 for the picture alone, from exactly the capture camera's pose and intrinsics. */
@@ -48,7 +48,7 @@ export function parseViewParameters(search: string): ViewParameters {
   return {
     time: finite("t"),
     camera: parameters.get("camera"),
-    paused: flag("paused") ?? false,
+    paused: flag("paused"),
     size: width !== null && height !== null ? { width, height } : null,
     exact: flag("exact") ?? false,
     antialiased: flag("antialiased"),

@@ -1,26 +1,26 @@
 /** From where the page's picture is seen: a capture camera as it is, or an orbit that began there; and the canvas's size. */
 
-import { listenForGestures } from "../camera/gestures";
+import type { CameraMotion } from "../camera/gestures";
 import { OrbitCamera } from "../camera/orbit";
 import { fitted, type Intrinsics, resized } from "../camera/pinhole";
 import { type StartCamera, startCamera } from "../camera/start";
 import type { Manifest } from "../codec/types";
 import type { View } from "../player/view";
+import { observeBackingSize } from "./backing_size";
 import type { ViewParameters } from "./view_parameters";
 
-/** Above this many backing pixels per CSS pixel, splats gain nothing but work. */
-const SHARPEST = 2;
-
-export class Viewpoint {
+export class Viewpoint implements CameraMotion {
   #start: StartCamera | null = null;
   #orbit: OrbitCamera | null = null;
   #manifest: Manifest | null = null;
   #width = 1; // backing pixels
   #height = 1;
 
+  /** @param onChange called after every change of the view. */
   constructor(
     readonly canvas: HTMLCanvasElement,
     readonly parameters: ViewParameters,
+    readonly onChange: () => void,
     signal: AbortSignal,
   ) {
     const { size } = parameters;
@@ -30,16 +30,15 @@ export class Viewpoint {
       canvas.style.inset = "0 auto auto 0";
       [this.#width, this.#height] = [size.width, size.height];
     } else {
-      const observer = new ResizeObserver(([entry]) => {
-        const { width, height } = entry.contentRect;
-        const ratio = Math.min(SHARPEST, devicePixelRatio || 1);
-        this.#width = Math.max(1, Math.round(width * ratio));
-        this.#height = Math.max(1, Math.round(height * ratio));
-      });
-      observer.observe(canvas);
-      signal.addEventListener("abort", () => observer.disconnect());
+      observeBackingSize(
+        canvas,
+        ({ width, height }) => {
+          [this.#width, this.#height] = [width, height];
+          onChange();
+        },
+        signal,
+      );
     }
-    if (!parameters.exact) listenForGestures(canvas, this, signal);
   }
 
   /** @throws Error if the scene has no camera of the address's name. */
@@ -58,6 +57,7 @@ export class Viewpoint {
     if (!this.#manifest) return;
     this.#start = startCamera(this.#manifest, name);
     this.#orbit = new OrbitCamera(this.#start.pose, this.#manifest.center, this.#manifest.up);
+    this.onChange();
   }
 
   view(): View | null {
@@ -70,10 +70,12 @@ export class Viewpoint {
 
   turn(yaw: number, pitch: number): void {
     this.#orbit?.turn(yaw, pitch);
+    this.onChange();
   }
 
   zoom(factor: number): void {
     this.#orbit?.zoom(factor);
+    this.onChange();
   }
 
   pan(dx: number, dy: number): void {
@@ -81,6 +83,7 @@ export class Viewpoint {
     const { width } = this.canvas.getBoundingClientRect();
     const focal = this.#intrinsics(this.#start.camera).fx * (width / this.#width); // CSS pixels
     this.#orbit?.pan(dx, dy, focal);
+    this.onChange();
   }
 
   reset(): void {

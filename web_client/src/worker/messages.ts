@@ -28,4 +28,6 @@ export type FromWorker =
       ids: Uint32Array<ArrayBuffer>;
       count: number;
       dynamic: number;
+      /** Milliseconds. */
+      sortTime: number;
     };

@@ -48,8 +48,9 @@ scope.onmessage = ({ data }) => {
     case "order": {
       if (!orderer) return;
       const { axis, time, recycled } = data;
+      const begun = performance.now();
       const order = orderer.order(axis, time, recycled);
-      scope.postMessage({ type: "ordered", ...order }, [order.ids.buffer]);
+      scope.postMessage({ type: "ordered", ...order, sortTime: performance.now() - begun }, [order.ids.buffer]);
       break;
     }
   }

@@ -57,6 +57,15 @@ describe("SceneBuffer", () => {
     ]);
   });
 
+  it("is complete once every chunk is here, counting one that several slices name once", () => {
+    const shared = [slice(0, 1, ["a"]), slice(1, 2, ["a", "b"])];
+    const buffer = new SceneBuffer(manifest({ static: [entry("s")], slices: shared }));
+    for (const id of ["a", "b"]) buffer.arrived(id);
+    expect(buffer.complete).toBe(false);
+    buffer.arrived("s");
+    expect(buffer.complete).toBe(true);
+  });
+
   it("shows what there is at the time of a chunk that cannot be had", () => {
     const buffer = new SceneBuffer(manifest({ slices, static: [entry("s"), entry("t")] }));
     for (const id of ["c", "t"]) buffer.arrived(id);

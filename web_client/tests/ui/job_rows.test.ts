@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Job } from "../../src/protocol/api";
-import { describeFigures, describeProgress } from "../../src/ui/job_rows";
+import { describeFigures, describeProgress, stepOf } from "../../src/ui/job_rows";
 
 const job = (fields: Partial<Job>): Job => ({
   id: "a",
@@ -22,10 +22,26 @@ describe("describeProgress", () => {
     ["Waiting", { state: "queued" }],
     ["Starting", {}],
     ["Encoding", { stage: "encode" }],
+    ["Finding what moves", { progress: { stage: "initialise", done: 0, total: 1, figures: {} } }],
+    ["Finding what moves 3 / 16", { progress: { stage: "masks", done: 3, total: 16, figures: {} } }],
+    ["Placing points 4 / 9", { progress: { stage: "points", done: 4, total: 9, figures: {} } }],
+    ["Depth maps 3 / 16", { progress: { stage: "depth_maps", done: 3, total: 16, figures: {} } }],
     ["Training 1,840 / 4,000", { progress: { stage: "train", done: 1840, total: 4000, figures: {} } }],
     ["Cancelled", { state: "cancelled", stage: "train" }],
   ])("says %s", (text, fields) => {
     expect(describeProgress(job(fields))).toBe(text);
+  });
+});
+
+describe("stepOf", () => {
+  it("goes through the steps in the order of the stages", () => {
+    const stages = ["initialise", "masks", "points", "train", "encode", "publish"];
+    expect(stages.map((stage) => stepOf(job({ stage })))).toEqual([0, 0, 1, 2, 3, 4]);
+  });
+
+  it("knows no step of a stage that is not there yet or not known", () => {
+    expect(stepOf(job({}))).toBe(-1);
+    expect(stepOf(job({ stage: "depth_maps" }))).toBe(-1);
   });
 });
 

@@ -2,11 +2,11 @@ import { describe, expect, it } from "vitest";
 import { parseViewParameters } from "../../src/ui/view_parameters";
 
 describe("parseViewParameters", () => {
-  it("has defaults that play the scene in the whole window", () => {
+  it("has defaults that leave playing to the visitor's system, in the whole window", () => {
     expect(parseViewParameters("")).toEqual({
       time: null,
       camera: null,
-      paused: false,
+      paused: null,
       size: null,
       exact: false,
       antialiased: null,
@@ -17,6 +17,10 @@ describe("parseViewParameters", () => {
     const parsed = parseViewParameters("?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1");
     const size = { width: 512, height: 384 };
     expect(parsed).toEqual({ time: 0.5, camera: "cam00", paused: true, size, exact: true, antialiased: true });
+  });
+
+  it("tells a demand to play from none", () => {
+    expect(parseViewParameters("?paused=0").paused).toBe(false);
   });
 
   it("tells antialiasing forbidden from antialiasing left to the scene", () => {

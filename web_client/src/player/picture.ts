@@ -1,0 +1,69 @@
+/**
+ * The picture on the canvas: drawn when it is out of date and the device has done the last one; quickly while it moves on
+ * a slow device, and finely once it stands.
+ */
+
+import type { Shot, SplatRenderer } from "../renderer/renderer";
+import { FrameRate } from "./frame_rate";
+import type { OrderRequests } from "./order_requests";
+import { Stillness } from "./stillness";
+import { sameView, type View } from "./view";
+
+export class Picture {
+  readonly frames = new FrameRate();
+  readonly #stillness = new Stillness();
+  #drawn: View | null = null; // null when the picture is out of date
+  #quick = false; // how it was drawn
+  #first: number | null = null;
+  #orderAge = 0;
+
+  constructor(
+    readonly renderer: SplatRenderer,
+    readonly orders: OrderRequests,
+  ) {}
+
+  /** Milliseconds from opening the page to the first picture; null before. */
+  get first(): number | null {
+    return this.#first;
+  }
+
+  /** How long before it was drawn the picture's order had been asked for, milliseconds. */
+  get orderAge(): number {
+    return this.#orderAge;
+  }
+
+  /** The order has changed, or the canvas was lost. */
+  outdate(): void {
+    this.#drawn = null;
+  }
+
+  /** Whether `view` is drawn as well as it can be; while the scene moves, as well as it is drawn in motion. */
+  shows(view: View, moving: boolean): boolean {
+    return !this.renderer.lost && sameView(this.#drawn, view) && (moving || !this.#quick);
+  }
+
+  /**
+   * Draw if it is time to; called once per frame of the browser. `moving`: the scene moves. `now` in milliseconds.
+   *
+   * Returns whether the next frame may draw more although nothing has changed until then.
+   */
+  update(view: View, shot: () => Shot, moving: boolean, now: number): boolean {
+    const still = this.#stillness.update(view, moving, now);
+    const drawn = this.#draw(view, shot, this.renderer.slow && !still, now);
+    if (moving && !drawn) this.frames.drop();
+    // Also until the device is done, because only then its pace is known.
+    return !this.renderer.lost && (this.renderer.busy(now) || (this.#quick && !moving));
+  }
+
+  #draw(view: View, shot: () => Shot, quick: boolean, now: number): boolean {
+    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
+    if (current || !this.orders.shown || this.renderer.lost || this.renderer.busy(now)) return false;
+    this.renderer.draw(shot(), quick);
+    this.#drawn = view;
+    this.#quick = quick;
+    this.frames.count(now);
+    this.#orderAge = this.orders.age(performance.now());
+    if (this.#first === null && this.renderer.count > 0) this.#first = performance.now();
+    return true;
+  }
+}

@@ -1,0 +1,121 @@
+/** What the page says over the picture: in the middle while there is none to see, else in a quiet line above the controls. */
+
+import type { PlayerStats } from "../player/player_types";
+import { element, icon, setText } from "./element";
+import { formatBytes } from "./format";
+import { CLOSE } from "./icons";
+
+/** A lost picture comes back within a moment or not at all, milliseconds. */
+const PATIENCE = 5000;
+
+/** What goes on: no picture yet, the picture lost, the connection lost, waiting for data; or nothing to speak of. */
+export type NoticeKind = "loading" | "lost" | "retrying" | "stalled" | "none";
+
+/** What there is to say about a player that waits for data if `stalled`. */
+export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
+  if (stats.contextLost) return "lost";
+  if (stats.firstFrame === null) return "loading";
+  if (stats.complete) return "none"; // the server is not needed any more
+  if (stats.stream === "retrying" || stats.stream === "connecting") return "retrying";
+  return stalled ? "stalled" : "none";
+}
+
+/** The words for it. */
+export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
+  const share = `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`;
+  const retrying = "The connection is lost; trying again…";
+  switch (kind) {
+    case "loading":
+      if (stats.stream === "retrying") return retrying;
+      return stats.bytesTotal === 0 ? "Connecting…" : `Loading ${share}`;
+    case "lost":
+      return "The graphics card was reset. One moment…";
+    case "retrying":
+      return retrying;
+    case "stalled":
+      return `Waiting for data: ${share}`;
+    case "none":
+      return "";
+  }
+}
+
+const DAMAGED = "A part of this scene is damaged and cannot be shown.";
+const LOST_FOR_LONG = "The picture has not come back. Loading the page again should help.";
+
+/** A button that loads the page again. */
+const reloadButton = () =>
+  element("button", { type: "button", class: "button", onclick: () => location.reload() }, "Load again");
+
+export class Notices {
+  readonly #bar = element("progress", { max: 1, "aria-label": "Loading" });
+  readonly #text = element("p", { class: "notice-text", role: "status" });
+  readonly #reload = reloadButton();
+  readonly #box = element("div", { class: "notice" }, this.#bar, this.#text, this.#reload);
+  readonly #problem = element("p");
+  readonly #close = element("button", { type: "button", class: "round small", title: "Close", "aria-label": "Close" });
+  readonly #remark = element(
+    "div",
+    { class: "notice remark", role: "alert", hidden: true },
+    this.#problem,
+    element(
+      "div",
+      { class: "notice-actions" },
+      reloadButton(),
+      element("a", { class: "button", href: "/" }, "All scenes"),
+    ),
+    this.#close,
+  );
+  readonly node = element("div", { class: "notices" }, this.#remark, this.#box);
+  readonly #told = new Set<string>();
+  #kind: NoticeKind = "loading";
+  #late = false;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor() {
+    this.#close.append(icon(CLOSE));
+    this.#close.addEventListener("click", () => {
+      this.#remark.hidden = true;
+    });
+    this.#show("loading");
+  }
+
+  /**
+   * Say what has gone wrong. Without a picture it stays, with the ways out; over a picture it is a line that can be put
+   * away. The first problem stands until then, and none is told twice.
+   */
+  fail(message: string): void {
+    if (!this.#remark.hidden || this.#told.has(message)) return;
+    this.#told.add(message);
+    this.#problem.textContent = message;
+    this.#remark.hidden = false;
+    this.#show(this.#kind);
+  }
+
+  update(stats: PlayerStats, stalled: boolean): void {
+    if (stats.lostChunks > 0) this.fail(DAMAGED);
+    else if (this.#problem.textContent === DAMAGED) this.#remark.hidden = true; // it has come after all
+    const kind = noticeKind(stats, stalled);
+    if (kind !== this.#kind) this.#show(kind);
+    if (stats.bytesTotal > 0) this.#bar.value = stats.bytes / stats.bytesTotal;
+    setText(this.#text, this.#late ? LOST_FOR_LONG : describeNotice(kind, stats));
+  }
+
+  #show(kind: NoticeKind): void {
+    this.#kind = kind;
+    this.node.dataset.place = kind === "loading" || kind === "lost" ? "middle" : "line";
+    const failed = kind === "loading" && !this.#remark.hidden; // nothing is loading any more
+    this.#box.hidden = kind === "none" || failed;
+    this.#bar.hidden = kind !== "loading";
+    this.#reload.hidden = true;
+    this.#late = false;
+    clearTimeout(this.#timer);
+    if (kind === "lost") this.#timer = setTimeout(() => this.#giveUp(), PATIENCE);
+  }
+
+  /** The picture may still come, but nobody should wait for it. */
+  #giveUp(): void {
+    this.#late = true;
+    this.#reload.hidden = false;
+    setText(this.#text, LOST_FOR_LONG);
+  }
+}

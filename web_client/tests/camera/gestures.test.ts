@@ -1,0 +1,104 @@
+import { afterEach, beforeEach, describe, expect, it, type Mocked, vi } from "vitest";
+import { type CameraMotion, listenForGestures } from "../../src/camera/gestures";
+
+let abort: AbortController;
+let target: HTMLElement;
+let motion: Mocked<CameraMotion>;
+const tap = vi.fn();
+
+function pointer(type: string, x: number, y: number, more: Record<string, unknown> = {}): void {
+  const fields = { pointerId: 1, pointerType: "mouse", button: 0, clientX: x, clientY: y, shiftKey: false, ...more };
+  target.dispatchEvent(Object.assign(new Event(`pointer${type}`), fields));
+}
+
+function press(more: Record<string, unknown> = {}): void {
+  pointer("down", 100, 100, more);
+  pointer("up", 100, 100, more);
+}
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal("addEventListener", vi.fn());
+  target = Object.assign(new EventTarget(), { setPointerCapture: vi.fn() }) as unknown as HTMLElement;
+  motion = { turn: vi.fn(), zoom: vi.fn(), pan: vi.fn(), reset: vi.fn() };
+  tap.mockClear();
+  abort = new AbortController();
+  listenForGestures(target, motion, tap, abort.signal);
+});
+afterEach(() => {
+  abort.abort();
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+describe("a tap", () => {
+  it("is told once no second one can follow", () => {
+    press();
+    vi.advanceTimersByTime(200);
+    expect(tap).not.toHaveBeenCalled();
+    vi.advanceTimersByTime(100);
+    expect(tap).toHaveBeenCalledOnce();
+  });
+
+  it("may tremble, a finger more than a mouse, and does not turn the camera", () => {
+    for (const pointerType of ["mouse", "touch"]) {
+      const far = pointerType === "mouse" ? 3 : 9;
+      pointer("down", 100, 100, { pointerType });
+      pointer("move", 100 + far, 100, { pointerType });
+      pointer("up", 100 + far, 100, { pointerType });
+      vi.runAllTimers();
+    }
+    expect(tap).toHaveBeenCalledTimes(2);
+    expect(motion.turn).not.toHaveBeenCalled();
+  });
+
+  it("is the first button's alone, and not the pan of a held shift key", () => {
+    press({ button: 2 });
+    press({ shiftKey: true });
+    vi.runAllTimers();
+    expect(tap).not.toHaveBeenCalled();
+  });
+
+  it("is none that the browser cancels", () => {
+    pointer("down", 100, 100);
+    pointer("cancel", 100, 100);
+    vi.runAllTimers();
+    expect(tap).not.toHaveBeenCalled();
+  });
+});
+
+it("takes two taps as a double one, which resets the camera and is no tap", () => {
+  press();
+  vi.advanceTimersByTime(200);
+  press();
+  vi.runAllTimers();
+  expect(motion.reset).toHaveBeenCalledOnce();
+  expect(tap).not.toHaveBeenCalled();
+});
+
+it("turns with a drag from where it leaves the slack", () => {
+  pointer("down", 100, 100);
+  pointer("move", 110, 100);
+  pointer("up", 110, 100);
+  vi.runAllTimers();
+  expect(motion.turn).toHaveBeenCalledExactlyOnceWith(expect.closeTo(6 * 0.006), 0);
+  expect(tap).not.toHaveBeenCalled();
+});
+
+it("takes two fingers that rest for no tap", () => {
+  for (const pointerId of [1, 2]) pointer("down", 100 * pointerId, 100, { pointerType: "touch", pointerId });
+  for (const pointerId of [1, 2]) pointer("up", 100 * pointerId, 100, { pointerType: "touch", pointerId });
+  vi.runAllTimers();
+  expect(tap).not.toHaveBeenCalled();
+});
+
+it("zooms with two fingers, which are no tap even if one of them rests", () => {
+  pointer("down", 100, 100, { pointerType: "touch" });
+  pointer("down", 200, 100, { pointerType: "touch", pointerId: 2 });
+  pointer("move", 300, 100, { pointerType: "touch", pointerId: 2 });
+  pointer("up", 300, 100, { pointerType: "touch", pointerId: 2 });
+  pointer("up", 100, 100, { pointerType: "touch" });
+  vi.runAllTimers();
+  expect(motion.zoom).toHaveBeenCalledExactlyOnceWith(0.5);
+  expect(tap).not.toHaveBeenCalled();
+});

@@ -1,0 +1,66 @@
+import { beforeEach, expect, it, vi } from "vitest";
+import { SceneBuffer } from "../../src/player/buffer";
+import { PlayerClock } from "../../src/player/clock";
+import { Playback } from "../../src/player/playback";
+import type { SceneStream } from "../../src/protocol/stream";
+import { manifest, slice } from "../scene";
+
+const told = vi.fn();
+const stream = {
+  playheadAt: () => {},
+  play: (time: number, rate: number) => told("play", time, rate),
+  pause: (time: number) => told("pause", time),
+  seek: (time: number) => told("seek", time),
+} as unknown as SceneStream;
+let playback: Playback;
+
+/** A scene of two seconds, of which the first is here. */
+beforeEach(() => {
+  const buffer = new SceneBuffer(manifest({ slices: [slice(0, 1, ["a"]), slice(1, 2, ["b"])] }));
+  buffer.arrived("a");
+  playback = new Playback(new PlayerClock(0, 2), buffer, stream);
+  told.mockClear();
+});
+
+it("asks the server for what is missing at a new time, and else tells only where the playhead is", () => {
+  playback.seek(1.5);
+  playback.seek(0.5);
+  playback.play();
+  playback.seek(0.25);
+  expect(told.mock.calls).toEqual([
+    ["seek", 1.5],
+    ["pause", 0.5],
+    ["play", 0.5, 1],
+    ["play", 0.25, 1],
+  ]);
+});
+
+it("tells the server once when it waits, and once when it goes on", () => {
+  playback.seek(0.95);
+  playback.play();
+  playback.tick(0);
+  told.mockClear();
+  for (const now of [0.1, 0.2, 0.3]) expect(playback.tick(now)).toBe(0.95);
+  expect(playback.moving).toBe(false);
+  playback.buffer.arrived("b");
+  playback.tick(0.4);
+  playback.tick(0.5);
+  expect(playback.moving).toBe(true);
+  expect(told.mock.calls.map(([kind]) => kind)).toEqual(["pause", "play"]);
+});
+
+it("stands while the page is hidden, if it played", () => {
+  playback.pageHidden(true);
+  expect(told).not.toHaveBeenCalled();
+  playback.play();
+  playback.pageHidden(true);
+  playback.pageHidden(false);
+  expect(told.mock.calls.map(([kind]) => kind)).toEqual(["play", "pause", "play"]);
+});
+
+it("tells a new rate only while it plays", () => {
+  playback.setRate(2);
+  expect(told).not.toHaveBeenCalled();
+  playback.play();
+  expect(told).toHaveBeenLastCalledWith("play", 0, 2);
+});

@@ -1,0 +1,26 @@
+import { expect, it } from "vitest";
+import { figuresOf } from "../../src/ui/stats_panel";
+import { stats } from "../stats";
+
+const figure = (name: string, fields: Parameters<typeof stats>[0]) =>
+  figuresOf(stats(fields), { width: 640, height: 480 })[name];
+
+it.each([
+  [59.94, "59.9"],
+  [0.4, "0.40"],
+  [0, "at rest"],
+])("writes %s frames per second as %s", (framesPerSecond, text) => {
+  expect(figure("Frames/s", { framesPerSecond })).toBe(text);
+});
+
+it("tells how old the order is, how long it took, what was dropped and how fast the line is", () => {
+  expect(figure("Order age", {})).toBe("16 ms");
+  expect(figure("Sort time", {})).toBe("1.3 ms");
+  expect(figure("Dropped frames", {})).toBe("10 of 100");
+  expect(figure("Line rate", {})).toBe("2.0 Mbit/s");
+});
+
+it("calls the stream of a complete scene complete, and no other", () => {
+  expect(figure("Stream", { complete: true, stream: "closed" })).toBe("complete");
+  expect(figure("Stream", { stream: "closed" })).toBe("closed");
+});
