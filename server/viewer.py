@@ -51,14 +51,6 @@ _NOT_BUILT = """<!doctype html>
 </html>
 """
 
-_NOT_FOUND = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
-<meta name="color-scheme" content="dark"><title>HGS · Not found</title>
-<h1>There is no such page</h1>
-<p>All scenes and jobs are on <a href="/">the first page</a>.</p>
-</html>
-"""
-
 
 def viewer_router(folder: Path = VIEWER) -> APIRouter:
     """Return routes that serve the files of `folder`: pages at `/` and `/view/{scene}`, and what they load."""
@@ -75,7 +67,10 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
         file = folder / path
         if not _FILE.fullmatch(path) or file.suffix not in _MEDIA_TYPES or not file.is_file():
             if "text/html" in request.headers.get("Accept", ""):
-                return HTMLResponse(_NOT_FOUND, 404, {"Vary": "Accept"})
+                page = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
+                page.status_code = 404 if page.status_code == 200 else page.status_code
+                page.headers.append("Vary", "Accept")
+                return page
             raise HTTPException(404, headers={"Vary": "Accept"})
         return _file(request, file, CONSOLE_POLICY)
 

@@ -77,6 +77,6 @@ def test_address_of_no_page_is_said_to_be_none(browser: Browser, site: Site, pat
         response = page.goto(site.address + path)
         assert response is not None
         assert response.status == 404
-        page.get_by_role("heading", name="There is no such page").wait_for()
+        page.get_by_role("heading", name="There is nothing at this address").wait_for()
     finally:
         page.close()
