@@ -11,19 +11,15 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-import sqlalchemy as sa
-
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
 from jobs.store import Job, JobTable, metadata
+from jobs.training_queue import enqueue, workflow_id
 
 if TYPE_CHECKING:
     from hgs_core.train.config import TrainConfig
 
-__all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "JobClient", "JobConflictError", "JobRequest", "workflow_id"]
-
-TRAINING_QUEUE = "training"
-TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
+__all__ = ["JobClient", "JobConflictError", "JobRequest"]
 
 
 class JobConflictError(Exception):
@@ -43,7 +39,8 @@ class JobRequest:
 class JobClient:
     """A connection to the queue; it runs no job itself. Its methods block for one or two short transactions.
 
-    Creating one creates the home and the tables where they are missing. Safe to use from several threads.
+    Creating one creates the home and the tables where they are missing, and raises an InputError if the home's folder
+    is not the one that its database belongs to. Safe to use from several threads.
     """
 
     def __init__(self, home: Home) -> None:
@@ -57,20 +54,23 @@ class JobClient:
         """Check the capture and the masks, create its run folder, queue the job and return the job's id.
 
         Raises:
-            InputError: the capture or the config is unusable; nothing was written.
+            InputError: the capture or the config is unusable.
+            OSError: the run folder cannot be written, for example because the disk is full.
+
+        Whatever is raised, nothing stays behind.
         """
         capture = request.capture.expanduser().resolve()
         title = request.title.strip() or capture.name
         job_id = _new_id(title)
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
-        pipeline.create_run(run, capture, request.config, masks=request.masks)
         job = Job(id=job_id, title=title, capture=str(capture), config=request.config.to_json())
         try:
+            pipeline.create_run(run, capture, request.config, masks=request.masks)
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
                 self._table.insert(connection, job)
-                self._enqueue(connection, job.id, job.attempt)
+                enqueue(self._queue, connection, job.id, job.attempt)
         except BaseException:
             shutil.rmtree(run, ignore_errors=True)
             raise
@@ -112,7 +112,7 @@ class JobClient:
                 raise JobConflictError(
                     f"job {job_id} is {job.state.value}; only a failed or cancelled job can be retried"
                 )
-            self._enqueue(connection, job.id, job.attempt + 1)
+            enqueue(self._queue, connection, job.id, job.attempt + 1)
         return self._known(job_id)
 
     def close(self) -> None:
@@ -133,23 +133,6 @@ class JobClient:
         if job is None:
             raise KeyError(job_id)
         return job
-
-    def _enqueue(self, connection: sa.Connection, job_id: str, attempt: int) -> None:
-        self._queue.enqueue_in_transaction(
-            connection,
-            {
-                "queue_name": TRAINING_QUEUE,
-                "workflow_name": TRAIN_JOB,
-                "workflow_id": workflow_id(job_id, attempt),
-            },
-            job_id,
-            attempt,
-        )
-
-
-def workflow_id(job_id: str, attempt: int) -> str:
-    """Return the name of an attempt's workflow. A retry is a new workflow, so old outcomes are never rewritten."""
-    return f"{job_id}:{attempt}"
 
 
 def _new_id(title: str) -> str:

@@ -6,11 +6,16 @@ import dataclasses
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import, and the pipelines that they name
+
+from postgres_server import PostgresServer, missing_program
 
 from hgs_core.train.config import TrainConfig
 from jobs.client import JobClient, JobRequest
@@ -99,6 +104,18 @@ def wait_for(client: JobClient) -> Callable[[str, Callable[[Job], bool], str], J
         return job
 
     return wait_for
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[PostgresServer]:
+    """A Postgres server that all tests of the session share: on a Unix socket alone."""
+    if missing := missing_program():
+        pytest.skip(missing)
+    with tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True) as folder:
+        server = PostgresServer(Path(folder))
+        server.start()
+        yield server
+        server.stop()
 
 
 @pytest.fixture
