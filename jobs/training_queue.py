@@ -12,7 +12,7 @@ __all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
 TRAINING_QUEUE = "training"
 TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
 
-RESUMED, NEW = 0, 1  # priorities: the lower is taken first
+RESUMED, NEW = 1, 2  # priorities: the lower is taken first
 
 
 def workflow_id(job_id: str, attempt: int) -> str:

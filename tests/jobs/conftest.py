@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -107,15 +108,32 @@ def wait_for(client: JobClient) -> Callable[[str, Callable[[Job], bool], str], J
 
 
 @pytest.fixture(scope="session")
-def server() -> Iterator[PostgresServer]:
-    """A Postgres server that all tests of the session share: on a Unix socket alone."""
+def postgres() -> Iterator[Callable[[str], PostgresServer]]:
+    """Return a function that starts a Postgres server; at the given address, if it is not empty."""
     if missing := missing_program():
         pytest.skip(missing)
-    with tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True) as folder:
-        server = PostgresServer(Path(folder))
-        server.start()
-        yield server
-        server.stop()
+    with ExitStack() as stack:
+
+        def start(address: str) -> PostgresServer:
+            folder = tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True)
+            server = PostgresServer(Path(stack.enter_context(folder)), address)
+            stack.callback(server.stop)
+            server.start()
+            return server
+
+        yield start
+
+
+@pytest.fixture(scope="session")
+def server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
+    """A Postgres server on a Unix socket."""
+    return postgres("")
+
+
+@pytest.fixture(scope="session")
+def tcp_server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
+    """A Postgres server on a TCP port of this machine."""
+    return postgres("127.0.0.1")
 
 
 @pytest.fixture

@@ -107,6 +107,22 @@ def test_another_worker_takes_over_after_kill_9(
     assert after[0] in (before - before % 5, before + 1 - (before + 1) % 5)
 
 
+@pytest.mark.slow
+def test_an_interrupted_job_comes_before_younger_ones(
+    home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    job_id, younger = submit(cycles=150), submit(cycles=3)
+    first = worker()
+    wait_until(lambda: len(cycles(home.run(job_id))) >= 12, "twelve cycles")
+    first.kill()
+    first.wait()
+    worker()  # long before the first can be taken for dead
+    waiting = wait_for(job_id, lambda job: job.state is JobState.QUEUED, "the end of the grace")
+    assert waiting.waiting == "its worker died; the next free one goes on with it"
+    wait_for(younger, lambda job: job.state is not JobState.QUEUED, "the start of the younger job")
+    assert wait_for(job_id, lambda job: True, "the first job").state is JobState.SUCCEEDED
+
+
 class TestLiveness:
     def is_dead(self, liveness: PostgresLiveness, executor: str) -> bool:
         with liveness.claim_dead(executor) as dead:
@@ -116,6 +132,14 @@ class TestLiveness:
         liveness = PostgresLiveness(home.database_url, grace=0.3)
         assert not self.is_dead(liveness, "other")
         wait_until(lambda: self.is_dead(liveness, "other"), "the end of the grace")
+
+    def test_until_then_it_is_suspected(self, home: Home, wait_until: Poll) -> None:
+        liveness = PostgresLiveness(home.database_url, grace=0.3)
+        assert not liveness.suspects("other")
+        self.is_dead(liveness, "other")
+        assert liveness.suspects("other")
+        wait_until(lambda: self.is_dead(liveness, "other"), "the end of the grace")
+        assert not liveness.suspects("other")
 
     def test_a_worker_that_holds_its_lock_is_alive(self, home: Home) -> None:
         PostgresLiveness(home.database_url).hold("other", lambda: None)

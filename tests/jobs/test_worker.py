@@ -115,6 +115,9 @@ def test_a_stopped_worker_saves_and_another_goes_on_without_losing_a_cycle(
     wait_for(job_id, training, "training")
     first.send_signal(signal.SIGTERM)
     assert first.wait(60) == 0
+    job = client.get(job_id)
+    assert job is not None
+    assert (job.state, job.waiting) == (JobState.QUEUED, "its worker was stopped; the next free one goes on with it")
     assert 0 < len(cycles(client, job_id)) < 100
 
     worker()

@@ -68,8 +68,8 @@ class PostgresServer:
             self._process = None
 
     def url(self, database: str) -> str:
-        """Return the URL of a database by the Unix socket."""
-        return f"postgresql://hgs@/{database}?host={self._folder}&port={self.port}"
+        """Return the URL of a database, by TCP if the server has an address."""
+        return f"postgresql://hgs@/{database}?host={self._address or self._folder}&port={self.port}"
 
     def new_database(self, name: str = "") -> str:
         """Create an empty database and return its URL."""
