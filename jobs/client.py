@@ -46,9 +46,13 @@ class JobClient:
     def __init__(self, home: Home) -> None:
         self.home = home
         self._engine = create_engine(home)
-        prepare_database(home, self._engine, metadata)
         self._table = JobTable(self._engine)
-        self._queue = open_client(home, self._engine)
+        try:
+            prepare_database(home, self._engine, metadata)
+            self._queue = open_client(home, self._engine)
+        except BaseException:
+            self._engine.dispose()
+            raise
 
     def submit(self, request: JobRequest) -> str:
         """Check the capture and the masks, create its run folder, queue the job and return the job's id.

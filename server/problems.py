@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 from http import HTTPStatus
 from typing import Any
@@ -71,6 +72,14 @@ def install_problem_handlers(app: FastAPI) -> None:
         log.error("the job database does not answer: %s", error.orig)
         detail = "the job database cannot be reached; try again later"
         return problem_response(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
+
+    @app.exception_handler(OSError)
+    def on_storage(request: Request, error: OSError) -> Response:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise error
+        log.error("cannot write: %s", error)
+        detail = "the server's disk is full; nothing was written; try again when there is room"
+        return problem_response(request, ProblemError(507, "storage-full", detail, headers={"Retry-After": "30"}))
 
     @app.exception_handler(Exception)
     def on_fault(request: Request, error: Exception) -> Response:

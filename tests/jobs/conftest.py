@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -137,14 +138,14 @@ def tcp_server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
 
 
 @pytest.fixture
-def worker(home: Home) -> Iterator[Callable[[], subprocess.Popen[bytes]]]:
-    """Return a function that starts a worker process on the test's home; all are killed at the end."""
+def worker(home: Home) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+    """Return a function that starts a worker process on the test's home, with changes; all are killed at the end."""
     processes: list[subprocess.Popen[bytes]] = []
 
-    def start() -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "jobs.worker"], stdin=subprocess.DEVNULL, env={**os.environ, **home.environment()}
-        )
+    def start(**changes: Any) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, **dataclasses.replace(home, **changes).environment()}
+        command = [sys.executable, "-m", "jobs.worker"]
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment)
         processes.append(process)
         return process
 

@@ -28,6 +28,11 @@ export function describeProgress(job: Job): string {
   return `${name} ${job.progress.done.toLocaleString("en")} / ${job.progress.total.toLocaleString("en")}`;
 }
 
+/** What is wrong: why the job failed, or what keeps it waiting. */
+export function describeFault(job: Job): string {
+  return job.error ?? (isFinal(job) || !job.waiting ? "" : `Goes on by itself when it can. ${job.waiting}`);
+}
+
 /** "loss 0.041 · psnr 28.3" */
 export function describeFigures(job: Job): string {
   if (job.state !== "running" || !job.progress) return "";
@@ -72,7 +77,7 @@ class JobRow {
     this.#title.title = job.capture;
     setText(this.#state, describeProgress(job));
     setText(this.#figures, describeFigures(job));
-    setText(this.#error, job.error ?? "");
+    setText(this.#error, describeFault(job));
     const running = job.state === "running";
     this.#bar.hidden = !running;
     this.#bar.setAttribute("aria-label", describeProgress(job));

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Job } from "../../src/protocol/api";
-import { describeFigures, describeProgress } from "../../src/ui/job_rows";
+import { describeFault, describeFigures, describeProgress } from "../../src/ui/job_rows";
 
 const job = (fields: Partial<Job>): Job => ({
   id: "a",
@@ -11,6 +11,7 @@ const job = (fields: Partial<Job>): Job => ({
   stage: null,
   progress: null,
   error: null,
+  waiting: null,
   scene: null,
   created: 0,
   updated: 0,
@@ -26,6 +27,17 @@ describe("describeProgress", () => {
     ["Cancelled", { state: "cancelled", stage: "train" }],
   ])("says %s", (text, fields) => {
     expect(describeProgress(job(fields))).toBe(text);
+  });
+});
+
+describe("describeFault", () => {
+  it.each<[string, Partial<Job>]>([
+    ["", {}],
+    ["the loss is not a number", { state: "failed", error: "the loss is not a number" }],
+    ["Goes on by itself when it can. the disk is full", { state: "queued", waiting: "the disk is full" }],
+    ["", { state: "cancelled", waiting: "the disk is full" }],
+  ])("says %j", (text, fields) => {
+    expect(describeFault(job(fields))).toBe(text);
   });
 });
 
