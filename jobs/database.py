@@ -97,8 +97,8 @@ def open_client(home: Home, engine: sa.Engine) -> DBOSClient:
     """Return a client that enqueues and cancels workflows without running any."""
     return DBOSClient(
         system_database_url=dbos_url(home),
-        system_database_engine=engine if engine.dialect.name == "sqlite" else None,
-        use_listen_notify=False,  # a connection less: nothing here waits for events
+        system_database_engine=engine,
+        use_listen_notify=False,  # nothing here waits for events
         serializer=DBOSPortableJSONSerializer(),
         application_name=APPLICATION,
         retry_connection_errors=False,  # an unreachable database is an error to report, not a reason to hang

@@ -35,7 +35,7 @@ WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
 LEAVE_SECONDS = 5.0  # to hand the running job over at the end
-POOL_SIZE = 4  # connections of DBOS to Postgres: one that listens, and three that come and go
+POOL_SIZE = 3  # connections of DBOS to Postgres, for its queues, its clock and the workflow
 FENCED = 3  # exit status after losing the proof of life
 
 log = logging.getLogger(__name__)
@@ -74,6 +74,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             "system_database_url": dbos_url(home),
             "system_database_engine": engine if engine.dialect.name == "sqlite" else None,
             "sys_db_pool_size": POOL_SIZE,
+            "use_listen_notify": False,  # two connections less: nothing here waits for events
             "executor_id": executor,
             "application_version": WORKFLOW_VERSION,
             "serializer": DBOSPortableJSONSerializer(),

@@ -72,17 +72,6 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     assert (after.state, after.waiting) == (JobState.CANCELLED, "")
 
 
-def test_a_full_disk_in_the_middle_of_training_costs_no_checkpoint(
-    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
-) -> None:
-    worker()
-    job_id = submit(cycles=20, behaviour="full once")
-    job = wait_for(job_id, waits, "the fault")
-    assert job.waiting == f"{client.home.run(job_id)}/checkpoint.pt: No space left on device"
-    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
-    assert cycles(client, job_id) == [*range(11), *range(10, 20)]
-
-
 def test_a_capture_that_is_not_mounted_is_waited_for(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, tmp_path: Path
 ) -> None:
