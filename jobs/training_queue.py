@@ -7,6 +7,8 @@ from typing import Any, cast
 import sqlalchemy as sa
 from dbos import DBOSClient, EnqueueOptions
 
+from jobs.stage import STAGES
+
 __all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
 
 TRAINING_QUEUE = "training"
@@ -21,9 +23,16 @@ def workflow_id(job_id: str, attempt: int) -> str:
 
 
 def enqueue(
-    queue: DBOSClient, connection: sa.Connection, job_id: str, attempt: int, *, delay: float = 0.0, waits: int = 0
+    queue: DBOSClient,
+    connection: sa.Connection,
+    job_id: str,
+    attempt: int,
+    *,
+    delay: float = 0.0,
+    waits: int = 0,
+    first: str = STAGES[0],
 ) -> None:
-    """Queue an attempt inside the caller's transaction.
+    """Queue an attempt that begins with the stage `first`, inside the caller's transaction.
 
     With a `delay`, in seconds, it is a job that was put off: it is taken no sooner, and then before all that are new.
     `waits` counts how often in a row that has happened.
@@ -36,4 +45,4 @@ def enqueue(
     }
     if delay:
         options["delay_seconds"] = delay
-    queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, attempt, waits)
+    queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, attempt, waits, first)

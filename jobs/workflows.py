@@ -61,15 +61,15 @@ class TrainingWorkflow:
             return dataclasses.asdict(await self._run_stage(stage, job_id, attempt))
 
         @DBOS.workflow(name=TRAIN_JOB, max_recovery_attempts=MAX_TAKE_OVERS)
-        async def train_job(job_id: str, attempt: int, waits: int = 0) -> None:
+        async def train_job(job_id: str, attempt: int, waits: int = 0, first: str = STAGES[0]) -> None:
             began = time.monotonic()
             self.attended.add((job_id, attempt))
             try:
                 if not await _persist(self._table.start, job_id, attempt):
                     return
-                outcome = StageOutcome()
+                outcome, stage = StageOutcome(), first
                 try:
-                    for stage in STAGES:
+                    for stage in STAGES[STAGES.index(first) :]:
                         recorded = await run_stage(stage, job_id, attempt)
                         # Workers of earlier versions recorded the error alone.
                         outcome = StageOutcome(**recorded) if isinstance(recorded, dict) else StageOutcome(recorded)
@@ -79,7 +79,7 @@ class TrainingWorkflow:
                     outcome = StageOutcome(waiting=f"the job database fails: {one_line(error.orig)}")
                 if outcome.waiting:
                     again = 0 if time.monotonic() - began > LONGEST_WAIT else waits  # it was well in between
-                    await _persist(self._put_off, job_id, attempt, outcome.waiting, again)
+                    await _persist(self._put_off, job_id, attempt, outcome.waiting, again, stage)
                 elif outcome.error:
                     await _persist(self._table.fail, job_id, attempt, outcome.error)
                 else:
@@ -113,12 +113,13 @@ class TrainingWorkflow:
         job = self._table.get(job_id)
         return "" if job is None else unreachable(self._identity, Path(job.capture))
 
-    def _put_off(self, job_id: str, attempt: int, reason: str, waits: int) -> None:
-        """Queue the job's next attempt for later, unless the job is finished or another worker has it."""
+    def _put_off(self, job_id: str, attempt: int, reason: str, waits: int, first: str) -> None:
+        """Queue the job's next attempt for later, unless the job is finished."""
         delay = min(FIRST_WAIT * 2.0**waits, LONGEST_WAIT)
         with self._engine.begin() as connection:
             if self._table.put_off(connection, job_id, attempt, reason):
-                enqueue(self._queue, connection, job_id, attempt + 1, delay=delay, waits=min(waits + 1, 10))
+                more = min(waits + 1, 10)
+                enqueue(self._queue, connection, job_id, attempt + 1, delay=delay, waits=more, first=first)
                 log.warning("%s waits for %g s: %s", job_id, delay, reason)
 
     def _finish(self, job_id: str, attempt: int) -> None:

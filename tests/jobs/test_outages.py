@@ -65,7 +65,9 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     store_is_away()
     job = wait_for(job_id, finished, "the end of the job")
     assert (job.state, job.waiting) == (JobState.SUCCEEDED, "")
-    assert cycles(client, job_id) == list(range(10))  # nothing was trained twice
+    log = (client.home.run(job_id) / "stage.log").read_text()
+    assert log.count("a library that prints to stdout") == 1  # the stages before are not even begun again
+    assert cycles(client, job_id) == list(range(10))
     assert [scene.id for scene in ArtifactStore(client.home.store_url).list_scenes()] == [job_id]
     after = client.get(younger.id)
     assert after is not None

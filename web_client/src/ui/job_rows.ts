@@ -30,7 +30,7 @@ export function describeProgress(job: Job): string {
 
 /** What is wrong: why the job failed, or what keeps it waiting. */
 export function describeFault(job: Job): string {
-  return job.error ?? (isFinal(job) || !job.waiting ? "" : `Goes on by itself when it can. ${job.waiting}`);
+  return job.error ?? (isFinal(job) || !job.waiting ? "" : `Waiting: ${job.waiting}`);
 }
 
 /** "loss 0.041 · psnr 28.3" */

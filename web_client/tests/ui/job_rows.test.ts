@@ -34,7 +34,7 @@ describe("describeFault", () => {
   it.each<[string, Partial<Job>]>([
     ["", {}],
     ["the loss is not a number", { state: "failed", error: "the loss is not a number" }],
-    ["Goes on by itself when it can. the disk is full", { state: "queued", waiting: "the disk is full" }],
+    ["Waiting: the disk is full", { state: "queued", waiting: "the disk is full" }],
     ["", { state: "cancelled", waiting: "the disk is full" }],
   ])("says %j", (text, fields) => {
     expect(describeFault(job(fields))).toBe(text);
