@@ -117,6 +117,8 @@ class Recovery:
             if workflow not in attended
         }
         late = [name for name, since in self._unattended.items() if time.monotonic() - since >= UNATTENDED]
+        for name in late:
+            del self._unattended[name]
         if late:
             log.warning("nobody works on %s: queueing again", ", ".join(late))
             self._queue_again(self._executor, late, "it was interrupted; the next free worker goes on with it")

@@ -109,6 +109,6 @@ class TestConnectionUrl:
         engine = create_engine(home)
         with engine.connect() as connection:
             query = "SELECT name, setting FROM pg_settings WHERE name IN ('tcp_keepalives_idle', 'tcp_user_timeout')"
-            settings = dict(connection.exec_driver_sql(query).tuples())
+            settings = {row.name: row.setting for row in connection.exec_driver_sql(query)}
         engine.dispose()
         assert settings == {"tcp_keepalives_idle": "5", "tcp_user_timeout": "10000"}
