@@ -43,8 +43,7 @@ def wait_until() -> Callable[[Callable[[], bool], str], None]:
 
 @pytest.fixture(autouse=True)
 def _import_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let this process and its children import the pipeline that counts."""
-    monkeypatch.syspath_prepend(MODULES)
+    """Let child processes import the pipeline that counts."""
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(MODULES), str(REPOSITORY))))
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import shutil
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+from hgs_core.run_folder import RunFolder
 from jobs import workflows
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
@@ -86,6 +86,22 @@ def test_a_capture_that_is_not_mounted_is_waited_for(
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
 
 
+def test_a_database_that_does_not_take_the_outcome_of_a_stage_is_waited_for(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    with client._engine.begin() as connection:
+        connection.exec_driver_sql(
+            "CREATE TRIGGER refuse BEFORE INSERT ON operation_outputs BEGIN SELECT RAISE(ABORT, 'refused'); END"
+        )
+    worker()
+    job_id = submit()
+    job = wait_for(job_id, waits, "the fault")
+    assert (job.state, job.waiting) == (JobState.QUEUED, "the job database fails: refused")
+    with client._engine.begin() as connection:
+        connection.exec_driver_sql("DROP TRIGGER refuse")
+    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
+
+
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
     folder = tmp_path / "disk"
@@ -117,30 +133,26 @@ class TestFullDisk:
         wait_for(job_id, lambda job: job.stage == "train" and job.done > 20, "training")
         ballast = small_disk / "ballast"
         fill(ballast)
+        wait_until_unlocked(client.home.run(job_id))
+        fill(ballast)  # with what the stage may have given back
         with pytest.raises(OSError, match="No space left"):
             submit()
         assert len(list(client.home.runs.iterdir())) == 1  # nothing half made stays
-
-        ended = client.home.run(job_id) / "run.lock"
-        wait_until_unlocked(ended)
         ballast.unlink()
         job = wait_for(job_id, finished, "the end of the job")
         assert (job.state, job.error) == (JobState.SUCCEEDED, "")
         assert sorted(set(cycles(client, job_id))) == list(range(200))
-        assert shutil.disk_usage(small_disk).free > 0
 
 
 def fill(path: Path) -> None:
-    """Write to a file until its disk is full to the last page."""
-    with path.open("wb", buffering=0) as file, contextlib.suppress(OSError):
+    """Add to a file until its disk is full to the last page."""
+    with path.open("ab", buffering=0) as file, contextlib.suppress(OSError):
         while True:
             file.write(bytes(4096))
 
 
-def wait_until_unlocked(lock: Path) -> None:
-    from hgs_core.run_folder import RunFolder
-
-    with RunFolder(lock.parent).exclusive(patience=240):
+def wait_until_unlocked(run: Path) -> None:
+    with RunFolder(run).exclusive(patience=240):
         pass
 
 
