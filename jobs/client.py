@@ -13,21 +13,18 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-import sqlalchemy as sa
-
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
 from jobs.store import Job, JobState, JobTable, Place, metadata
+from jobs.training_queue import enqueue, workflow_id
 
 if TYPE_CHECKING:
     from hgs_core.train.config import TrainConfig
 
-__all__ = ["MAX_TITLE", "TRAINING_QUEUE", "TRAIN_JOB", "JobClient", "JobConflictError", "JobRequest", "workflow_id"]
+__all__ = ["MAX_TITLE", "JobClient", "JobConflictError", "JobRequest"]
 
-TRAINING_QUEUE = "training"
-TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
 MAX_TITLE = 200  # characters
 _MAX_PATH = 4096  # characters, as Linux
 
@@ -61,21 +58,29 @@ class JobRequest:
 class JobClient:
     """A connection to the queue; it runs no job itself. Its methods block for one or two short transactions.
 
-    Creating one creates the home and the tables where they are missing. Safe to use from several threads.
+    Creating one creates the home and the tables where they are missing, and raises an InputError if the home's folder
+    is not the one that its database belongs to. Safe to use from several threads.
     """
 
     def __init__(self, home: Home) -> None:
         self.home = home
         self._engine = create_engine(home)
-        prepare_database(home, self._engine, metadata)
         self._table = JobTable(self._engine)
-        self._queue = open_client(home, self._engine)
+        try:
+            prepare_database(home, self._engine, metadata)
+            self._queue = open_client(home, self._engine)
+        except BaseException:
+            self._engine.dispose()
+            raise
 
     def submit(self, request: JobRequest) -> str:
         """Check the capture and the masks, create its run folder, queue the job and return the job's id.
 
         Raises:
-            InputError: the capture or the config is unusable; nothing was written.
+            InputError: the capture or the config is unusable.
+            OSError: the run folder cannot be written, for example because the disk is full.
+
+        Whatever is raised, nothing stays behind.
         """
         capture = request.capture.expanduser().resolve()
         require_storable("capture", str(capture), _MAX_PATH)  # a symbolic link may lead to any name
@@ -83,13 +88,13 @@ class JobClient:
         job_id = _new_id(title)
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
-        pipeline.create_run(run, capture, request.config, masks=request.masks)
         job = Job(id=job_id, title=title, capture=str(capture), config=request.config.to_json())
         try:
+            pipeline.create_run(run, capture, request.config, masks=request.masks)
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
                 self._table.insert(connection, job)
-                self._enqueue(connection, job.id, job.attempt)
+                enqueue(self._queue, connection, job.id, job.attempt)
         except BaseException:
             shutil.rmtree(run, ignore_errors=True)
             raise
@@ -138,7 +143,7 @@ class JobClient:
                 raise JobConflictError(
                     f"job {job_id} is {job.state.value}; only a failed or cancelled job can be retried"
                 )
-            self._enqueue(connection, job.id, job.attempt + 1)
+            enqueue(self._queue, connection, job.id, job.attempt + 1)
         return self._known(job_id)
 
     def close(self) -> None:
@@ -159,23 +164,6 @@ class JobClient:
         if job is None:
             raise KeyError(job_id)
         return job
-
-    def _enqueue(self, connection: sa.Connection, job_id: str, attempt: int) -> None:
-        self._queue.enqueue_in_transaction(
-            connection,
-            {
-                "queue_name": TRAINING_QUEUE,
-                "workflow_name": TRAIN_JOB,
-                "workflow_id": workflow_id(job_id, attempt),
-            },
-            job_id,
-            attempt,
-        )
-
-
-def workflow_id(job_id: str, attempt: int) -> str:
-    """Return the name of an attempt's workflow. A retry is a new workflow, so old outcomes are never rewritten."""
-    return f"{job_id}:{attempt}"
 
 
 def _one_line(text: str) -> str:

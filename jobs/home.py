@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+
+from hgs_core.base.errors import InputError
 
 __all__ = ["Home"]
 
@@ -21,6 +24,7 @@ class Home:
     database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
     store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
     pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
+    stage_silence: float = 300.0  # seconds that a stage may neither report nor compute before it is started again
 
     @classmethod
     def at(cls, folder: Path) -> Home:
@@ -30,9 +34,12 @@ class Home:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
-        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL` and `HGS_PIPELINE`.
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_STAGE_SILENCE`.
 
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
+
+        Raises:
+            InputError: the silence is not a positive number of seconds.
         """
         default = cls.at(Path(environment.get("HGS_HOME") or "~/.hgs"))
         store_url = environment.get("HGS_STORE_URL") or default.store_url
@@ -43,6 +50,7 @@ class Home:
             environment.get("HGS_DATABASE_URL") or default.database_url,
             store_url,
             environment.get("HGS_PIPELINE") or default.pipeline,
+            _seconds("HGS_STAGE_SILENCE", environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)),
         )
 
     def environment(self) -> dict[str, str]:
@@ -52,6 +60,7 @@ class Home:
             "HGS_DATABASE_URL": self.database_url,
             "HGS_STORE_URL": self.store_url,
             "HGS_PIPELINE": self.pipeline,
+            "HGS_STAGE_SILENCE": str(self.stage_silence),
         }
 
     @property
@@ -62,3 +71,13 @@ class Home:
     def run(self, job_id: str) -> Path:
         """Return the run folder of a job."""
         return self.runs / job_id
+
+
+def _seconds(name: str, text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0 < value < math.inf:
+        raise InputError(name, f"{text!r} is not a positive number of seconds")
+    return value

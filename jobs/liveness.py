@@ -20,6 +20,7 @@ from typing import Protocol
 
 import sqlalchemy as sa
 
+from jobs.database import connection_url
 from jobs.home import Home
 
 __all__ = ["FileLiveness", "Liveness", "PostgresLiveness", "open_liveness"]
@@ -36,12 +37,15 @@ class Liveness(Protocol):
     def claim_dead(self, executor: str) -> AbstractContextManager[bool]:
         """Return a context that yields whether `executor` is dead; two callers never get True at the same time."""
 
+    def suspects(self, executor: str) -> bool:
+        """Return whether `executor` was not alive when it was last looked at, but may yet prove that it is."""
+
 
 def open_liveness(home: Home) -> Liveness:
     """Return the kind that fits the database."""
     if sa.make_url(home.database_url).get_backend_name() == "sqlite":
         return FileLiveness(home.folder / "live")
-    return PostgresLiveness(home.database_url)
+    return PostgresLiveness(connection_url(home))
 
 
 class FileLiveness:
@@ -80,6 +84,10 @@ class FileLiveness:
             yield True
             path.unlink(missing_ok=True)
 
+    def suspects(self, executor: str) -> bool:
+        """Return False: the kernel leaves no doubt."""
+        return False
+
 
 class PostgresLiveness:
     """One advisory lock per worker, on a connection of its own that is tried every second.
@@ -88,15 +96,20 @@ class PostgresLiveness:
     lock again before it must end itself; others wait for `grace` seconds before they believe that it is dead.
     """
 
-    def __init__(self, url: str, *, patience: float = 20.0, grace: float = 30.0, interval: float = 1.0) -> None:
-        """Prepare to connect to `url`; all times in seconds, `patience` well below `grace`."""
+    def __init__(
+        self, url: str | sa.URL, *, patience: float = 20.0, grace: float = 30.0, interval: float = 1.0
+    ) -> None:
+        """Prepare to connect to `url`, which has short keepalives for both ends (`connection_url`).
+
+        All times in seconds, `patience` well below `grace`.
+        """
         self._patience, self._grace, self._interval = patience, grace, interval
         # Without a pool, closing a connection ends its session, and with it the lock.
         self._engine = sa.create_engine(
             sa.make_url(url).set(drivername="postgresql+psycopg"),
             poolclass=sa.NullPool,
             isolation_level="AUTOCOMMIT",
-            connect_args={"connect_timeout": 5, "keepalives_idle": 5, "keepalives_interval": 2, "keepalives_count": 3},
+            connect_args={"connect_timeout": 5},
         )
         self._first_seen_dead: dict[str, float] = {}
         self._last_proof = 0.0
@@ -124,6 +137,7 @@ class PostgresLiveness:
                 since = self._first_seen_dead.setdefault(executor, _now())
                 if _now() - since >= self._grace:
                     yield True
+                    self._first_seen_dead.pop(executor, None)
                     return
             finally:
                 # The server ends a closed session only a little later; say it, so that the lock is free at once.
@@ -131,6 +145,10 @@ class PostgresLiveness:
                     connection.execute(sa.select(sa.func.pg_advisory_unlock(_key(executor))))
         # The lock is free again here, so that a worker that only lost its connection can take it.
         yield False
+
+    def suspects(self, executor: str) -> bool:
+        """Return whether the lock of `executor` was free when it was last looked at, but not for `grace` seconds."""
+        return executor in self._first_seen_dead
 
     def _take(self, executor: str) -> sa.Connection | None:
         """Return a connection that holds the lock of `executor`, or None if another has it."""

@@ -3,17 +3,19 @@
 A process of its own frees its memory (also on the GPU) when it ends and can be killed. It speaks with the worker that
 started it by plain means:
 
-- stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second, `{"error"}` before it fails;
+- stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second; before it fails `{"error"}`, or
+  `{"waiting"}` if the fault is one that passes: of the store, a disk or a mount;
 - stderr: whatever the libraries print, and the traceback of a failure;
 - stdin: nothing is read, but when it closes the worker is gone, and the process ends at once;
 - SIGTERM: the stage saves what it can resume from and stops.
 
-Exit status: 0 done, 1 failed, 2 bad input, 70 the worker is gone, 75 stopped.
+Exit status: 0 done, 1 failed, 2 bad input, 69 try again later, 70 the worker is gone, 75 stopped.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib
 import json
 import os
@@ -29,12 +31,13 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
+from jobs.transient_faults import reason_to_wait
 
 __all__ = ["STAGES", "main"]
 
 STAGES = ("initialise", "train", "encode", "publish")
 
-DONE, FAILED, BAD_INPUT, ORPHANED, STOPPED = 0, 1, 2, 70, 75  # exit status; 70 and 75 as in sysexits.h
+DONE, FAILED, BAD_INPUT, LATER, ORPHANED, STOPPED = 0, 1, 2, 69, 70, 75  # exit status; from 69 on as in sysexits.h
 REPORT_INTERVAL = 0.5  # seconds between two progress lines
 LOCK_WAIT = 60.0  # seconds to wait for an earlier process of the same run to end
 
@@ -51,19 +54,34 @@ def main(arguments: list[str] | None = None) -> int:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     report = _claim_stdout()
     try:
-        with RunFolder(options.run).exclusive(patience=LOCK_WAIT):
+        with contextlib.ExitStack() as held:
+            try:
+                held.enter_context(RunFolder(options.run).exclusive(patience=LOCK_WAIT))
+            except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
+                _send(report, {"waiting": str(error)})
+                return LATER
             _run(options.stage, options.run, Home.from_environment(), _throttled(report, stop))
     except StageStopped:
         return STOPPED
-    except InputError as error:
+    except Exception as error:
+        return _explain(error, report)
+    return DONE
+
+
+def _explain(error: Exception, report: IO[str]) -> int:
+    """Tell the worker in one line why the stage failed, and return the exit status."""
+    reason = reason_to_wait(error)
+    if reason:
+        _send(report, {"waiting": reason})
+    elif isinstance(error, InputError):
         _send(report, {"error": str(error)})
         return BAD_INPUT
-    except Exception as error:
-        traceback.print_exc()
+    else:
         summary = " ".join(str(error).split()) or "no message"
         _send(report, {"error": f"{type(error).__name__}: {summary}"})
-        return FAILED
-    return DONE
+    with contextlib.suppress(OSError):  # the log may lie on the disk that is full
+        traceback.print_exception(error)
+    return LATER if reason else FAILED
 
 
 def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import logging
 import os
 import signal
 import sys
@@ -14,11 +15,14 @@ from pathlib import Path
 
 from hgs_core.base.progress import Progress
 from jobs.home import Home
+from jobs.stage_silence import Silence
 
 __all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]
 
 GRACE = 10.0  # seconds between SIGTERM and SIGKILL: time to write a checkpoint
 LINE_LIMIT = 1 << 20  # bytes of the longest line a stage may print
+
+log = logging.getLogger(__name__)
 
 
 class OwnershipLost(Exception):  # noqa: N818 - not an error of the stage
@@ -27,15 +31,17 @@ class OwnershipLost(Exception):  # noqa: N818 - not an error of the stage
 
 @dataclass(frozen=True)
 class StageOutcome:
-    """How a stage ended: `error` is one line, empty on success; `killed` if a signal ended it and not its own code."""
+    """How a stage ended: `error` and `waiting` are one line each, and empty on success."""
 
     error: str = ""
-    killed: bool = False
+    waiting: str = ""  # the fault passes: the stage shall be run again later
+    killed: bool = False  # a signal ended it and not its own code
 
 
 @dataclass
 class _Running:
     process: asyncio.subprocess.Process
+    silence: Silence
     lost: bool = False
 
 
@@ -69,9 +75,11 @@ class StageRunner:
                 env={**os.environ, **self.home.environment()},
                 limit=LINE_LIMIT,
             )
-        running = self._running[workflow] = _Running(process)
+        silence = Silence(process.pid, self.home.stage_silence)
+        running = self._running[workflow] = _Running(process, silence)
+        watch = asyncio.create_task(_end_if_silent(running, stage))
         try:
-            error = await _relay(process, on_progress)
+            said = await _relay(running, on_progress)
             status = await process.wait()
         except asyncio.CancelledError:
             _signal(process, signal.SIGTERM)
@@ -79,13 +87,14 @@ class StageRunner:
                 await asyncio.wait_for(process.wait(), GRACE)
             raise
         finally:
+            watch.cancel()
             _signal(process, signal.SIGKILL)
             await process.wait()
             del self._running[workflow]
         await self._unless_stopping()
         if running.lost:
             raise OwnershipLost(workflow)
-        return _outcome(stage, status, error)
+        return _outcome(stage, status, said, silent=silence.over)
 
     async def _unless_stopping(self) -> None:
         """Never return once the worker is about to exit: an outcome would be recorded, where another shall resume."""
@@ -116,24 +125,36 @@ class StageRunner:
             _signal(running.process, signal.SIGKILL)
 
 
-async def _relay(process: asyncio.subprocess.Process, on_progress: Callable[[Progress], Awaitable[None]]) -> str:
-    """Pass on progress until stdout ends; return the error that the stage named, if any."""
-    assert process.stdout is not None
-    error = ""
-    async for line in process.stdout:
+async def _relay(running: _Running, on_progress: Callable[[Progress], Awaitable[None]]) -> StageOutcome:
+    """Pass on progress until stdout ends; return what the stage said of its failure, if anything."""
+    assert running.process.stdout is not None
+    said = StageOutcome()
+    async for line in running.process.stdout:
+        running.silence.broken()
         message = json.loads(line)
-        if "error" in message:
-            error = message["error"]
-        else:
+        if "stage" in message:
             await on_progress(Progress(message["stage"], message["done"], message["total"], message["figures"]))
-    return error
+        else:
+            said = StageOutcome(message.get("error", ""), message.get("waiting", ""))
+    return said
 
 
-def _outcome(stage: str, status: int, error: str) -> StageOutcome:
+async def _end_if_silent(running: _Running, stage: str) -> None:
+    """Kill a stage that hangs; it is then run again as one that another signal ended."""
+    while not running.silence.over:
+        await asyncio.sleep(running.silence.interval)
+        running.silence.look()
+    log.warning("%s in process %d neither reports nor computes: killing it", stage, running.process.pid)
+    _signal(running.process, signal.SIGKILL)
+
+
+def _outcome(stage: str, status: int, said: StageOutcome, *, silent: bool) -> StageOutcome:
     if status == 0:
         return StageOutcome()
-    if error:
-        return StageOutcome(error)
+    if said.error or said.waiting:
+        return said
+    if silent:
+        return StageOutcome(f"{stage}: hung: it neither reported nor computed, and was killed", killed=True)
     if status < 0:
         name = signal.Signals(-status).name
         hint = " (out of memory?)" if -status == signal.SIGKILL else ""

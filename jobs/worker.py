@@ -12,17 +12,20 @@ import subprocess
 import sys
 import threading
 import time
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from dbos import DBOS, DBOSPortableJSONSerializer
 
-from jobs.client import TRAINING_QUEUE, workflow_id
-from jobs.database import APPLICATION, create_engine, open_client, prepare_database
+from hgs_core.base.errors import InputError
+from jobs.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
 from jobs.home import Home
-from jobs.liveness import Liveness, open_liveness
+from jobs.home_identity import HomeIdentity
+from jobs.liveness import open_liveness
+from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
-from jobs.workflows import MAX_TAKE_OVERS, register_workflows
+from jobs.training_queue import TRAINING_QUEUE
+from jobs.workflows import TrainingWorkflow
 
 __all__ = ["main", "run_worker", "start_worker"]
 
@@ -31,6 +34,8 @@ __all__ = ["main", "run_worker", "start_worker"]
 WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
+LEAVE_SECONDS = 5.0  # to hand the running job over at the end
+POOL_SIZE = 3  # connections of DBOS to Postgres, for its queues, its clock and the workflow
 FENCED = 3  # exit status after losing the proof of life
 
 log = logging.getLogger(__name__)
@@ -40,6 +45,9 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     """Work until SIGTERM or SIGINT, then let the running stage save and leave the rest to another worker.
 
     One worker runs one job at a time; start one per GPU, or one per machine without.
+
+    Raises:
+        InputError: the home's folder is not the one that its database belongs to.
 
     Args:
         home: where the queue, the runs and the store are.
@@ -52,21 +60,21 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
         threading.Thread(target=_await_end_of_stdin, args=(stop,), daemon=True).start()
 
     engine = create_engine(home)
-    prepare_database(home, engine, metadata)
+    identity = prepare_database(home, engine, metadata)
     queue = open_client(home, engine)
     queue.register_queue(TRAINING_QUEUE, worker_concurrency=1, polling_interval_sec=POLL_INTERVAL)
-    queue.destroy()
-    table = JobTable(engine)
     stages = StageRunner(home)
     executor = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(4)}"
     liveness = open_liveness(home)
     liveness.hold(executor, on_lost=lambda: _fence(stages))
 
-    DBOS(
+    dbos = DBOS(
         config={
             "name": APPLICATION,
-            "system_database_url": home.database_url,
+            "system_database_url": dbos_url(home),
             "system_database_engine": engine if engine.dialect.name == "sqlite" else None,
+            "sys_db_pool_size": POOL_SIZE,
+            "use_listen_notify": False,  # two connections less: nothing here waits for events
             "executor_id": executor,
             "application_version": WORKFLOW_VERSION,
             "serializer": DBOSPortableJSONSerializer(),
@@ -74,26 +82,71 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             "log_level": "WARNING",
         }
     )
-    register_workflows(home, table, stages)
+    workflow = TrainingWorkflow(home, identity, engine, queue, stages)
+    workflow.register()
+    recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended)
+    gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
     DBOS.listen_queues([TRAINING_QUEUE])
     DBOS.launch()
     log.info("worker %s is ready", executor)
 
     while not stop.is_set():
         try:
-            _give_up_lost(stages, executor)
-            _take_over_dead(liveness, executor)
-            _settle(table)
+            recovery.give_up_lost()
+            recovery.keep_alive()
+            gate.close_for(_refusal(identity, doubtful=recovery.take_over()))
+            recovery.settle()
         except Exception:
             log.exception("will look after the other workers again in %g s", ROUND_INTERVAL)
         stop.wait(ROUND_INTERVAL)
 
+    gate.close_for("stopping")
     stages.stop()
     deadline = time.monotonic() + GRACE
     while stages.workflows() and time.monotonic() < deadline:
         time.sleep(0.05)
     stages.kill()
-    os._exit(0)  # the workflow stays unfinished under this executor's name, for another worker to find
+    _leave(recovery)
+    os._exit(0)  # the workflow stays unfinished: now queued, or under this executor's name, for another worker to find
+
+
+class _Gate:
+    """Keeps this worker from taking jobs while there is a reason, as there is at first."""
+
+    def __init__(self, dbos: DBOS) -> None:
+        self._running = dbos._active_workflows_set
+        self._reason = "starting"
+        self._entry: Any = self._occupy()
+
+    def close_for(self, reason: str) -> None:
+        """Close for this reason, or open if it is empty."""
+        if reason and reason != self._reason:
+            log.warning("takes no job: %s", reason)
+        self._reason = reason
+        if reason and self._entry is None:
+            self._entry = self._occupy()
+        elif not reason and self._entry is not None:
+            self._entry.release()
+            self._entry = None
+
+    def _occupy(self) -> Any:
+        """Count as one more running workflow, so that DBOS finds this worker busy: it has no other gate."""
+        return self._running.add("no workflow", TRAINING_QUEUE)
+
+
+def _refusal(identity: HomeIdentity, *, doubtful: bool) -> str:
+    """Return why this worker must not take a job now; "" if it may."""
+    mismatch = identity.mismatch()
+    if mismatch is not None:
+        return str(mismatch)
+    return "another worker seems to have died, and its job comes before younger ones" if doubtful else ""
+
+
+def _leave(recovery: Recovery) -> None:
+    """Hand over what this worker worked on, unless the database keeps it waiting."""
+    thread = threading.Thread(target=recovery.leave, daemon=True)
+    thread.start()
+    thread.join(LEAVE_SECONDS)
 
 
 def start_worker(home: Home) -> subprocess.Popen[bytes]:
@@ -104,42 +157,6 @@ def start_worker(home: Home) -> subprocess.Popen[bytes]:
         start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends its workers in order
         env={**os.environ, **home.environment()},
     )
-
-
-def _give_up_lost(stages: StageRunner, executor: str) -> None:
-    """Kill the stages of workflows that another worker has taken over."""
-    running = stages.workflows()  # before the query: what was started later is not judged by older news
-    if running:
-        for workflow in DBOS.list_workflows(workflow_ids=running, load_input=False, load_output=False):
-            ours = workflow.status == "PENDING" and workflow.executor_id == executor
-            if workflow.status in ("PENDING", "ENQUEUED") and not ours:
-                log.warning("%s now belongs to another worker", workflow.workflow_id)
-                stages.abandon(workflow.workflow_id)
-
-
-def _take_over_dead(liveness: Liveness, executor: str) -> None:
-    """Queue the unfinished workflows of dead workers again."""
-    unfinished = DBOS.list_workflows(status="PENDING", load_input=False, load_output=False)
-    for other in {workflow.executor_id for workflow in unfinished if workflow.executor_id} - {executor}:
-        with liveness.claim_dead(other) as dead:
-            if dead:
-                recovered = DBOS._recover_pending_workflows([other])
-                log.warning("worker %s is dead; queued %d of its workflows again", other, len(recovered))
-
-
-def _settle(table: JobTable) -> None:
-    """Bring in line the rows of jobs whose workflow ended without a word, because its process died at that moment."""
-    jobs = {workflow_id(job.id, job.attempt): job for job in table.active()}
-    if not jobs:
-        return
-    for workflow in DBOS.list_workflows(workflow_ids=list(jobs), load_input=False):
-        job = jobs[workflow.workflow_id]
-        if workflow.status == "CANCELLED":
-            table.cancel(job.id, job.attempt)
-        elif workflow.status == "ERROR":
-            table.fail(job.id, job.attempt, f"internal error: {workflow.error}")
-        elif workflow.status == "MAX_RECOVERY_ATTEMPTS_EXCEEDED":
-            table.fail(job.id, job.attempt, f"given up: {MAX_TAKE_OVERS} workers died while they ran this job")
 
 
 def _fence(stages: StageRunner) -> NoReturn:
@@ -161,7 +178,10 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--exit-with-parent", action="store_true", help="stop when stdin closes")
     options = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
-    run_worker(Home.from_environment(), exit_with_parent=options.exit_with_parent)
+    try:
+        run_worker(Home.from_environment(), exit_with_parent=options.exit_with_parent)
+    except InputError as error:
+        sys.exit(f"hgs worker: {error}")
 
 
 if __name__ == "__main__":

@@ -3,65 +3,142 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import logging
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
 
-from dbos import DBOS
+import sqlalchemy as sa
+from dbos import DBOS, DBOSClient
 
 from hgs_core.base.progress import Progress
 from jobs.artifacts import ArtifactStore
-from jobs.client import TRAIN_JOB, workflow_id
 from jobs.home import Home
+from jobs.home_identity import HomeIdentity
 from jobs.stage import STAGES
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.training_queue import TRAIN_JOB, enqueue, workflow_id
+from jobs.transient_faults import one_line, reason_to_wait, unreachable
 
-__all__ = ["MAX_TAKE_OVERS", "register_workflows"]
+__all__ = ["MAX_TAKE_OVERS", "TrainingWorkflow"]
 
 MAX_TAKE_OVERS = 20  # workers that may die under one attempt before it is given up
 STAGE_TRIES = 3  # times that a stage is started again after a signal ended it
+FIRST_WAIT, LONGEST_WAIT = 5.0, 300.0  # seconds that a job is put off for when a fault passes: doubled each time
 
 log = logging.getLogger(__name__)
 
+Result = TypeVar("Result")
 
-def register_workflows(home: Home, table: JobTable, stages: StageRunner) -> None:
-    """Tell DBOS about the workflow; call once per process, before DBOS is launched."""
 
-    @DBOS.step(name="run_stage", preemptible=True)
-    async def run_stage(stage: str, job_id: str, attempt: int) -> str:
-        """Run a stage and return its error, empty on success.
+class TrainingWorkflow:
+    """The workflow as one worker runs it."""
 
-        The error is returned and not raised: DBOS records a step's outcome only while this worker owns the workflow,
-        so a worker that was given up for dead learns it here, before it touches the job's row.
-        """
+    def __init__(
+        self, home: Home, identity: HomeIdentity, engine: sa.Engine, queue: DBOSClient, stages: StageRunner
+    ) -> None:
+        self.attended: set[tuple[str, int]] = set()  # the attempts that this process works on, as (job id, attempt)
+        self._home = home
+        self._identity = identity
+        self._engine = engine
+        self._table = JobTable(engine)
+        self._queue = queue
+        self._stages = stages
 
+    def register(self) -> None:
+        """Tell DBOS about the workflow; call once per process, before DBOS is launched."""
+
+        @DBOS.step(name="run_stage", preemptible=True)
+        async def run_stage(stage: str, job_id: str, attempt: int) -> dict[str, Any]:
+            """Run a stage and return its outcome.
+
+            Errors are returned and not raised: DBOS records a step's outcome only while this worker owns the workflow,
+            so a worker that was given up for dead learns it here, before it touches the job's row.
+            """
+            return dataclasses.asdict(await self._run_stage(stage, job_id, attempt))
+
+        @DBOS.workflow(name=TRAIN_JOB, max_recovery_attempts=MAX_TAKE_OVERS)
+        async def train_job(job_id: str, attempt: int, waits: int = 0, first: str = STAGES[0]) -> None:
+            began = time.monotonic()
+            self.attended.add((job_id, attempt))
+            try:
+                if not await _persist(self._table.start, job_id, attempt):
+                    return
+                outcome, stage = StageOutcome(), first
+                try:
+                    for stage in STAGES[STAGES.index(first) :]:
+                        recorded = await run_stage(stage, job_id, attempt)
+                        # Workers of earlier versions recorded the error alone.
+                        outcome = StageOutcome(**recorded) if isinstance(recorded, dict) else StageOutcome(recorded)
+                        if outcome != StageOutcome():
+                            break
+                except sa.exc.DBAPIError as error:  # the outcome of a stage could not be recorded
+                    outcome = StageOutcome(waiting=f"the job database fails: {one_line(error.orig)}")
+                if outcome.waiting:
+                    again = 0 if time.monotonic() - began > LONGEST_WAIT else waits  # it was well in between
+                    await _persist(self._put_off, job_id, attempt, outcome.waiting, again, stage)
+                elif outcome.error:
+                    await _persist(self._table.fail, job_id, attempt, outcome.error)
+                else:
+                    await _persist(self._finish, job_id, attempt)
+            finally:
+                self.attended.discard((job_id, attempt))
+
+    async def _run_stage(self, stage: str, job_id: str, attempt: int) -> StageOutcome:
         async def on_progress(progress: Progress) -> None:
             try:
-                await asyncio.to_thread(table.progress, job_id, attempt, progress)
+                await asyncio.to_thread(self._table.progress, job_id, attempt, progress)
             except Exception as error:
-                log.warning("progress of %s was not written: %s", job_id, error)
+                log.warning("progress of %s was not written: %s", job_id, one_line(error))
 
         await on_progress(Progress(stage, 0, 1))
         outcome = StageOutcome()
         for _ in range(STAGE_TRIES):
-            outcome = await stages.run(workflow_id(job_id, attempt), stage, home.run(job_id), on_progress)
+            try:
+                run = self._home.run(job_id)
+                outcome = await self._stages.run(workflow_id(job_id, attempt), stage, run, on_progress)
+            except OSError as error:  # it could not even be started
+                outcome = StageOutcome(one_line(error), reason_to_wait(error))
             if not outcome.killed:
                 break
-        return outcome.error
+        if outcome.error and not outcome.waiting:
+            reason = await _persist(self._unreachable, job_id)
+            outcome = dataclasses.replace(outcome, waiting=reason)
+        return outcome
 
-    @DBOS.workflow(name=TRAIN_JOB, max_recovery_attempts=MAX_TAKE_OVERS)
-    async def train_job(job_id: str, attempt: int) -> None:
-        if not await asyncio.to_thread(table.start, job_id, attempt):
-            return
-        for stage in STAGES:
-            error = await run_stage(stage, job_id, attempt)
-            if error:
-                await asyncio.to_thread(table.fail, job_id, attempt, error)
-                return
-        await asyncio.to_thread(finish, job_id, attempt)
+    def _unreachable(self, job_id: str) -> str:
+        job = self._table.get(job_id)
+        return "" if job is None else unreachable(self._identity, Path(job.capture))
 
-    def finish(job_id: str, attempt: int) -> None:
-        if not table.succeed(job_id, attempt, job_id):
-            job = table.get(job_id)
+    def _put_off(self, job_id: str, attempt: int, reason: str, waits: int, first: str) -> None:
+        """Queue the job's next attempt for later, unless the job is finished."""
+        delay = min(FIRST_WAIT * 2.0**waits, LONGEST_WAIT)
+        with self._engine.begin() as connection:
+            if self._table.put_off(connection, job_id, attempt, reason):
+                more = min(waits + 1, 10)
+                enqueue(self._queue, connection, job_id, attempt + 1, delay=delay, waits=more, first=first)
+                log.warning("%s waits for %g s: %s", job_id, delay, reason)
+
+    def _finish(self, job_id: str, attempt: int) -> None:
+        if not self._table.succeed(job_id, attempt, job_id):
+            job = self._table.get(job_id)
             if job is not None and job.state is JobState.CANCELLED:
                 # Cancelled between the publication and now: what a cancelled job made is not shown.
-                ArtifactStore(home.store_url).remove_scene(job_id)
+                ArtifactStore(self._home.store_url).remove_scene(job_id)
+
+
+async def _persist(write: Callable[..., Result], *arguments: Any) -> Result:
+    """Call `write` in a thread, again and again until the database (or the store) takes it."""
+    wait = 1.0
+    while True:
+        try:
+            return await asyncio.to_thread(write, *arguments)
+        except Exception as error:
+            if not isinstance(error, sa.exc.DBAPIError) and not reason_to_wait(error):
+                raise
+            log.warning("will try again in %g s: %s", wait, one_line(error))
+        await asyncio.sleep(wait)
+        wait = min(2 * wait, 30.0)

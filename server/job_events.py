@@ -41,6 +41,7 @@ def describe_job(job: Job) -> dict[str, Any]:
         "stage": job.stage or None,
         "progress": progress if job.stage else None,
         "error": job.error or None,
+        "waiting": job.waiting or None,
         "scene": job.scene_id or None,
         "created": job.created,
         "updated": job.updated,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import logging
 from http import HTTPStatus
@@ -75,6 +76,14 @@ def install_problem_handlers(app: FastAPI) -> None:
     @app.exception_handler(ClientDisconnect)
     def on_disconnect(request: Request, error: ClientDisconnect) -> Response:
         return Response(status_code=400)  # nobody is there to read it
+
+    @app.exception_handler(OSError)
+    def on_storage(request: Request, error: OSError) -> Response:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise error
+        log.error("cannot write: %s", error)
+        detail = "the server's disk is full; nothing was written; try again when there is room"
+        return problem_response(request, ProblemError(507, "storage-full", detail, headers={"Retry-After": "30"}))
 
     @app.exception_handler(Exception)
     def on_fault(request: Request, error: Exception) -> Response:

@@ -6,11 +6,18 @@ import dataclasses
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import, and the pipelines that they name
+
+from postgres_server import PostgresServer, missing_program
 
 from hgs_core.train.config import TrainConfig
 from jobs.client import JobClient, JobRequest
@@ -36,8 +43,7 @@ def wait_until() -> Callable[[Callable[[], bool], str], None]:
 
 @pytest.fixture(autouse=True)
 def _import_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let this process and its children import the pipeline that counts."""
-    monkeypatch.syspath_prepend(MODULES)
+    """Let child processes import the pipeline that counts."""
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(MODULES), str(REPOSITORY))))
 
 
@@ -101,15 +107,44 @@ def wait_for(client: JobClient) -> Callable[[str, Callable[[Job], bool], str], J
     return wait_for
 
 
+@pytest.fixture(scope="session")
+def postgres() -> Iterator[Callable[[str], PostgresServer]]:
+    """Return a function that starts a Postgres server; at the given address, if it is not empty."""
+    if missing := missing_program():
+        pytest.skip(missing)
+    with ExitStack() as stack:
+
+        def start(address: str) -> PostgresServer:
+            folder = tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True)
+            server = PostgresServer(Path(stack.enter_context(folder)), address)
+            stack.callback(server.stop)
+            server.start()
+            return server
+
+        yield start
+
+
+@pytest.fixture(scope="session")
+def server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
+    """A Postgres server on a Unix socket."""
+    return postgres("")
+
+
+@pytest.fixture(scope="session")
+def tcp_server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
+    """A Postgres server on a TCP port of this machine."""
+    return postgres("127.0.0.1")
+
+
 @pytest.fixture
-def worker(home: Home) -> Iterator[Callable[[], subprocess.Popen[bytes]]]:
-    """Return a function that starts a worker process on the test's home; all are killed at the end."""
+def worker(home: Home) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+    """Return a function that starts a worker process on the test's home, with changes; all are killed at the end."""
     processes: list[subprocess.Popen[bytes]] = []
 
-    def start() -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "jobs.worker"], stdin=subprocess.DEVNULL, env={**os.environ, **home.environment()}
-        )
+    def start(**changes: Any) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, **dataclasses.replace(home, **changes).environment()}
+        command = [sys.executable, "-m", "jobs.worker"]
+        process = subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment)
         processes.append(process)
         return process
 

@@ -89,7 +89,7 @@ def test_a_job_that_cannot_be_queued_leaves_nothing(
     def refuse(*_: object) -> None:
         raise OSError("the disk is full")
 
-    monkeypatch.setattr(client, "_enqueue", refuse)
+    monkeypatch.setattr("jobs.client.enqueue", refuse)
     with pytest.raises(OSError, match="the disk is full"):
         submit()
     assert client.list() == []

@@ -2,6 +2,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
+from hgs_core.base.errors import InputError
 from jobs.home import Home
 
 
@@ -28,6 +31,13 @@ def test_empty_variables_count_as_absent(tmp_path: Path) -> None:
     assert Home.from_environment({"HGS_HOME": "", "HGS_STORE_URL": ""}) == Home.at(Path("~/.hgs"))
 
 
+def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
+    assert Home.from_environment({"HGS_STAGE_SILENCE": "90"}).stage_silence == 90
+    for wrong in ("0", "-1", "nan", "inf", "soon"):
+        with pytest.raises(InputError, match=f"HGS_STAGE_SILENCE: '{wrong}' is not a positive number of seconds"):
+            Home.from_environment({"HGS_STAGE_SILENCE": wrong})
+
+
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline")
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", 90.0)
     assert Home.from_environment(home.environment()) == home

@@ -59,7 +59,12 @@ def test_another_worker_resumes_from_the_checkpoint(
     first.send_signal(signal.SIGKILL)
     first.wait()
     if other is None:
+        younger = submit(cycles=1)
         worker()
+        wait_for(younger, finished, "the end of the younger job")
+        resumed = client.get(job_id)
+        assert resumed is not None
+        assert resumed.state.finished  # the interrupted one came first
 
     job = wait_for(job_id, finished, "the end of the job")
     assert (job.state, job.error, job.attempt) == (JobState.SUCCEEDED, "", 1)

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-import shutil
-import signal
 import subprocess
-import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
+from postgres_server import PostgresServer
 
 from hgs_core.base.progress import Progress
 from jobs.client import JobClient
@@ -26,73 +23,6 @@ from jobs.store import Job, JobState, JobTable, Place
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
 Poll = Callable[[Callable[[], bool], str], None]
-
-
-class PostgresServer:
-    """A Postgres server of our own, on a Unix socket alone, as a user that may run it."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self._user = "nobody" if os.geteuid() == 0 else None
-        if self._user:
-            shutil.chown(folder, self._user)
-        data = folder / "data"
-        initdb = ["initdb", "--no-sync", "--auth=trust", "--username=hgs", f"--pgdata={data}"]
-        subprocess.run(initdb, check=True, user=self._user, cwd=folder, stdout=subprocess.DEVNULL)
-        self._process: subprocess.Popen[bytes] | None = None
-        self._databases = 0
-
-    def start(self) -> None:
-        data, socket = self._folder / "data", self._folder
-        command = ["postgres", "-D", str(data), "-k", str(socket), "-c", "listen_addresses=", "-c", "fsync=off"]
-        with (self._folder / "server.log").open("ab") as log:
-            self._process = subprocess.Popen(command, user=self._user, cwd=self._folder, stdout=log, stderr=log)
-        deadline = time.monotonic() + 60
-        while not self._answers():
-            assert self._process.poll() is None, "the server ended"
-            assert time.monotonic() < deadline, "the server does not answer"
-            time.sleep(0.05)
-
-    def stop(self) -> None:
-        """Drop all connections and end."""
-        if self._process is not None:
-            self._process.send_signal(signal.SIGINT)  # "fast" shutdown
-            self._process.wait(60)
-            self._process = None
-
-    def url(self, database: str) -> str:
-        return f"postgresql://hgs@/{database}?host={self._folder}"
-
-    def new_database(self) -> str:
-        """Create an empty database and return its URL."""
-        self._databases += 1
-        name = f"test_{self._databases}"
-        self._execute(f"CREATE DATABASE {name}")
-        return self.url(name)
-
-    def _answers(self) -> bool:
-        try:
-            self._execute("SELECT 1")
-        except sa.exc.OperationalError:
-            return False
-        return True
-
-    def _execute(self, statement: str) -> None:
-        url = sa.make_url(self.url("postgres")).set(drivername="postgresql+psycopg")
-        engine = sa.create_engine(url, isolation_level="AUTOCOMMIT", poolclass=sa.NullPool)
-        with engine.connect() as connection:
-            connection.exec_driver_sql(statement)
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[PostgresServer]:
-    if shutil.which("initdb") is None or shutil.which("postgres") is None:
-        pytest.skip("initdb and postgres are not on PATH: install PostgreSQL to run these tests")
-    with tempfile.TemporaryDirectory(prefix="hgs-postgres-", ignore_cleanup_errors=True) as folder:
-        server = PostgresServer(Path(folder))
-        server.start()
-        yield server
-        server.stop()
 
 
 @pytest.fixture
@@ -195,6 +125,22 @@ def test_another_worker_takes_over_after_kill_9(
     assert after[0] in (before - before % 5, before + 1 - (before + 1) % 5)
 
 
+@pytest.mark.slow
+def test_an_interrupted_job_comes_before_younger_ones(
+    home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
+) -> None:
+    job_id, younger = submit(cycles=150), submit(cycles=3)
+    first = worker()
+    wait_until(lambda: len(cycles(home.run(job_id))) >= 12, "twelve cycles")
+    first.kill()
+    first.wait()
+    worker()  # long before the first can be taken for dead
+    waiting = wait_for(job_id, lambda job: job.state is JobState.QUEUED, "the end of the grace")
+    assert waiting.waiting == "its worker died; the next free one goes on with it"
+    wait_for(younger, lambda job: job.state is not JobState.QUEUED, "the start of the younger job")
+    assert wait_for(job_id, lambda job: True, "the first job").state is JobState.SUCCEEDED
+
+
 class TestLiveness:
     def is_dead(self, liveness: PostgresLiveness, executor: str) -> bool:
         with liveness.claim_dead(executor) as dead:
@@ -204,6 +150,14 @@ class TestLiveness:
         liveness = PostgresLiveness(home.database_url, grace=0.3)
         assert not self.is_dead(liveness, "other")
         wait_until(lambda: self.is_dead(liveness, "other"), "the end of the grace")
+
+    def test_until_then_it_is_suspected(self, home: Home, wait_until: Poll) -> None:
+        liveness = PostgresLiveness(home.database_url, grace=0.3)
+        assert not liveness.suspects("other")
+        self.is_dead(liveness, "other")
+        assert liveness.suspects("other")
+        wait_until(lambda: self.is_dead(liveness, "other"), "the end of the grace")
+        assert not liveness.suspects("other")
 
     def test_a_worker_that_holds_its_lock_is_alive(self, home: Home) -> None:
         PostgresLiveness(home.database_url).hold("other", lambda: None)

@@ -1,58 +1,38 @@
-"""The artifact store on an object store: moto's S3 server, where it is installed."""
+"""The artifact store on an object store."""
 
 from __future__ import annotations
 
-import shutil
-import socket
+import dataclasses
 import subprocess
-import time
-import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from s3_server import S3Server, missing_program
 
 from jobs.artifacts import ArtifactStore
+from jobs.client import JobClient
+from jobs.home import Home
+from jobs.store import Job, JobState
+
+
+def new_server() -> S3Server:
+    if missing := missing_program():
+        pytest.skip(missing)
+    return S3Server()
 
 
 @pytest.fixture(scope="module")
-def endpoint() -> Iterator[str]:
-    """Return the address of an S3 server with a bucket named "bucket"."""
-    command = shutil.which("moto_server")
-    if command is None:
-        pytest.skip("moto_server is not on PATH: pip install 'moto[server]' to run these tests")
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    quiet = subprocess.DEVNULL
-    process = subprocess.Popen([command, "-H", "127.0.0.1", "-p", str(port)], stdout=quiet, stderr=quiet)
-    try:
-        address = f"http://127.0.0.1:{port}"
-        bucket = urllib.request.Request(f"{address}/bucket", method="PUT")
-        deadline = time.monotonic() + 60
-        while True:
-            try:
-                urllib.request.urlopen(bucket).close()
-                break
-            except OSError:
-                assert time.monotonic() < deadline, "the S3 server does not answer"
-                time.sleep(0.05)
-        yield address
-    finally:
-        process.kill()
-        process.wait()
+def server() -> Iterator[S3Server]:
+    server = new_server()
+    server.start()
+    yield server
+    server.stop()
 
 
 @pytest.fixture
-def store(endpoint: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ArtifactStore:
-    settings = {
-        "AWS_ENDPOINT": endpoint,
-        "AWS_ALLOW_HTTP": "true",
-        "AWS_REGION": "us-east-1",
-        "AWS_ACCESS_KEY_ID": "test",
-        "AWS_SECRET_ACCESS_KEY": "test",
-    }
-    for name, value in settings.items():
+def store(server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ArtifactStore:
+    for name, value in server.settings.items():
         monkeypatch.setenv(name, value)
     return ArtifactStore(f"s3://bucket/{tmp_path.name}")
 
@@ -96,3 +76,37 @@ def test_unknown_names_are_none(store: ArtifactStore) -> None:
     assert store.manifest("nobody") is None
     assert store.thumbnail("nobody") is None
     assert store.chunk("0" * 64) is None
+
+
+class TestOutage:
+    """The store refuses connections for a while."""
+
+    @pytest.fixture
+    def server(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
+        server = new_server()
+        for name, value in server.settings.items():
+            monkeypatch.setenv(name, value)
+        yield server
+        server.stop()
+
+    @pytest.fixture
+    def home(self, tmp_path: Path, pipeline: str, server: S3Server) -> Home:
+        return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=pipeline, store_url="s3://bucket/hgs")
+
+    def test_the_job_waits_and_is_published_afterwards(
+        self,
+        server: S3Server,
+        client: JobClient,
+        submit: Callable[..., str],
+        worker: Callable[[], subprocess.Popen[bytes]],
+        wait_for: Callable[[str, Callable[[Job], bool], str], Job],
+    ) -> None:
+        worker()
+        job_id = submit()
+        job = wait_for(job_id, lambda job: bool(job.waiting) or job.state.finished, "the fault")
+        assert job.state is JobState.QUEUED
+        assert job.waiting.startswith("the store fails: Generic S3 error: Error performing PUT ")
+        assert "RetryError" not in job.waiting  # none of the pages that the library adds
+        server.start()
+        assert wait_for(job_id, lambda job: job.state.finished, "the end of the job").state is JobState.SUCCEEDED
+        assert [scene.id for scene in ArtifactStore(client.home.store_url).list_scenes()] == [job_id]

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.runs.folder import RunFolder
 from hgs_core.train.config import TrainConfig
 from jobs.home import Home
 
@@ -135,6 +136,26 @@ def test_two_processes_never_work_on_one_run(
     assert finish(first)[0] == 0
     assert finish(second)[0] == 0
     assert cycles(run) == list(range(40))
+
+
+def test_a_run_that_another_process_keeps_is_waited_for(home: Home, run: Path) -> None:
+    code = "import sys; from jobs import stage; stage.LOCK_WAIT = 0.1; sys.exit(stage.main())"
+    with RunFolder(run).exclusive():
+        command = [sys.executable, "-c", code, "train", str(run)]
+        environment = {**os.environ, **home.environment()}
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as ended:
+            assert ended.stdout is not None
+            said = ended.stdout.read()
+            assert ended.wait() == 69  # with stdin open: the stage would end without its parent
+    assert json.loads(said) == {"waiting": f"{run}: another process works on this run; wait until it ends"}
+
+
+def test_a_full_disk_is_waited_for(start: Callable[[str, Path], Stage], tmp_path: Path) -> None:
+    run = make_run(tmp_path, "full once")
+    status, messages, errors = finish(start("train", run))
+    assert status == 69
+    assert messages[-1] == {"waiting": f"{run}/checkpoint.pt: No space left on device"}
+    assert "Traceback" in errors
 
 
 def test_publish_puts_the_scene_under_the_name_of_the_run(

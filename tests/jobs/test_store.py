@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -34,6 +35,12 @@ def state(table: JobTable) -> JobState:
     job = table.get("a")
     assert job is not None
     return job.state
+
+
+def waiting(table: JobTable) -> str:
+    job = table.get("a")
+    assert job is not None
+    return job.waiting
 
 
 def test_a_new_job_is_queued(table: JobTable) -> None:
@@ -143,6 +150,56 @@ def test_only_failed_and_cancelled_jobs_can_be_queued_again(
         table.succeed("a", 1, "scene")
     with engine.begin() as connection:
         assert not table.requeue(connection, "a", 1)
+
+
+def test_an_attempt_that_is_put_off_becomes_the_next_and_keeps_its_progress(engine: sa.Engine, table: JobTable) -> None:
+    table.start("a", 1)
+    table.progress("a", 1, Progress("publish", 5, 10))
+    with engine.begin() as connection:
+        assert table.put_off(connection, "a", 1, "the store fails")
+        assert not table.put_off(connection, "a", 1, "late news of the old attempt")
+    job = table.get("a")
+    assert job is not None
+    assert (job.state, job.attempt, job.waiting, job.stage, job.done) == (
+        JobState.QUEUED, 2, "the store fails", "publish", 5,
+    )  # fmt: skip
+    assert table.start("a", 2)
+    assert not waiting(table)
+
+
+@pytest.mark.parametrize("finish", ["succeed", "fail", "cancel", "retry"])
+def test_a_job_that_does_not_wait_any_more_says_nothing(engine: sa.Engine, table: JobTable, finish: str) -> None:
+    with engine.begin() as connection:
+        assert table.put_off(connection, "a", 1, "the store fails")
+    if finish == "retry":
+        table._update("a", 2, state=JobState.CANCELLED)
+        with engine.begin() as connection:
+            assert table.requeue(connection, "a", 2)
+    else:
+        {"succeed": table.succeed, "fail": table.fail}.get(finish, lambda *_: table.cancel("a", 2))("a", 2, "b")
+    assert not waiting(table)
+
+
+def test_an_attempt_is_put_back_unless_somebody_has_begun_it_anew(table: JobTable) -> None:
+    table.start("a", 1)
+    before = table.get("a")
+    assert before is not None
+    assert table.put_back(before, "its worker died")
+    assert (state(table), waiting(table)) == (JobState.QUEUED, "its worker died")
+    table.start("a", 1)
+    assert not table.put_back(before, "its worker died")
+    assert (state(table), waiting(table)) == (JobState.RUNNING, "")
+
+
+def test_a_running_job_that_nobody_speaks_of_says_so(table: JobTable, monkeypatch: pytest.MonkeyPatch) -> None:
+    table.start("a", 1)
+    began = time.time()
+    monkeypatch.setattr(time, "time", lambda: began + 59)
+    assert waiting(table) == ""
+    monkeypatch.setattr(time, "time", lambda: began + 300)
+    assert waiting(table) == "no worker has reported on it for 5 min"
+    table.keep_alive("a", 1)
+    assert (state(table), waiting(table)) == (JobState.RUNNING, "")
 
 
 def test_active_jobs_are_the_unfinished_ones(table: JobTable) -> None:

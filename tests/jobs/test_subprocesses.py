@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 from collections.abc import Callable
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from hgs_core.base.progress import Progress
 from hgs_core.train.config import TrainConfig
 from jobs import subprocesses
 from jobs.home import Home
+from jobs.stage_silence import LOOKS, Silence
 from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 
 
@@ -25,6 +27,11 @@ def make_run(tmp_path: Path) -> Callable[..., Path]:
         return tmp_path / "run"
 
     return make_run
+
+
+def cycles_of(run: Path) -> list[str]:
+    log = run / "cycles.log"
+    return log.read_text().splitlines() if log.exists() else []
 
 
 class Stage:
@@ -117,6 +124,48 @@ def test_a_stopping_worker_records_no_outcome(home: Home, make_run: Callable[...
         _, pending = await asyncio.wait({stage.task}, timeout=0.1)
         assert pending
         stage.task.cancel()
+
+    asyncio.run(body())
+
+
+def test_a_stage_that_hangs_is_killed(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        outcome = await Stage(dataclasses.replace(home, stage_silence=5.0), make_run("hang once", 10)).task
+        assert outcome == StageOutcome("train: hung: it neither reported nor computed, and was killed", killed=True)
+
+    asyncio.run(body())
+
+
+def test_a_stage_that_computes_without_a_word_is_not(
+    home: Home, make_run: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looks: list[Silence] = []
+    look = Silence.look
+
+    def counted(silence: Silence) -> None:
+        looks.append(silence)
+        look(silence)
+
+    monkeypatch.setattr(Silence, "look", counted)
+
+    async def body() -> None:
+        run = make_run("compute", 10)
+        stage = Stage(dataclasses.replace(home, stage_silence=5.0), run)
+        while len(cycles_of(run)) < 6:
+            await asyncio.sleep(0.05)
+        looks.clear()
+        while len(looks) <= 2 * LOOKS:
+            await asyncio.sleep(0.05)
+        (run / "enough").touch()
+        assert await stage.task == StageOutcome()
+
+    asyncio.run(body())
+
+
+def test_a_fault_that_passes_is_told_from_a_failure(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        run = make_run("full once", 10)
+        assert await Stage(home, run).task == StageOutcome(waiting=f"{run}/checkpoint.pt: No space left on device")
 
     asyncio.run(body())
 

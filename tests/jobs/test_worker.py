@@ -11,6 +11,7 @@ import pytest
 
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
+from jobs.home import Home
 from jobs.store import Job, JobState
 from jobs.worker import start_worker
 
@@ -90,6 +91,15 @@ def test_a_stage_that_is_always_killed_fails_the_job(
     assert (job.state, job.error) == (JobState.FAILED, "train: ended by SIGKILL (out of memory?)")
 
 
+def test_a_stage_that_hangs_is_started_again(
+    home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
+) -> None:
+    worker(stage_silence=5.0)
+    job = wait_for(submit(cycles=20, behaviour="hang once"), finished, "the end of the job")
+    assert (job.state, job.attempt) == (JobState.SUCCEEDED, 1)
+    assert cycles(client, job.id) == [*range(11), *range(10, 20)]
+
+
 def test_a_cancelled_job_stops_and_frees_the_worker(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
@@ -115,6 +125,9 @@ def test_a_stopped_worker_saves_and_another_goes_on_without_losing_a_cycle(
     wait_for(job_id, training, "training")
     first.send_signal(signal.SIGTERM)
     assert first.wait(60) == 0
+    job = client.get(job_id)
+    assert job is not None
+    assert (job.state, job.waiting) == (JobState.QUEUED, "its worker was stopped; the next free one goes on with it")
     assert 0 < len(cycles(client, job_id)) < 100
 
     worker()
@@ -171,6 +184,25 @@ def test_a_job_under_which_too_many_workers_died_is_failed(
     worker()
     job = wait_for(job_id, finished, "the failure")
     assert (job.state, job.error) == (JobState.FAILED, "given up: 20 workers died while they ran this job")
+
+
+def test_a_workflow_of_a_living_worker_that_nobody_works_on_is_resumed(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    job_id = submit(cycles=3)
+    hold = "UPDATE workflow_status SET queue_name = 'nowhere'"
+    dropped = "UPDATE workflow_status SET queue_name = 'training', status = 'PENDING', executor_id = ?"
+    running = "UPDATE hgs_job SET state = 'running'"
+    with client._engine.begin() as connection:
+        connection.exec_driver_sql(hold)
+    worker()
+    live = client.home.folder / "live"
+    wait_for(job_id, lambda job: live.exists() and any(path.name[0] != "." for path in live.iterdir()), "the worker")
+    (executor,) = [path.name for path in live.iterdir()]
+    with client._engine.begin() as connection:  # as if its end could not be written
+        connection.exec_driver_sql(dropped, (executor,))
+        connection.exec_driver_sql(running)
+    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
 
 
 def test_progress_that_cannot_be_written_fails_nothing(

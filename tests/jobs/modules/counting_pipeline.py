@@ -1,12 +1,15 @@
 """A pipeline whose training counts to `config.cycles`: it checkpoints, resumes, stops and fails like the real one.
 
-The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input",
-"die once" (SIGKILL at half-time, the first time), "die" or "deaf" (ignores SIGTERM and keeps no checkpoint).
+The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
+SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "full once" (meets a full disk at half-time),
+"compute" (at half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and
+keeps no checkpoint).
 Every cycle appends its process id and number to `cycles.log` in the run folder.
 """
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -75,6 +78,14 @@ def _misbehave(behaviour: str, run: Path) -> None:
     if behaviour == "die" or (behaviour == "die once" and not (run / "died").exists()):
         (run / "died").touch()
         os.kill(os.getpid(), signal.SIGKILL)
+    if behaviour == "hang once" and not (run / "hung").exists():
+        (run / "hung").touch()
+        os.kill(os.getpid(), signal.SIGSTOP)
+    if behaviour == "full once" and not (run / "full").exists():
+        (run / "full").touch()
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(run / "checkpoint.pt"))
+    while behaviour == "compute" and not (run / "enough").exists():
+        pass
 
 
 def _replace(path: Path, text: str) -> None:

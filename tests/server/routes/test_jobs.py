@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import errno
 import json
 import os
 from pathlib import Path
@@ -156,6 +157,14 @@ def test_database_that_does_not_answer_is_503(server: Any) -> None:
     assert response.headers["retry-after"] == "5"
 
 
+def test_a_full_disk_is_507(server: Any) -> None:
+    server.jobs.refuse = OSError(errno.ENOSPC, "No space left on device", "/home/runs/studio-1/run.json")
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    problem = assert_problem(response, 507, "storage-full", "disk is full")
+    assert "/home" not in problem["detail"]
+    assert response.headers["retry-after"] == "30"
+
+
 def test_faults_are_500_and_tell_nothing(server: Any) -> None:
     server.jobs.refuse = RuntimeError("secret")
     problem = assert_problem(server.get("/v1/jobs/job-0"), 500, "internal")
@@ -190,6 +199,14 @@ def test_a_list_can_be_asked_for_one_state(server: Any) -> None:
 )  # fmt: skip
 def test_queries_are_honoured_or_refused_by_name(server: Any, query: str, field: str) -> None:
     assert assert_problem(server.get(f"/v1/jobs?{query}"), 422, "query-invalid", field)["field"] == field
+
+
+def test_job_that_waits_says_why(server: Any) -> None:
+    server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    assert server.get("/v1/jobs/job-0").json()["waiting"] is None
+    server.jobs.change("job-0", waiting="the store fails: no answer")
+    job = server.get("/v1/jobs/job-0").json()
+    assert (job["state"], job["waiting"]) == ("queued", "the store fails: no answer")
 
 
 def test_running_job_tells_its_progress(server: Any) -> None:

@@ -29,6 +29,8 @@ export interface Job {
   readonly stage: string | null;
   readonly progress: JobProgress | null;
   readonly error: string | null;
+  /** Why a job that is not finished does not go on at the moment. */
+  readonly waiting: string | null;
   readonly scene: string | null;
   readonly created: number;
   readonly updated: number;

@@ -39,6 +39,11 @@ export function describeProgress(job: Job): string {
   return total > 1 ? `${name} ${done.toLocaleString("en")} / ${total.toLocaleString("en")}` : name;
 }
 
+/** What is wrong: why the job failed, or what keeps it waiting. */
+export function describeFault(job: Job): string {
+  return job.error ?? (isFinal(job) || !job.waiting ? "" : `Waiting: ${job.waiting}`);
+}
+
 /** "loss 0.041 · psnr 28.3" */
 export function describeFigures(job: Job): string {
   if (job.state !== "running" || !job.progress) return "";
@@ -84,7 +89,7 @@ class JobRow {
     this.#title.title = job.capture;
     setText(this.#state, describeProgress(job));
     setText(this.#figures, describeFigures(job));
-    setText(this.#error, job.error ?? "");
+    setText(this.#error, describeFault(job));
     const running = job.state === "running";
     this.#bar.hidden = !running;
     this.#bar.setAttribute("aria-label", describeProgress(job));

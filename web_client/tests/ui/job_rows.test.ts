@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Job } from "../../src/protocol/api";
-import { describeFigures, describeProgress, stepOf } from "../../src/ui/job_rows";
+import { describeFault, describeFigures, describeProgress, stepOf } from "../../src/ui/job_rows";
 
 const job = (fields: Partial<Job>): Job => ({
   id: "a",
@@ -11,6 +11,7 @@ const job = (fields: Partial<Job>): Job => ({
   stage: null,
   progress: null,
   error: null,
+  waiting: null,
   scene: null,
   created: 0,
   updated: 0,
@@ -42,6 +43,17 @@ describe("stepOf", () => {
   it("knows no step of a stage that is not there yet or not known", () => {
     expect(stepOf(job({}))).toBe(-1);
     expect(stepOf(job({ stage: "depth_maps" }))).toBe(-1);
+  });
+});
+
+describe("describeFault", () => {
+  it.each<[string, Partial<Job>]>([
+    ["", {}],
+    ["the loss is not a number", { state: "failed", error: "the loss is not a number" }],
+    ["Waiting: the disk is full", { state: "queued", waiting: "the disk is full" }],
+    ["", { state: "cancelled", waiting: "the disk is full" }],
+  ])("says %j", (text, fields) => {
+    expect(describeFault(job(fields))).toBe(text);
   });
 });
 

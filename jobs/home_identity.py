@@ -1,0 +1,72 @@
+"""Whether the home's folder is the one that the database belongs to.
+
+A machine on which the shared folder is not mounted sees an empty folder in its place. A file in the home holds a random
+id that stands in the database too, so that a process can tell before it takes or makes jobs there.
+"""
+
+from __future__ import annotations
+
+import uuid
+from dataclasses import dataclass
+from pathlib import Path
+
+import sqlalchemy as sa
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+
+__all__ = ["HomeIdentity", "identify_home"]
+
+FILE = "home-id"
+
+_metadata = sa.MetaData()
+_home = sa.Table("hgs_home", _metadata, sa.Column("id", sa.String(36), primary_key=True))  # one row
+
+
+@dataclass(frozen=True)
+class HomeIdentity:
+    """The id that the folder of the home must hold."""
+
+    folder: Path
+    id: str
+
+    def mismatch(self) -> InputError | None:
+        """Return what is wrong with the folder as it is now, or None."""
+        file = self.folder / FILE
+        cure = f"mount the shared folder there, or, if it was replaced on purpose, write {self.id} into {file}"
+        try:
+            found = file.read_text().strip()
+        except FileNotFoundError:
+            return InputError(f"HGS_HOME {self.folder}", f"is not the home of this database: it has no {FILE}", cure)
+        except OSError as error:
+            return InputError(f"HGS_HOME {self.folder}", f"{FILE} cannot be read ({error.strerror})", cure)
+        if found != self.id:
+            return InputError(f"HGS_HOME {self.folder}", f"is the home of another database ({FILE}: {found})", cure)
+        return None
+
+
+def identify_home(folder: Path, engine: sa.Engine) -> HomeIdentity:
+    """Return the identity of the home, made the first time; one process at a time.
+
+    Raises:
+        InputError: `folder` is not the one that this database belongs to, or cannot be read.
+    """
+    _metadata.create_all(engine)
+    with engine.begin() as connection:
+        known = connection.execute(sa.select(_home.c.id)).scalar_one_or_none()
+        if known is None:
+            known = _read_or_make(folder)
+            connection.execute(sa.insert(_home).values(id=known))
+    identity = HomeIdentity(folder, known)
+    mismatch = identity.mismatch()
+    if mismatch is not None:
+        raise mismatch
+    return identity
+
+
+def _read_or_make(folder: Path) -> str:
+    """Return the id in the folder: a new database may be given an old home."""
+    file = folder / FILE
+    if not file.exists():
+        write_bytes(file, str(uuid.uuid4()).encode())
+    return file.read_text().strip()

@@ -1,0 +1,63 @@
+"""Whether a stage hangs: it says nothing and uses no processor time either.
+
+A stage may compute for long without a word (structure from motion, the search for a coarseness): then it is busy. One
+that was stopped, is dead-locked or waits for a dead file server is not. The processor time is read from outside, since
+a library that holds the interpreter's lock for minutes would keep a heartbeat of the stage's own from being sent.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+__all__ = ["Silence"]
+
+LOOKS = 10  # in the longest silence that is allowed
+BUSY_SHARE = 0.003  # of one processor; threads that only watch something use less
+
+
+class Silence:
+    """Counts how long a process group has been silent and idle.
+
+    Time counts only while somebody looks, so that a machine that slept does not take its stages for hung.
+    """
+
+    def __init__(self, group: int, longest: float) -> None:
+        """Watch process group `group`; `longest` is the silence in seconds after which it counts as hung."""
+        self.interval = longest / LOOKS
+        self.over = False
+        self._group = group
+        self._enough = BUSY_SHARE * longest
+        self._looks = 0
+        self._seconds = _cpu_seconds(group)
+
+    def broken(self) -> None:
+        """Note that the stage has said something."""
+        self._looks = 0
+
+    def look(self) -> None:
+        """Look once; to be called every `interval` seconds."""
+        seconds = _cpu_seconds(self._group)
+        if seconds is None:  # not Linux: nobody can tell, and a busy stage must not be killed
+            return
+        if self._seconds is None or abs(seconds - self._seconds) > self._enough:
+            self._seconds, self._looks = seconds, 0
+        else:
+            self._looks += 1
+        self.over = self._looks >= LOOKS
+
+
+def _cpu_seconds(group: int) -> float | None:
+    """Return the processor time of the living processes of a group, in seconds; None where the system has no /proc."""
+    if not Path("/proc/self/stat").exists():
+        return None
+    ticks = 0
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                fields = (entry / "stat").read_text().rpartition(")")[2].split()  # the name before may hold anything
+            except OSError:
+                continue  # it has ended
+            if int(fields[2]) == group:
+                ticks += int(fields[11]) + int(fields[12])
+    return ticks / os.sysconf("SC_CLK_TCK")

@@ -1,0 +1,48 @@
+"""The queue that every job waits in, and how an attempt gets into it."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import sqlalchemy as sa
+from dbos import DBOSClient, EnqueueOptions
+
+from jobs.stage import STAGES
+
+__all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
+
+TRAINING_QUEUE = "training"
+TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
+
+RESUMED, NEW = 1, 2  # priorities: the lower is taken first
+
+
+def workflow_id(job_id: str, attempt: int) -> str:
+    """Return the name of an attempt's workflow. A retry is a new workflow, so old outcomes are never rewritten."""
+    return f"{job_id}:{attempt}"
+
+
+def enqueue(
+    queue: DBOSClient,
+    connection: sa.Connection,
+    job_id: str,
+    attempt: int,
+    *,
+    delay: float = 0.0,
+    waits: int = 0,
+    first: str = STAGES[0],
+) -> None:
+    """Queue an attempt that begins with the stage `first`, inside the caller's transaction.
+
+    With a `delay`, in seconds, it is a job that was put off: it is taken no sooner, and then before all that are new.
+    `waits` counts how often in a row that has happened.
+    """
+    options: dict[str, Any] = {
+        "queue_name": TRAINING_QUEUE,
+        "workflow_name": TRAIN_JOB,
+        "workflow_id": workflow_id(job_id, attempt),
+        "priority": RESUMED if delay else NEW,
+    }
+    if delay:
+        options["delay_seconds"] = delay
+    queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, attempt, waits, first)
