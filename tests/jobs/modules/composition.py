@@ -58,7 +58,9 @@ class Composition:
         for volume in self.services[service]["volumes"]:
             source, target = volume.split(":")[:2]
             mounts[target] = source if source.startswith("/") else str(self._folder / source)
-        environment = {name: mounts.get(value, value) for name, value in self.services[service]["environment"].items()}
+        # Variables without a value are those of the shell, which all processes here have anyway.
+        given = {name: value for name, value in self.services[service]["environment"].items() if value is not None}
+        environment = {name: mounts.get(value, value) for name, value in given.items()}
         url = urlsplit(environment["HGS_DATABASE_URL"])
         assert url.hostname == DATABASE
         host, port = self._database
