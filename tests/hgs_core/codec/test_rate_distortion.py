@@ -22,8 +22,8 @@ from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 STATIC, DYNAMIC = 2500, 1200
 TIMES = np.arange(30) / 30
 COARSENESS = 0.7
-# Instruction sets and threads give equal bytes, and losses within 1e-5 of each other; the margins are for other versions
-# of zstd and of numpy (the last bit of a logarithm). Who makes the encoder better lowers the numbers.
+# Instruction sets and threads give equal bytes, and losses within 1e-5 of each other; the margins are for other
+# versions of zstd and numpy (the last bit of a logarithm). Who makes the encoder better lowers the numbers.
 BYTES_MARGIN, LOSS_MARGIN = 1.02, 1.03
 
 
