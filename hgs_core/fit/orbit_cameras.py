@@ -1,8 +1,9 @@
 """Cameras for a scene that came without any: around the whole of it, and closer to every part.
 
 A file of splats says nothing of who looks at them. That "up" is -y, as the first camera of a COLMAP reconstruction has
-it, is a convention; what is the front is not agreed on. Densification puts splats where photographs show detail, and
-most photographs are taken of the front: of the four sides, the one from which most splats are seen is taken for it.
+it, is a convention, and that it looks along z from the front. But many files are turned about y. Densification puts
+splats where photographs show detail, and most are taken of the front: a side from which clearly more splats are seen is
+taken for it.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` 
 OUTLYING = 1.5
 REACH = 2.0  # standard deviations of a splat that belong to it
 MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
+CLEARLY_MORE = 1.05
 SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
@@ -58,7 +60,8 @@ def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
     middle, radius = _ball(places, sizes, weights)
     distance = DISTANCE * radius
     sides = [_seen_at(middle, distance, azimuth, RINGS[0][2]) for azimuth in (0, 90, 180, 270)]
-    front = 90 * int(np.argmax([_splats_seen(scene, camera) for camera in sides]))
+    seen = np.array([_splats_seen(scene, camera) for camera in sides])
+    front = 90 * int(seen.argmax()) if seen.max() > CLEARLY_MORE * seen[0] else 0
     whole = [
         dataclasses.replace(_seen_at(middle, distance, front + 360 * i / count, elevation), name=_name(ring, count, i))
         for ring, count, elevation in RINGS

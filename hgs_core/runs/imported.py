@@ -75,8 +75,8 @@ def import_run(
     else:
         create_run(run, capture, config)
     folder = RunFolder(run)
-    try:
-        with folder.exclusive():
+    with folder.exclusive():
+        try:
             if not folder.train_summary.exists():
                 _write(folder, file, imported)
             encode(run, progress)
@@ -84,10 +84,10 @@ def import_run(
             kept = totals.splats_static + totals.splats_dynamic
             if kept == 0:
                 raise InputError(file, f"holds {imported.splats:,} splats, none of which shows in any picture")
-    except InputError:
-        if fresh:
-            shutil.rmtree(run)
-        raise
+        except InputError:
+            if fresh:
+                shutil.rmtree(run)
+            raise
     encoded = len(imported.scene.static) + sum(len(part.dynamic) for part in imported.scene.segments)
     missed = Change(Action.LEFT_OUT, "splats", encoded - kept, encoded, "no picture misses them")
     return ImportedRun(imported.splats, kept, nonzero((*imported.changes, missed)))

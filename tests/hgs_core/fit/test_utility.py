@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from hgs_core.codec.encoder.utility import GUESSED_TRANSMITTANCE, LOW_PASS
 from hgs_core.fit.utility import measure_utility
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
-from hgs_core.scene import HybridScene, Segment
+from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from tests.synthetic import ring_of_cameras, synthetic_scene, write_capture
 
 
@@ -67,3 +68,39 @@ def test_what_is_missed_is_the_squared_error_of_the_pictures_without_the_splat()
     for splat in everyone[1]:
         without = missed(everyone[0], np.delete(everyone[1], splat))
         assert 0.4 * without <= measured.dynamic[0].missed[splat] <= 2.5 * without
+
+
+def ball(place: float, colour: float, opacity: float = 4.0) -> StaticSplats[np.ndarray]:
+    """A round splat of standard deviation 0.1 on the z axis."""
+    arrays = [[0, 0, place]], np.full((1, 3), np.log(0.1)), [[1, 0, 0, 0]], [opacity], np.full((1, 3), colour)
+    return StaticSplats(*(np.array(array, np.float32) for array in arrays))
+
+
+def still(*parts: StaticSplats[np.ndarray]) -> HybridScene[np.ndarray]:
+    arrays = ([getattr(part, name) for part in parts] for name, _ in parts[0].items())
+    return HybridScene(StaticSplats(*map(np.concatenate, arrays)), (Segment(0.0, 2.0, DynamicSplats.empty()),))
+
+
+def test_black_before_nothing_is_missed_where_the_background_may_be_any() -> None:
+    cameras = ring_of_cameras(3, 64, 48)
+    given, often = still(ball(0.0, 0.0)), np.arange(60) / 30
+    on_black = measure_utility(given, cameras, often).static.missed
+    on_any = measure_utility(given, cameras, often, any_background=True).static.missed
+    white = measure_utility(still(ball(0.0, 1.0)), cameras, often).static.missed
+    assert on_black[0] < 1e-9
+    # As much as white on black where it is on white, and nothing on black; 60 views of one splat tell that roughly.
+    assert 0.25 * white[0] < on_any[0] < white[0]
+
+
+def test_what_no_picture_shows_is_missed_without_limit_and_shows_by_its_size() -> None:
+    """Two splats out of every picture, one of them ten times as near, and one that is seen."""
+    cameras = ring_of_cameras(3, 64, 48)
+    given = still(ball(0.0, 1.0), ball(-50.0, 1.0), ball(-500.0, 1.0))
+    found = measure_utility(given, cameras, np.zeros(1)).static
+    assert 0 < found.missed[0] < np.inf
+    assert np.isinf(found.missed[1:]).all()
+    for shown, place in zip(found.shown[1:], (-50.0, -500.0), strict=True):
+        near = min(np.linalg.norm(camera.position - [0, 0, place]) for camera in cameras)
+        area = np.pi * ((0.1 * cameras[0].fx / near) ** 2 + LOW_PASS)
+        alpha = GUESSED_TRANSMITTANCE / (1 + np.exp(-4.0))
+        np.testing.assert_allclose(shown, area * alpha**2 / 5, rtol=1e-3)  # of three pictures and two more

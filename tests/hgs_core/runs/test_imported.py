@@ -1,0 +1,88 @@
+"""An imported object, seen whole from anywhere and before anything, is the one in the file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from hgs_core.codec import decode_scene, load_manifest
+from hgs_core.interchange import export_scene, import_scene
+from hgs_core.render.rasterize import rasterize
+from hgs_core.runs.imported import import_run
+from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.scene.camera import Camera
+from hgs_core.train.config import TrainConfig
+
+LEAST = 40.0  # dB, on black and on white
+ORBITS = ((2.4, (-30, 0, 30, 60), 4), (3.4, (0, 45), 4))  # distance in radii, elevations, azimuths
+
+
+def figure(count: int = 1500) -> StaticSplats[np.ndarray]:
+    """A figure in black with a small pale head and feet far from most of its splats."""
+    rng = np.random.default_rng(0)
+    share = rng.uniform(size=count)
+    body, head = share < 0.9, share > 0.95
+    means = rng.normal(0, [0.16, 0.3, 0.1], (count, 3))
+    means[head] = rng.normal([0, -1.5, 0], 0.06, (head.sum(), 3))
+    feet = ~body & ~head
+    means[feet] = rng.normal([0, 1.5, 0], 0.06, (feet.sum(), 3))
+    rgb = np.where(body[:, None], 0.02, 0.8) + rng.uniform(0, 0.1, (count, 3))
+    quats = rng.normal(size=(count, 4))
+    arrays = means, rng.normal(-3.5, 0.4, (count, 3)), quats, rng.normal(1, 2, count), rgb
+    return StaticSplats(*(array.astype(np.float32) for array in arrays))
+
+
+def orbits(splats: StaticSplats[np.ndarray], size: int = 240) -> Iterator[Camera]:
+    places = splats.means[splats.opacity_logits > -2]
+    middle = (places.min(axis=0) + places.max(axis=0)) / 2
+    radius = float(np.linalg.norm(places - middle, axis=1).max())
+    for distance, elevations, count in ORBITS:
+        for elevation in np.deg2rad(elevations):
+            for azimuth in 2 * np.pi * np.arange(count) / count + 0.3:
+                across = np.cos(elevation)
+                aside = np.array([across * np.sin(azimuth), -np.sin(elevation), -across * np.cos(azimuth)])
+                right = np.cross([0.0, 1.0, 0.0], -aside) / across
+                pose = np.eye(4)
+                pose[:3, :3] = [right, np.cross(-aside, right), -aside]
+                pose[:3, 3] = -pose[:3, :3] @ (middle + distance * radius * aside)
+                yield Camera("", size, size, size, size, size / 2, size / 2, pose)
+
+
+def on_black_and_white(splats: StaticSplats[np.ndarray], camera: Camera) -> tuple[torch.Tensor, torch.Tensor]:
+    drawn = rasterize(splats.map(torch.from_numpy), None, camera, gradients="none")
+    return drawn.rgb.clamp(0, 1), (drawn.rgb + 1 - drawn.alpha).clamp(0, 1)
+
+
+def check(file: Path, run: Path, budget: str) -> None:
+    config = TrainConfig.from_json({"preset": "imported", "budget": budget})
+    found = import_run(file, run, lambda _: None, duration=1.0, capture=None, config=config, antialiased=False)
+    source, coded = import_scene(file, 1.0).scene.static, decode_scene(run / "scene").static
+    assert found.kept == len(coded)
+    views = list(orbits(source))
+    assert len(views) == 24
+    for camera in views:
+        for before, after in zip(on_black_and_white(source, camera), on_black_and_white(coded, camera), strict=True):
+            assert -10 * math.log10(float(((before - after) ** 2).mean()) + 1e-12) >= LEAST
+    start = load_manifest(run / "scene").cameras[0]
+    pixels, depth = start.project(source.means[source.opacity_logits > -2])
+    assert (depth > start.near).all()
+    assert ((pixels > 0) & (pixels < (start.width, start.height))).all()
+
+
+@pytest.mark.parametrize("budget", ["default", "high"])
+def test_a_figure_is_whole_from_all_sides_on_black_and_on_white(tmp_path: Path, budget: str) -> None:
+    given = HybridScene(figure(), (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    export_scene(given, tmp_path / "x.ply", cameras=[])
+    check(tmp_path / "x.ply", tmp_path / "run", budget)
+
+
+@pytest.mark.data
+def test_a_trained_object_is_whole_from_all_sides_on_black_and_on_white(
+    tmp_path: Path, test_data: Callable[[str], Path]
+) -> None:
+    check(test_data("splats/biker.ply"), tmp_path / "run", "default")
