@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 
 import numpy as np
@@ -53,18 +54,16 @@ def moved_by_adam(gradients: Doubles, rate: float) -> Doubles:
 def test_a_splat_is_alive_while_a_tenth_of_its_opacity_is_left() -> None:
     times = (np.arange(100_000) + 0.5) / 100_000
     centers, widths = np.full(4, 0.5), np.array([0.03, 0.1, 0.2, 1e3])
-    truth = (fade(times, centers, widths) >= 0.105).mean(0)
+    truth = (fade(times, centers, widths) >= math.exp(-(1.5**2))).mean(0)
     np.testing.assert_allclose(share_alive(lives(centers, widths)).numpy(), truth, rtol=2e-3)
     assert truth[-1] == 1
 
 
 def test_the_share_is_finite_for_every_life() -> None:
     precisions = torch.tensor([-1e30, -200.0, -30.0, 0.0, 30.0, 90.0, 1e30])
-    for center in (-1e30, -1.0, 0.0, 0.5, 1.0, 3.0, 1e30):
-        splats = lives(np.full(7, center), np.ones(7))
-        share = share_alive(dataclasses.replace(splats, time_log_precisions=precisions))
-        assert ((share >= 0.05) & (share <= 1)).all()
-        assert (share.diff() <= 0).all()  # the shorter, the less
+    share = share_alive(dataclasses.replace(lives(np.zeros(7), np.ones(7)), time_log_precisions=precisions))
+    assert ((share >= 0.05) & (share <= 1)).all()
+    assert (share.diff() <= 0).all()  # the shorter, the less
 
 
 def test_adam_alone_moves_what_is_alive_for_a_share_of_the_time_too_far_at_each_visit() -> None:
