@@ -9,6 +9,7 @@ from collections import deque
 from dataclasses import dataclass
 from typing import assert_never
 
+from server.client_messages import decode
 from server.protocol import (
     DEFAULT_RATE,
     HEADER_BYTES,
@@ -28,7 +29,6 @@ from server.protocol import (
     Seek,
     SliceSent,
     Welcome,
-    decode,
     encode,
 )
 from server.scene_index import Chunk, SceneIndex

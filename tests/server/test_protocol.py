@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from server.client_messages import decode
 from server.protocol import (
     HEADER_BYTES,
     MAX_HAVE,
@@ -25,7 +26,6 @@ from server.protocol import (
     Seek,
     Welcome,
     chunk_header,
-    decode,
     encode,
 )
 

@@ -42,9 +42,10 @@ export class Connection {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.#watch.heard();
-      // TCP and the upgrade have taken a round trip each, at least.
-      this.#window = new CreditWindow((performance.now() - start) / 2);
+      const now = performance.now();
+      this.#window = new CreditWindow(now - start, now); // the upgrade has taken a round trip, at least
       events.open(this.#window.grant());
+      this.send({ type: "ping", id: MEASURE });
     };
     socket.onmessage = ({ data }) => {
       this.#watch.heard();
