@@ -46,12 +46,12 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
 
     One worker runs one job at a time; start one per GPU, or one per machine without.
 
-    Raises:
-        InputError: the home's folder is not the one that its database belongs to.
-
     Args:
         home: where the queue, the runs and the store are.
         exit_with_parent: also stop when stdin closes, that is when the process that started this one is gone.
+
+    Raises:
+        InputError: the home's folder is not the one that its database belongs to.
     """
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
@@ -100,7 +100,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             log.exception("will look after the other workers again in %g s", ROUND_INTERVAL)
         stop.wait(ROUND_INTERVAL)
 
-    gate.close_for("stopping")
+    gate.close_for("it is being stopped")
     stages.stop()
     deadline = time.monotonic() + GRACE
     while stages.workflows() and time.monotonic() < deadline:

@@ -74,6 +74,7 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     assert (after.state, after.waiting) == (JobState.CANCELLED, "")
 
 
+@pytest.mark.slow
 def test_a_capture_that_is_not_mounted_is_waited_for(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, tmp_path: Path
 ) -> None:

@@ -44,8 +44,10 @@ def node() -> Iterator[NetworkNode]:
 
 
 @pytest.fixture
-def server(node: NetworkNode, postgres: Callable[[str], PostgresServer]) -> PostgresServer:
-    return postgres(node.address)
+def server(node: NetworkNode, postgres: Callable[[str], PostgresServer]) -> Iterator[PostgresServer]:
+    server = postgres(node.address)
+    yield server
+    server.stop()
 
 
 @pytest.fixture

@@ -91,6 +91,7 @@ def test_a_stage_that_is_always_killed_fails_the_job(
     assert (job.state, job.error) == (JobState.FAILED, "train: ended by SIGKILL (out of memory?)")
 
 
+@pytest.mark.slow
 def test_a_stage_that_hangs_is_started_again(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
 ) -> None:
