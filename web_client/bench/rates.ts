@@ -1,6 +1,6 @@
 /** How many splats of each kind a thread decodes in a second. */
 
-import { decodeChunk } from "../src/codec/chunk";
+import { decodeChunk } from "../src/codec/decode";
 
 /** Every chunk counts with its fastest of `repeats` decodings, which other work on the machine disturbs least. */
 export async function decodingRates(chunks: readonly Uint8Array[], repeats: number): Promise<string> {

@@ -1,144 +1,156 @@
-/** From the bytes of a chunk to float arrays, bit for bit as docs/format.md states. */
+/** The container: header, attribute table, streams, checksum (docs/format.md, "Container"). Little endian. */
 
-import { ATTRIBUTES, type AttributeName, attributeOf } from "./attributes";
-import { TABLE, unpack } from "./container";
+import { crc32 } from "./crc32";
 import { ChunkError } from "./errors";
-import { Forms } from "./forms";
-import { completeQuats, ease, type Layout, scatter } from "./quantise";
-import { readStream } from "./streams";
-import { knownStreams, type Streams } from "./table";
-import type { DecodedChunk } from "./types";
-import { zstdReady } from "./zstd";
+import type { Bounds, Box } from "./types";
 
-const MAX_EXPONENT = 20;
-const ORDERS = ["velocity", "acceleration", "jerk", "snap", "crackle"] as const;
+const MAGIC = 0x43534748; // "HGSC"
+const MAX_SPLATS = 2 ** 20;
+const MAX_CHUNK_BYTES = 2 ** 28;
+const MAX_ZERO = 2 ** 28;
+const ENTRY = 9; // bytes, before its whole numbers of variable length
+const CHECKSUM = 4;
+const VARINT_BYTES = 5;
 
-type Floats = Float32Array<ArrayBuffer>;
+/** Versions of the format that are read; the second has motions of the fifth order. */
+export const VERSIONS: readonly number[] = [2, 3];
 
-/** Rows of a sparse attribute; kept from chunk to chunk. */
-let scratch = new Float32Array(0);
+/** Byte at which the attribute table begins. */
+export const TABLE = 80;
 
-/** Decodes a chunk. Every size is checked before anything is allocated. Rejects with ChunkError. */
-export async function decodeChunk(bytes: Uint8Array): Promise<DecodedChunk> {
-  await zstdReady();
-  // From here on nothing waits: the arrays that modules keep from chunk to chunk serve one chunk at a time.
-  const container = unpack(bytes);
-  const { kind, count, timeRange, box, bounds } = container;
-  const streams = knownStreams(container);
-  const forms = new Forms(container, streams.get("form"));
-  checkPresence(streams, forms);
-  const reader = new Reader(streams, forms, count);
-  const still = kind === "static";
-  const means = reader.read("position", still ? 3 : reader.motionStride);
-  const logScales = reader.read("log_scale");
-  const rotations = reader.read("rotation", still ? 4 : 8, 1);
-  completeQuats(rotations, still ? 4 : 8);
-  const opacities = reader.read("opacity");
-  ease(opacities);
-  const rgb = reader.read("rgb");
-  const common = { count, timeRange, box, bounds, logScales, opacities, rgb };
-  const chunk: DecodedChunk = still
-    ? { kind, ...common, means, quats: rotations }
-    : { kind, ...common, motion: means, rotation: rotations, ...readTimes(reader, means, rotations) };
-  if (!surelyFinite(streams)) checkFinite(chunk);
-  return chunk;
+/** A uniform grid: value = (code - zero) * step, one zero per component; in binary64, rounded to binary32. */
+export interface Grid {
+  readonly bits: number;
+  readonly step: number;
+  readonly zeros: readonly number[];
 }
 
-/** Attributes that have rows must have a stream, and only they. */
-function checkPresence(streams: Streams, forms: Forms): void {
-  for (const attribute of ATTRIBUTES) {
-    const { name, id } = attribute;
-    if (name === "form") continue;
-    const stream = streams.get(name);
-    const needed = forms.rowsOf(attribute) > 0;
-    if (needed && !stream) throw new ChunkError(TABLE, "attribute table", `without ${name}`, `attribute ${id}`);
-    if (stream && !needed)
-      throw new ChunkError(stream.at, `attribute ${id} (${name})`, "there", "no row of it by the form");
-  }
+export interface Plane {
+  readonly data: Uint8Array;
+  /** Byte of the chunk at which it lies. */
+  readonly at: number;
 }
 
-/** Whether every value is below 2^27 by its grid, so that times 2^100, the most it can be scaled by, it is finite. */
-function surelyFinite(streams: Streams): boolean {
-  for (const { grid } of streams.values()) {
-    const largest = 2 ** grid.bits + Math.max(...grid.zeros.map(Math.abs));
-    if (largest * grid.step >= 2 ** 27) return false;
-  }
-  return true;
+export interface Stream {
+  readonly attribute: number;
+  readonly transform: number;
+  readonly components: number;
+  readonly grid: Grid;
+  readonly planes: readonly Plane[];
+  /** Byte of the chunk at which its table entry lies. */
+  readonly at: number;
 }
 
-function checkFinite(chunk: DecodedChunk): void {
-  for (const [name, array] of Object.entries(chunk)) {
-    if (!(array instanceof Float32Array)) continue;
-    const bad = firstNotFinite(array);
-    if (bad >= 0) {
-      const splat = Math.floor((bad * chunk.count) / array.length);
-      throw new ChunkError(TABLE, `${snake(name)} of splat ${splat}`, array[bad], "finite");
+export interface Container {
+  readonly version: number;
+  readonly kind: "static" | "dynamic";
+  readonly count: number;
+  readonly timeRange: readonly [number, number];
+  readonly box: Box;
+  readonly bounds: Bounds;
+  readonly streams: readonly Stream[];
+}
+
+/** Reads header and table, and checks every size in them; nothing is decompressed. Throws ChunkError. */
+export function unpack(bytes: Uint8Array): Container {
+  const length = bytes.length;
+  if (length < TABLE + CHECKSUM)
+    throw new ChunkError(length, "end of the chunk", `at ${length}`, `at least ${TABLE} + 4`);
+  const view = new DataView(bytes.buffer, bytes.byteOffset, length);
+  const u32 = (at: number) => view.getUint32(at, true);
+  expect(u32(0) === MAGIC, 0, "magic", u32(0), MAGIC);
+  expect(VERSIONS.includes(bytes[4]), 4, "version", bytes[4], VERSIONS.join(" or "));
+  expect(u32(16) === length, 16, "total length", u32(16), `${length}, the length of the chunk`);
+  expect(length <= MAX_CHUNK_BYTES, 16, "total length", length, `at most ${MAX_CHUNK_BYTES}`);
+  const actual = crc32(bytes.subarray(0, length - CHECKSUM));
+  expect(u32(length - CHECKSUM) === actual, length - CHECKSUM, "checksum", u32(length - CHECKSUM), actual);
+  expect(bytes[5] <= 1, 5, "kind", bytes[5], "0 (static) or 1 (dynamic)");
+  expect(bytes[7] === 0, 7, "reserved field", bytes[7], 0);
+  const count = u32(8);
+  expect(count >= 1 && count <= MAX_SPLATS, 8, "splat count", count, `1 to ${MAX_SPLATS}`);
+  const corner = (at: number) => [0, 4, 8].map((i) => view.getFloat32(at + i, true)) as [number, number, number];
+  const box = { min: corner(20), max: corner(32) };
+  const finite = [...box.min, ...box.max].every(Number.isFinite);
+  expect(finite && box.min.every((low, i) => low <= box.max[i]), 20, "box", [box.min, box.max], "ascending corners");
+  const start = view.getFloat64(44, true);
+  const end = view.getFloat64(52, true);
+  expect(Number.isFinite(start) && Number.isFinite(end) && start <= end, 44, "time range", [start, end], "ascending");
+  const declared = [0, 1, 2, 3, 4].map((i) => view.getFloat32(60 + 4 * i, true));
+  expect(
+    declared.every((bound) => Number.isFinite(bound) && bound >= 0),
+    60,
+    "bounds",
+    declared,
+    "finite, not negative",
+  );
+  const [position, blur, shape, opacity, rgb] = declared;
+  return {
+    version: bytes[4],
+    kind: bytes[5] === 0 ? "static" : "dynamic",
+    count,
+    timeRange: [start, end],
+    box,
+    bounds: { position, blur, shape, opacity, rgb },
+    streams: readTable(bytes, view, bytes[6]),
+  };
+}
+
+function readTable(bytes: Uint8Array, view: DataView, attributes: number): Stream[] {
+  const limit = bytes.length - CHECKSUM;
+  let at = TABLE;
+  const varint = (attribute: number, field: "zero" | "length"): number => {
+    let number = 0;
+    for (let i = 0; i < VARINT_BYTES; i++) {
+      if (at + i >= limit)
+        fail(at, `attribute ${attribute} ${field}`, "cut off", `a whole number before byte ${limit}`);
+      const byte = bytes[at + i];
+      number += (byte & 127) * 2 ** (7 * i);
+      if (byte >= 128) continue;
+      if (number >= 2 ** 32) fail(at, `attribute ${attribute} ${field}`, number, "below 2^32");
+      at += i + 1;
+      return number;
     }
+    return fail(at, `attribute ${attribute} ${field}`, `longer than ${VARINT_BYTES} bytes`, "below 2^32");
+  };
+  const entries: { stream: Stream; lengths: number[] }[] = [];
+  for (let i = 0; i < attributes; i++) {
+    const begin = at;
+    if (at + ENTRY > limit) fail(at, `entry ${i}`, "cut off", `${ENTRY} bytes before byte ${limit}`);
+    const [attribute, components, bits, transform, planes] = bytes.subarray(at, at + 5);
+    if (entries.some(({ stream }) => stream.attribute === attribute))
+      fail(at, `attribute ${attribute}`, "a repetition", "each attribute once");
+    const step = view.getFloat32(at + 5, true);
+    at += ENTRY;
+    const zeros: number[] = [];
+    for (let c = 0; c < components; c++) {
+      const where = at;
+      const coded = varint(attribute, "zero");
+      const zero = coded % 2 === 0 ? coded / 2 : -(coded + 1) / 2;
+      if (Math.abs(zero) > MAX_ZERO) fail(where, `attribute ${attribute} zero`, zero, `at most ${MAX_ZERO} from 0`);
+      zeros.push(zero);
+    }
+    const lengths: number[] = [];
+    for (let p = 0; p < planes; p++) lengths.push(varint(attribute, "length"));
+    const grid = { bits, step, zeros };
+    entries.push({ stream: { attribute, transform, components, grid, planes: [], at: begin }, lengths });
   }
-}
-
-const snake = (name: string): string => name.replace(/[A-Z]/g, (letter) => `_${letter.toLowerCase()}`);
-
-/** Index of the first number that is not finite, or -1. */
-function firstNotFinite(array: Float32Array): number {
-  let sum = 0;
-  for (let i = 0; i < array.length; i++) sum += array[i] * 0; // NaN as soon as one is not finite
-  return sum === 0 ? -1 : array.findIndex((number) => !Number.isFinite(number));
-}
-
-/** Decodes the streams of a chunk to where their numbers belong. */
-class Reader {
-  constructor(
-    private readonly streams: Streams,
-    private readonly forms: Forms,
-    readonly count: number,
-  ) {}
-
-  /** Numbers of a splat's motion: as many as the highest order of the chunk asks for. */
-  get motionStride(): number {
-    return this.streams.has("crackle") ? 18 : 12;
-  }
-
-  /** A new array with `stride` numbers for every splat, those of an attribute from `offset` on, the others zero. */
-  read(name: AttributeName, stride = attributeOf(name).components, offset = 0): Floats {
-    const values = new Float32Array(this.count * stride);
-    const stream = this.streams.get(name);
-    if (stream) readStream(stream, attributeOf(name), this.count, { values, first: offset, stride });
-    return values;
-  }
-
-  /** Writes a sparse attribute, times `factors` at each splat, to the splats that have it. */
-  readSparse(name: AttributeName, factors: Float64Array, layout: Layout): void {
-    const stream = this.streams.get(name);
-    if (!stream) return;
-    const attribute = attributeOf(name);
-    const { components } = attribute;
-    const members = this.forms.membersOf(attribute);
-    if (scratch.length < members.length * components) scratch = new Float32Array(members.length * components);
-    readStream(stream, attribute, members.length, { values: scratch, first: 0, stride: components });
-    scatter(scratch, components, members, factors, layout);
-  }
-}
-
-/** Reads when splats are seen and the higher coefficients of their polynomials, undoing the scaling by powers of two. */
-function readTimes(reader: Reader, motion: Floats, rotation: Floats) {
-  const { count } = reader;
-  const timeCenters = reader.read("time_center");
-  const timeLogPrecisions = reader.read("time_log_precision");
-  const bad = firstNotFinite(timeLogPrecisions);
-  if (bad >= 0)
-    throw new ChunkError(TABLE, `time_log_precision of splat ${bad}`, timeLogPrecisions[bad], "a finite number");
-  const scales = new Float64Array(count); // about the reciprocal of the time for which a splat can be seen: 2^e
-  for (let i = 0; i < count; i++) {
-    const exact = Math.floor((timeLogPrecisions[i] - 1.75) * 0.7213475204444817);
-    scales[i] = 1 << Math.min(MAX_EXPONENT, Math.max(0, exact));
-    timeCenters[i] /= scales[i];
-  }
-  const powers = scales.slice(); // of the order
-  ORDERS.forEach((name, k) => {
-    if (k > 0) for (let i = 0; i < count; i++) powers[i] *= scales[i];
-    reader.readSparse(name, powers, { values: motion, first: 3 * (k + 1), stride: reader.motionStride });
+  const streams = entries.map(({ stream, lengths }): Stream => {
+    const planes = lengths.map((length): Plane => {
+      if (length > limit - at)
+        fail(stream.at, `attribute ${stream.attribute} length`, length, `at most ${limit - at}, what is left`);
+      at += length;
+      return { data: bytes.subarray(at - length, at), at: at - length };
+    });
+    return { ...stream, planes };
   });
-  reader.readSparse("turning", scales, { values: rotation, first: 4, stride: 8 });
-  return { timeCenters, timeLogPrecisions };
+  if (at !== limit) fail(at, "end of the last stream", at, `${limit}, where the checksum begins`);
+  return streams;
+}
+
+function fail(byte: number, record: string, found: unknown, expected: unknown): never {
+  throw new ChunkError(byte, record, found, expected);
+}
+
+function expect(condition: boolean, byte: number, record: string, found: unknown, expected: unknown): void {
+  if (!condition) fail(byte, record, found, expected);
 }

@@ -1,7 +1,7 @@
 /** Which splats have rows of which attribute, by their forms (docs/format.md, "Attributes"). */
 
 import { type Attribute, attributeOf, FIFTH, hasRow, TURNS } from "./attributes";
-import type { Container, Stream } from "./container";
+import type { Container, Stream } from "./chunk";
 import { ChunkError } from "./errors";
 import { readStream } from "./streams";
 

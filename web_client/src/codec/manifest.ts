@@ -1,6 +1,6 @@
 /** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
 
-import { VERSIONS } from "./container";
+import { VERSIONS } from "./chunk";
 import { ManifestError } from "./errors";
 import type { Box, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
 

@@ -1,6 +1,6 @@
 /** Morton codes: three limbs of 24 bits, each interleaving 8 bits of x, y and z (x lowest). */
 
-import type { Grid } from "./container";
+import type { Grid } from "./chunk";
 import type { Layout } from "./quantise";
 
 const LIMB = 2 ** 24 - 1;

@@ -1,7 +1,7 @@
 /** From the bytes of a stream to numbers: zstd frames, then byte planes, transform and grid in one pass per component. */
 
 import { type Attribute, TRANSFORM } from "./attributes";
-import type { Grid, Stream } from "./container";
+import type { Grid, Stream } from "./chunk";
 import { ChunkError } from "./errors";
 import { dequantisePoints } from "./morton";
 import type { Layout } from "./quantise";

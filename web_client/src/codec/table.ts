@@ -1,7 +1,7 @@
 /** What the attribute table of a chunk says of the attributes that this version knows. */
 
 import { ATTRIBUTES, type Attribute, type AttributeName, planesOf } from "./attributes";
-import type { Container, Stream } from "./container";
+import type { Container, Stream } from "./chunk";
 import { ChunkError } from "./errors";
 
 const MAX_BITS = 24;

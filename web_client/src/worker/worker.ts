@@ -1,6 +1,6 @@
 /** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never waits for either. */
 
-import { decodeChunk } from "../codec/chunk";
+import { decodeChunk } from "../codec/decode";
 import { toHex } from "../protocol/messages";
 import type { FromWorker, ToWorker } from "./messages";
 import { packDynamics, packFifth, packStatics } from "./pack";

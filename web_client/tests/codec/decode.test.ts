@@ -1,8 +1,8 @@
 import { readdirSync, readFileSync } from "node:fs";
 import fc from "fast-check";
 import { describe, expect, it } from "vitest";
-import { decodeChunk } from "../../src/codec/chunk";
 import { crc32 } from "../../src/codec/crc32";
+import { decodeChunk } from "../../src/codec/decode";
 import { ChunkError } from "../../src/codec/errors";
 
 const VECTORS = new URL("../../../tests/vectors/", import.meta.url);
