@@ -6,7 +6,6 @@ all scenes. Nothing that was published is ever overwritten.
 
 from __future__ import annotations
 
-import hashlib
 import re
 from dataclasses import dataclass
 from datetime import datetime
@@ -19,7 +18,7 @@ from obstore.store import LocalStore, ObjectStore, from_url
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest
+from hgs_core.codec.format.folder import MANIFEST, THUMBNAIL, chunk_bytes, load_manifest
 
 if TYPE_CHECKING:
     from obstore import ObjectMeta
@@ -67,11 +66,7 @@ class ArtifactStore:
         total = len(manifest.chunks) + 1
         for done, chunk in enumerate(manifest.chunks):
             progress(Progress("publish", done, total))
-            path = folder / CHUNKS / chunk.id
-            data = _read(path)
-            if hashlib.sha256(data).hexdigest() != chunk.id:
-                raise InputError(path, "its SHA-256 is not its name: the file is damaged", "encode the scene again")
-            self._create(f"chunks/{chunk.id}", data)
+            self._create(f"chunks/{chunk.id}", chunk_bytes(folder, chunk))
         progress(Progress("publish", total - 1, total))
         if manifest.thumbnail:
             self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))

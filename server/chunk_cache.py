@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import hashlib
 import logging
 import time
 from collections import OrderedDict
@@ -11,6 +10,7 @@ from collections.abc import Callable
 
 from starlette.concurrency import run_in_threadpool
 
+from hgs_core.codec.format.folder import chunk_id as content_id
 from server.scene_index import Chunk
 
 __all__ = ["ChunkCache", "DamagedChunkError"]
@@ -108,6 +108,6 @@ class ChunkCache:
 
     def _read_checked(self, chunk_id: str) -> bytes | None:
         data = self._read(chunk_id)
-        if data is not None and hashlib.sha256(data).hexdigest() != chunk_id:
+        if data is not None and content_id(data) != chunk_id:
             raise DamagedChunkError(f"chunk {chunk_id}: the stored bytes have another SHA-256")
         return data

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
+from hgs_core.codec.format.folder import MANIFEST, chunk_bytes, load_manifest
 from jobs.artifacts import ArtifactStore
 
 __all__ = ["publish_run"]
@@ -41,11 +41,5 @@ def _checked_manifest(run: Path, folder: Path) -> bytes:
     if not (folder / MANIFEST).is_file():
         raise InputError(run, "has no encoded scene", "give a run that hgs train has finished")
     for entry in load_manifest(folder).chunks:
-        chunk = folder / CHUNKS / entry.id
-        try:
-            actual = hashlib.sha256(chunk.read_bytes()).hexdigest()
-        except OSError as error:
-            raise InputError(chunk, f"cannot be read ({error.strerror})", "encode the scene again") from error
-        if actual != entry.id:
-            raise InputError(chunk, f"has the SHA-256 {actual}", "encode the scene again")
+        chunk_bytes(folder, entry)
     return (folder / MANIFEST).read_bytes()

@@ -107,7 +107,7 @@ def test_a_manifest_that_is_not_one_is_refused(store: ArtifactStore, scene: Path
 def test_a_damaged_chunk_is_refused_and_the_scene_stays_unseen(store: ArtifactStore, scene: Path) -> None:
     path = scene / "chunks" / name_of(b"two")
     path.write_bytes(b"tw0")
-    with pytest.raises(InputError, match=f"{path.name}: its SHA-256"):
+    with pytest.raises(InputError, match=f"{path.name}: has the SHA-256"):
         store.put_scene(scene, "a")
     assert store.list_scenes() == []
     assert store.chunk(path.name) is None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.codec.format.decode import DecodedChunk
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
@@ -173,7 +172,7 @@ def _segment_chunks(
 
 def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
     box: Box = decoded.box
-    return _Coded(ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), decoded.count, box), data, decoded.version)
+    return _Coded(ChunkEntry(chunk_id(data), len(data), decoded.count, box), data, decoded.version)
 
 
 def _write(out: Path, manifest: Manifest, chunks: Sequence[_Coded], thumbnail: bytes | None) -> None:

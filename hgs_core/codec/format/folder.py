@@ -15,7 +15,7 @@ from hgs_core.codec.format.errors import ChunkError
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
-__all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "decode_scene", "load_manifest", "read_chunk"]
+__all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "chunk_bytes", "chunk_id", "decode_scene", "load_manifest", "read_chunk"]
 
 MANIFEST = "manifest.json"
 CHUNKS = "chunks"
@@ -47,11 +47,16 @@ def load_manifest(path: Path) -> Manifest:
     return Manifest.from_json(document, f"{file}: manifest")
 
 
-def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
-    """Read and decode a chunk of a scene folder.
+def chunk_id(data: bytes) -> str:
+    """Return the name of a chunk: the SHA-256 of its bytes, as 64 lower-case hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def chunk_bytes(folder: Path, entry: ChunkEntry) -> bytes:
+    """Return the bytes of a chunk of a scene folder.
 
     Raises:
-        InputError: the file is missing, its length or SHA-256 is not the manifest's, or it is not a valid chunk.
+        InputError: the file is missing, or its length or SHA-256 is not the manifest's.
     """
     file = folder / CHUNKS / entry.id
     try:
@@ -61,9 +66,19 @@ def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
         data = file.read_bytes()
     except OSError as error:
         raise InputError(file, f"cannot be read ({error.strerror})", "encode the scene again") from error
-    actual = hashlib.sha256(data).hexdigest()
+    actual = chunk_id(data)
     if actual != entry.id:
         raise InputError(file, f"has the SHA-256 {actual}, the manifest says {entry.id}", "encode the scene again")
+    return data
+
+
+def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
+    """Read and decode a chunk of a scene folder.
+
+    Raises:
+        InputError: as `chunk_bytes`, or it is not a valid chunk.
+    """
+    data, file = chunk_bytes(folder, entry), folder / CHUNKS / entry.id
     try:
         decoded = decode_chunk(data)
     except ChunkError as error:
