@@ -21,7 +21,7 @@ from hgs_core.codec.format.folder import CHUNKS
 from hgs_core.fit.coarseness import Fitted, Loss, fine_tune_cycles, fit
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
-from hgs_core.interchange.formats import import_scene
+from hgs_core.interchange.importing import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
 from hgs_core.native.machine import machine_facts

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.file_format import FileFormat, ReadSplats
 from hgs_core.scene.opacities import logits_of, opacities_of
 from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 
-__all__ = ["SPLAT_BYTES", "opacity_changes", "read_splat", "rgba_bytes", "rgba_changes", "splat_file"]
+__all__ = ["SPLAT", "SPLAT_BYTES", "opacity_changes", "read_splat", "rgba_bytes", "rgba_changes", "splat_file"]
 
 SPLAT_BYTES = 32
 _ROW = np.dtype([("mean", "<f4", 3), ("deviation", "<f4", 3), ("rgba", "u1", 4), ("quat", "u1", 4)])
@@ -92,3 +93,10 @@ def read_splat(path: Path) -> StaticSplats[Floats]:
         logits_of(opacity),
         rows["rgba"][:, :3].astype(np.float32) / 255,
     )
+
+
+SPLAT = FileFormat(
+    ".splat",
+    read=lambda path: ReadSplats(read_splat(path)),
+    write_still=lambda splats, antialiased: splat_file(splats),
+)

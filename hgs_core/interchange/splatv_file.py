@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Floats
 from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.file_format import FileFormat
 from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST, life_limited
 from hgs_core.interchange.splat_file import rgba_bytes, rgba_changes
 from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["SPLATV_BYTES", "splatv_file"]
+__all__ = ["SPLATV", "SPLATV_BYTES", "splatv_file"]
 
 MAGIC = 0x674B
 SPLATV_BYTES = 64
@@ -100,3 +101,6 @@ def _camera(number: int, camera: Camera) -> dict[str, object]:
         "position": camera.position.tolist(), "rotation": camera.world_to_camera[:3, :3].T.tolist(),
         "fx": camera.fx, "fy": camera.fy,
     }  # fmt: skip
+
+
+SPLATV = FileFormat(".splatv", write_moving=splatv_file)

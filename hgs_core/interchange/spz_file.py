@@ -18,13 +18,14 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.file_format import FileFormat, ReadSplats
 from hgs_core.interchange.gaussian_ply import SH_0, harmonics
 from hgs_core.interchange.splat_file import opacity_changes
 from hgs_core.scene.opacities import logits_of, opacities_of
 from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 
-__all__ = ["read_spz", "spz_file"]
+__all__ = ["SPZ", "read_spz", "spz_file"]
 
 HEADER = struct.Struct("<4sII4B")
 MAGIC = b"NGSP"
@@ -167,3 +168,16 @@ def _largest_made_good(rotation: NDArray[np.uint8]) -> Doubles:
         rest = np.where(stored, rest >> np.uint32(10), rest)
     xyzw[np.arange(len(packed)), largest] = np.sqrt(np.maximum(0.0, 1 - (xyzw**2).sum(axis=1)))
     return xyzw
+
+
+def _read(path: Path) -> ReadSplats:
+    splats, antialiased, changes = read_spz(path)
+    return ReadSplats(splats, antialiased=antialiased, changes=tuple(changes))
+
+
+SPZ = FileFormat(
+    ".spz",
+    read=_read,
+    write_still=lambda splats, antialiased: spz_file(splats, antialiased=antialiased),
+    says_antialiased=True,
+)

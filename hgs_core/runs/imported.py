@@ -18,7 +18,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.codec import load_manifest
 from hgs_core.interchange.changes import Action, Change, nonzero
-from hgs_core.interchange.formats import Imported, import_scene
+from hgs_core.interchange.importing import Imported, import_scene
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.stages import create_run, encode

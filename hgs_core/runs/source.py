@@ -12,7 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.folder import MANIFEST
 from hgs_core.interchange.changes import Change
-from hgs_core.interchange.formats import export_scene
+from hgs_core.interchange.exporting import export_scene
 from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.camera import Camera

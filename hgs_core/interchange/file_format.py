@@ -1,0 +1,38 @@
+"""What there is to know of one file format of splats. Each format's module describes its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from hgs_core.base.arrays import Floats
+from hgs_core.interchange.changes import Change, Written
+from hgs_core.scene.camera import Camera
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
+
+__all__ = ["FileFormat", "ReadSplats"]
+
+
+@dataclass(frozen=True)
+class ReadSplats:
+    """The splats of a file as they stand there, maybe not finite."""
+
+    static: StaticSplats[Floats]
+    dynamic: DynamicSplats[Floats] = field(default_factory=DynamicSplats.empty)
+    lasts: bool = False  # whether the file holds a stretch of time
+    antialiased: bool = False  # whether the file says that the splats are drawn so
+    changes: tuple[Change, ...] = ()  # what was left out or changed in reading
+
+
+@dataclass(frozen=True)
+class FileFormat:
+    """How files of one suffix are read and written; None where they cannot be."""
+
+    suffix: str
+    read: Callable[[Path], ReadSplats] | None = None
+    write_still: Callable[[StaticSplats[Floats], bool], Written] | None = None  # the bool: they are drawn antialiased
+    write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = (
+        None  # of one segment, with the scene's cameras
+    )
+    says_antialiased: bool = False
