@@ -13,7 +13,7 @@ from torch import Tensor
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, StaticSplats
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.train.splat_sets import joined
 
 __all__ = ["EVENT_PLACE", "event_splats", "ring_of_cameras", "synthetic_scene", "write_capture"]
@@ -28,12 +28,7 @@ def ring_of_cameras(count: int, width: int, height: int) -> list[Camera]:
     for i in range(count):
         angle = np.deg2rad(-45 + 90 * i / max(1, count - 1))
         forward = np.array([np.sin(angle), 0.1, np.cos(angle)])
-        forward /= np.linalg.norm(forward)
-        right = np.cross([0.0, 1.0, 0.0], forward)
-        right /= np.linalg.norm(right)
-        pose = np.eye(4)
-        pose[:3, :3] = np.stack([right, np.cross(forward, right), forward])
-        pose[:3, 3] = -pose[:3, :3] @ (-3 * forward)
+        pose = looking_at(-3 * forward / np.linalg.norm(forward), np.zeros(3))
         cameras.append(Camera(str(i), width, height, 1.2 * width, 1.2 * width, width / 2, height / 2, pose))
     return cameras
 

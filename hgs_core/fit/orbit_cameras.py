@@ -18,7 +18,7 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
 from hgs_core.render.contribution import contributions
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import evaluate, lifetime
@@ -148,13 +148,7 @@ def _seen_at(middle: Doubles, distance: float, azimuth: float, elevation: float)
 
 
 def _looking(name: str, target: Doubles, aside: Doubles) -> Camera:
-    """Return a camera that looks at a point from a vector away, the world's y pointing down."""
+    """Return a camera that looks at a point from a vector away."""
     distance = float(np.linalg.norm(aside))
-    forward = -aside / distance
-    right = np.cross([0.0, 1.0, 0.0], forward)
-    right /= np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :3] = [right, np.cross(forward, right), forward]
-    pose[:3, 3] = -pose[:3, :3] @ (target + aside)
-    width, height = SIZE
+    pose, (width, height) = looking_at(target + aside, target), SIZE
     return Camera(name, width, height, FOCAL, FOCAL, width / 2, height / 2, pose, near=NEAR * distance)

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["Camera"]
+__all__ = ["Camera", "looking_at"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,3 +125,27 @@ class Camera:
             if isinstance(error, InputError):
                 raise
             raise InputError("camera", f"unreadable: {error!r}") from error
+
+
+def looking_at(position: npt.ArrayLike, target: npt.ArrayLike, roll: float = 0.0) -> npt.NDArray[np.float64]:
+    """Return the world-to-camera pose [4, 4] of a camera at a point that looks at another, the world's y pointing down.
+
+    Args:
+        position: of the camera, [3].
+        target: what it looks at, [3]; neither straight above nor straight below the camera.
+        roll: radians by which its picture turns about its middle.
+    """
+    place = np.asarray(position, np.float64)
+    forward = np.asarray(target, np.float64) - place
+    forward /= np.linalg.norm(forward)
+    right = np.cross([0.0, 1.0, 0.0], forward)
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    pose = np.eye(4)
+    pose[:3, :3] = [
+        np.cos(roll) * right + np.sin(roll) * down,
+        np.cos(roll) * down - np.sin(roll) * right,
+        forward,
+    ]
+    pose[:3, 3] = -pose[:3, :3] @ place
+    return pose

@@ -19,7 +19,7 @@ from PIL import Image
 
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from scripts.browser_check import CHROMIUM_HINT, find_chromium, open_browser
 
 if TYPE_CHECKING:
@@ -42,18 +42,6 @@ class Site:
     start: float  # seconds
     end: float
     folder: Path  # of its manifest and chunks
-
-
-def _pose(eye: tuple[float, float, float], roll: float = 0.0) -> np.ndarray:
-    """World-to-camera [4, 4] of a camera at `eye` that looks at the origin."""
-    forward = -np.array(eye, float) / np.linalg.norm(eye)
-    right = np.cross([0.0, 1.0, 0.0], forward)
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    pose = np.eye(4)
-    pose[:3, :3] = [np.cos(roll) * right + np.sin(roll) * down, np.cos(roll) * down - np.sin(roll) * right, forward]
-    pose[:3, 3] = -pose[:3, :3] @ eye
-    return pose
 
 
 def _single(value: np.ndarray) -> np.ndarray:
@@ -97,9 +85,9 @@ def _encode_clouds(out: Path) -> None:
     second = dataclasses.replace(second, motion=np.concatenate([second.motion, swings], axis=1))
     segments = (Segment(0.0, 1.0, first), Segment(1.0, 2.0, second))
     poses = {
-        "side": _pose((0.3178, -0.2239, -3.1927)),
-        "above": _pose((1.5347, -2.4173, -1.2589)),
-        "askew": _pose((-2.0431, 1.1379, 1.9667), roll=0.6),
+        "side": looking_at((0.3178, -0.2239, -3.1927), np.zeros(3)),
+        "above": looking_at((1.5347, -2.4173, -1.2589), np.zeros(3)),
+        "askew": looking_at((-2.0431, 1.1379, 1.9667), np.zeros(3), roll=0.6),
     }
     thumbnail = BytesIO()
     Image.new("RGB", (64, 40), (90, 60, 120)).save(thumbnail, "JPEG")
@@ -127,8 +115,10 @@ def _encode_dust(out: Path) -> None:
         HybridScene(_static(r, grains + needles, scales), (segment,), BACKGROUND, antialiased=True),
         out,
         cameras=[
-            Camera("far", 96, 64, 240.0, 240.0, 48.0, 32.0, _pose((1.1178, -2.2239, -7.5927))),
-            Camera("close", WIDTH, HEIGHT, 300.0, 300.0, 160.0, 100.0, _pose((-0.4431, 0.6379, 1.2667))),
+            Camera("far", 96, 64, 240.0, 240.0, 48.0, 32.0, looking_at((1.1178, -2.2239, -7.5927), np.zeros(3))),
+            Camera(
+                "close", WIDTH, HEIGHT, 300.0, 300.0, 160.0, 100.0, looking_at((-0.4431, 0.6379, 1.2667), np.zeros(3))
+            ),
         ],
         times=np.linspace(0.0, 1.0, FRAMES),
         title="Dust",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 
 settings.register_profile("untimed", deadline=None)
 settings.load_profile("untimed")
@@ -17,11 +17,6 @@ def cameras() -> list[Camera]:
     for i in range(8):
         angle = 2 * np.pi * i / 8
         position = np.array([4 * np.cos(angle), -1.4, 4 * np.sin(angle)])
-        forward = -position / np.linalg.norm(position)
-        right = np.cross([0.0, 1.0, 0.0], forward)
-        right /= np.linalg.norm(right)
-        pose = np.eye(4)
-        pose[:3, :3] = [right, np.cross(forward, right), forward]
-        pose[:3, 3] = -pose[:3, :3] @ position
+        pose = looking_at(position, np.zeros(3))
         found.append(Camera(f"cam{i:02}", 640, 360, 500.0, 500.0, 320.0, 180.0, pose))
     return found

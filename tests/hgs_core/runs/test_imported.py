@@ -15,7 +15,7 @@ from hgs_core.interchange import export_scene, import_scene
 from hgs_core.render.rasterize import rasterize
 from hgs_core.runs.imported import import_run
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.train.config import TrainConfig
 
 LEAST = 40.0  # dB, on black and on white
@@ -46,10 +46,7 @@ def orbits(splats: StaticSplats[np.ndarray], size: int = 240) -> Iterator[Camera
             for azimuth in 2 * np.pi * np.arange(count) / count + 0.3:
                 across = np.cos(elevation)
                 aside = np.array([across * np.sin(azimuth), -np.sin(elevation), -across * np.cos(azimuth)])
-                right = np.cross([0.0, 1.0, 0.0], -aside) / across
-                pose = np.eye(4)
-                pose[:3, :3] = [right, np.cross(-aside, right), -aside]
-                pose[:3, 3] = -pose[:3, :3] @ (middle + distance * radius * aside)
+                pose = looking_at(middle + distance * radius * aside, middle)
                 yield Camera("", size, size, size, size, size / 2, size / 2, pose)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,14 @@ def test_a_size_that_is_no_number_is_refused(name: str) -> None:
     value = Camera("cam00", 64, 48, 50.0, 50.0, 32.0, 24.0, np.eye(4)).to_json()
     with pytest.raises(InputError, match="camera: unreadable"):
         Camera.from_json({**value, name: float("inf")})
+
+
+def test_a_camera_looks_at_a_point_with_the_worlds_y_down_and_nothing_mirrored() -> None:
+    pose = looking_at((1.0, -2.0, -5.0), (1.0, -2.0, 3.0))
+    camera = Camera("", 200, 100, 50.0, 50.0, 100.0, 50.0, pose)
+    pixels, depth = camera.project(np.array([[1.0, -2.0, 3.0], [2.0, -2.0, 3.0], [1.0, -1.0, 3.0]]))
+    np.testing.assert_allclose(pixels, [[100, 50], [106.25, 50], [100, 56.25]])  # x to the right, y down
+    np.testing.assert_allclose(depth, 8.0)
+    np.testing.assert_allclose(camera.position, (1.0, -2.0, -5.0))
+    turned = looking_at((1.0, -2.0, -5.0), (1.0, -2.0, 3.0), roll=np.pi / 2)
+    np.testing.assert_allclose(turned[:2, :3], [[0, 1, 0], [-1, 0, 0]], atol=1e-15)
