@@ -105,7 +105,7 @@ def _finish(ablation: Ablation, run: RowRun, runs: Sequence[RowRun], progress: P
 
 
 def _derive(source: RowRun, run: RowRun) -> None:
-    """Make the trained scene of a run from the full method's; what training took is that one's too."""
+    """Make the trained scene of a run from the full method's; its training time is copied from that run."""
     if not run.folder.train_summary.exists():
         save_scene(run.folder.trained, with_statics_at_rest(load_scene(source.folder.trained)))
         write_bytes(run.folder.train_summary, source.folder.train_summary.read_bytes())

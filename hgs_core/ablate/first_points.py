@@ -28,7 +28,7 @@ def initialise_run(run: RowRun, others: Sequence[RowRun], progress: ProgressCall
         run: the run; its row's change is done to the masks.
         others: all runs of the ablation; the masks of the first one are unchanged, and there when another row's are
             changed.
-        progress: hears of what is computed.
+        progress: called with what has been computed.
 
     Raises:
         InputError: a picture or a mask is missing or unreadable.

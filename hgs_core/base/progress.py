@@ -22,7 +22,7 @@ ProgressCallback = Callable[[Progress], None]
 """Called often and synchronously; it must be cheap. It may raise `StageStopped` to end the stage."""
 
 
-class StageStopped(Exception):  # noqa: N818 - not an error: a wish that was obeyed
+class StageStopped(Exception):  # noqa: N818 - control flow, not an error
     """Raised by a progress callback to stop a stage; the stage saves what it can resume from and re-raises."""
 
 

@@ -97,7 +97,7 @@ class RasterReport:
 
 
 def bench_raster(settings: BenchSettings, progress: ProgressCallback) -> RasterReport:
-    """Measure the whole matrix; `progress` hears of every point."""
+    """Measure the whole matrix; `progress` is called after every point."""
     machine = machine_facts()
     peaks = {threads: fma_peak(threads) for threads in settings.threads} if "cpu" in settings.backends else {}
     backends = {

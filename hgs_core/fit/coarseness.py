@@ -118,7 +118,7 @@ def fit(
     """Find the coarsest settings with which the training views lose no more than the budget.
 
     With `cycles` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
-    after that; without a capture there is nothing to train with. `trained` hears of the cycles done.
+    after that; without a capture there is nothing to train with. `trained` is called with the number of cycles done.
 
     Raises:
         InputError: a frame cannot be read, or a splat cannot be encoded.
@@ -140,7 +140,7 @@ def fit(
     if cycles < TUNING_ROUNDS or views.capture is None:
         return coarsest(allowed, start)
     loses = lost(scene, utility, EncodeSettings(coarseness=start))
-    coarseness = _nearer(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
+    coarseness = _next_coarseness(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
     tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
@@ -153,14 +153,17 @@ def fit(
         if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
             best = Fitted(tune.scene, tune.utility, settings, decibels)
         aim = allowed if decibels <= allowed else BUDGET_SHARE_NEAR_ENOUGH * allowed
-        coarseness = _nearer(coarseness, decibels, aim, LARGEST_TUNING_RATIO)
+        coarseness = _next_coarseness(coarseness, decibels, aim, LARGEST_TUNING_RATIO)
     return best or coarsest(allowed, start)
 
 
-def _nearer(coarseness: float, loses: float, aim: float, most: float) -> float:
-    """Return the coarseness that loses about `aim` dB where this one `loses` so many, at most a factor `most` away."""
-    change = math.sqrt(aim / max(loses, aim / most**2))
-    return _within(coarseness * max(change, 1 / most))
+def _next_coarseness(current: float, loss: float, target: float, largest_ratio: float) -> float:
+    """Return the coarseness that should lose `target` dB, given that `current` loses `loss` dB.
+
+    The two coarsenesses differ by a factor of `largest_ratio` at most.
+    """
+    change = math.sqrt(target / max(loss, target / largest_ratio**2))
+    return _within(current * max(change, 1 / largest_ratio))
 
 
 def _within(coarseness: float) -> float:

@@ -85,8 +85,8 @@ class FineTune:
     def run(self, settings: EncodeSettings, cycles: range, trained: Callable[[int], None]) -> None:
         """Train for some cycles against the scene as `settings` code it; what they drop is gone.
 
-        Step sizes fall to nothing within these cycles, whose numbers decide which views are seen. `trained` hears of
-        the cycles done after each; what it raises ends the training.
+        Step sizes fall to nothing within these cycles, whose numbers decide which views are seen. `trained` is
+        called with the cycles done after each; what it raises ends the training.
         """
         blocks = -(-len(cycles) // CYCLES_PER_OFFSET)
         with one_torch_thread():
@@ -140,7 +140,7 @@ def _scaled(rates: dict[str, float | Tensor], share: float) -> dict[str, float |
 
 
 def _moved(exact: S, decoded: S, now: Any) -> S:
-    """Return the exact numbers moved as the drawn ones were since they were decoded."""
+    """Apply the change made to the decoded parameters to the exact ones."""
     return type(exact)(
         *(
             (a.astype(np.float64) + (np.asarray(c.cpu()) - b.astype(np.float64))).astype(np.float32)

@@ -42,7 +42,9 @@ class Imported:
 
 
 def import_scene(path: Path, duration: float) -> Imported:
-    """Read a file of splats; a 4D one lasts `duration` seconds, a still one no time. Splats that are no numbers go.
+    """Read a file of splats; a 4D one lasts `duration` seconds, a still one no time.
+
+    Splats with non-finite values are dropped, and counted.
 
     Raises:
         InputError: an unknown suffix, or the file is missing, damaged, or holds no splat that can be seen.

@@ -1,8 +1,8 @@
 """Scene flow: where the points of one moment are a frame later, by the agreement of all views.
 
 A splat that starts at rest on something fast learns nothing from where the thing has gone: their pictures no longer
-overlap. So each point looks around itself in space for the place where every view that sees it move shows the same
-colours a frame later, coarse pictures first. (Vedula et al., ICCV 1999, have it from the optical flow of the views.)
+overlap. So we search around each point for the place where every view that sees it move shows the same colours a frame
+later, in coarse pictures first. (Vedula et al., ICCV 1999, have it from the optical flow of the views.)
 """
 
 from __future__ import annotations

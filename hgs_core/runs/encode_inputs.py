@@ -50,7 +50,9 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
 
 
 def training_states(run: RunFolder, scene: HybridScene[Floats]) -> tuple[TrainState, ...]:
-    """Return the states in which the trainings of a run's segments ended; none if one of them left none of `scene`."""
+    """Return the states in which the trainings of a run's segments ended; empty if a segment has no
+    checkpoint of this scene.
+    """
     try:
         states = tuple(load_state(run.checkpoint(number)) for number in range(len(scene.segments)))
     except (FileNotFoundError, InputError):  # of a run without one, or of an older version: it is trained already

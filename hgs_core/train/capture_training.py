@@ -47,7 +47,7 @@ def train_capture(
         points: labelled first points of the whole capture.
         sampled_every: frames between the moments that dynamic points were taken at.
         checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
-        progress: hears of all segments as one training.
+        progress: called as if all segments were one training.
         masks: what moves; needed where the config's stages are `separate`.
 
     Raises:

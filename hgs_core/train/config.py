@@ -125,7 +125,7 @@ class TrainConfig:
     grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
-    prune_contribution: float = 0.01  # splats of less weight in every pixel of every training view are removed; 0: none
+    prune_contribution: float = 0.01  # remove splats of less blending weight in every training pixel; 0: none
     dssim: float = 0.2  # lambda of the loss
     settle_from: float = 0.6  # share of `cycles` after which steps of all but positions become smaller
     settled: float = 0.02  # what is left of them at the end

@@ -34,7 +34,7 @@ class TrainingView:
     camera: Camera  # at the size that is drawn
     moment: float  # normalised time
     target: Tensor  # [3, H, W]
-    moving: Tensor | None = None  # [H, W] pixels that move; None where nobody asks
+    moving: Tensor | None = None  # [H, W] pixels that move; None unless requested
 
 
 @dataclass(frozen=True)

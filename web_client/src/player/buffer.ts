@@ -1,21 +1,7 @@
 /** Which chunks are here, and which moments can be shown with them. */
 
+import { chunksOf, sliceAt } from "../codec/slices";
 import type { Manifest, SliceEntry } from "../codec/types";
-
-/** The index of the slice that is shown at `time`: the last that has started, or the first; -1 if there is none. */
-export function sliceAt(slices: readonly SliceEntry[], time: number): number {
-  let low = 0;
-  let high = slices.length;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (slices[middle].start <= time) low = middle + 1;
-    else high = middle;
-  }
-  return slices.length === 0 ? -1 : Math.max(0, low - 1);
-}
-
-/** The ids of all chunks that hold splats alive in a slice. */
-export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((chunk) => chunk.id), ...slice.needs];
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();

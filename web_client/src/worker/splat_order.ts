@@ -3,8 +3,8 @@
  * they have moved to by then.
  */
 
+import { chunksOf, sliceAt } from "../codec/slices";
 import type { DecodedChunk, Manifest, StaticChunk } from "../codec/types";
-import { chunksOf, sliceAt } from "../player/buffer";
 import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
 import type { Placement } from "./placement";
 import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
