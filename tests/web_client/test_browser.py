@@ -6,6 +6,7 @@ import functools
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+import msgpack
 import numpy as np
 import numpy.typing as npt
 import pytest
@@ -202,7 +203,7 @@ def test_damaged_chunk_is_fetched_again(browser: Browser, site: Site, reference:
 @pytest.mark.parametrize(
     ("address", "message"),
     [
-        ("/view/nowhere", "no such scene"),
+        ("/view/nowhere", "There is no such scene here."),
         ("/view/clouds?camera=cam99", "camera cam99"),
         ("/view/clouds?t=soon", "t=soon"),
     ],
@@ -212,6 +213,35 @@ def test_page_says_what_is_wrong(browser: Browser, site: Site, address: str, mes
     try:
         page.goto(site.address + address)
         page.get_by_role("alert").filter(has_text=message).wait_for()
+    finally:
+        page.close()
+
+
+WELCOME = {"type": "welcome", "protocol": 1, "scene": "clouds", "manifest_id": bytes(32), "remaining": 0}
+OVERFLOW = {"type": "error", "code": "credit-overflow", "detail": "70 MiB"}
+
+
+@pytest.mark.parametrize(
+    ("answer", "words", "cause"),
+    [
+        (b"\xc1", "This page and the server are of different versions.", "not msgpack"),
+        (msgpack.packb(OVERFLOW), "The server has ended the stream.", "70 MiB"),
+        (msgpack.packb(WELCOME | {"manifest": b"{}"}), "This page cannot read the scene.", "is missing"),
+    ],
+)
+def test_a_failed_stream_is_told_in_plain_words_and_its_cause_to_the_console(
+    browser: Browser, site: Site, answer: bytes, words: str, cause: str
+) -> None:
+    page = browser.new_page()
+    told: list[str] = []
+    page.on("console", lambda message: told.append(message.text))
+    page.route_web_socket("**/stream", lambda socket: socket.on_message(lambda _: socket.send(answer)))
+    try:
+        page.goto(site.page)
+        alert = page.get_by_role("alert").filter(has_text=words)
+        alert.wait_for()
+        assert cause not in alert.inner_text()
+        assert any(cause in text for text in told)
     finally:
         page.close()
 

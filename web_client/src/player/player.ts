@@ -1,5 +1,6 @@
 /** Plays one scene on a canvas: joins the stream, the worker, the buffer, the clock and the renderer. */
 
+import { ManifestError } from "../codec/errors";
 import { parseManifest } from "../codec/manifest";
 import type { Manifest } from "../codec/types";
 import { fetchChunk } from "../protocol/api";
@@ -10,6 +11,7 @@ import { placeChunks } from "../worker/placement";
 import { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
+import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
 import { LineRate } from "./line_rate";
 import { type OrderKey, OrderRequests, orderKey } from "./order_requests";
 import { Picture } from "./picture";
@@ -43,8 +45,7 @@ export class ScenePlayer {
     this.#picture = new Picture(this.#renderer, this.#orders);
     this.#worker = new Worker(new URL("../worker/worker.ts", import.meta.url), { type: "module" });
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#fromWorker(data);
-    this.#worker.onerror = () =>
-      options.onError("The decoder of this page has stopped. Loading the page again may help.");
+    this.#worker.onerror = ({ message }) => options.onError(DECODER_STOPPED, message);
     this.#chunks = new ChunkIntake(
       {
         decode: (id, bytes) => this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]),
@@ -76,7 +77,7 @@ export class ScenePlayer {
           this.#streamState = state;
           this.invalidate();
         },
-        failed: options.onError,
+        failed: (failure, detail) => options.onError(describeFailure(failure), detail),
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
     );
@@ -186,7 +187,9 @@ export class ScenePlayer {
       if (this.#options.playing) this.play();
     } catch (error) {
       this.#stream.close();
-      this.#options.onError(error instanceof Error ? error.message : String(error));
+      const cause = error instanceof Error ? error.message : String(error);
+      const unreadable = error instanceof ManifestError || error instanceof SyntaxError;
+      this.#options.onError(unreadable ? SCENE_UNREADABLE : cause, cause);
     }
   }
 

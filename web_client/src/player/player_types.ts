@@ -17,8 +17,8 @@ export interface PlayerOptions {
   readonly onManifest: (manifest: Manifest) => void;
   /** Called at the end of every frame, and so after every change of what the player tells of itself. */
   readonly onFrame: () => void;
-  /** One line for people; playing may go on. */
-  readonly onError: (message: string) => void;
+  /** One line for people, and the cause for whoever looks into it; playing may go on. */
+  readonly onError: (message: string, cause: string) => void;
 }
 
 export interface PlayerStats {

@@ -19,6 +19,7 @@ import {
 } from "./messages";
 import { PartialChunks } from "./partial_chunks";
 import { PlayheadMessages } from "./playhead_messages";
+import { type StreamFailure, streamFailure } from "./stream_failure";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
@@ -44,8 +45,8 @@ export interface StreamEvents {
   /** Chunk bytes arrived, headers not counted. */
   progress(bytes: number): void;
   state(state: StreamState): void;
-  /** The stream is over for a reason that coming back does not cure; one line for people. */
-  failed(message: string): void;
+  /** The stream is over for a reason that coming back does not cure; `detail` is for whoever looks into it. */
+  failed(failure: StreamFailure, detail: string): void;
 }
 
 interface Playhead {
@@ -148,14 +149,14 @@ export class SceneStream {
       this.#receive(bytes);
     } catch (error) {
       if (!(error instanceof ProtocolError)) throw error;
-      this.#fail(`the server broke the protocol: ${error.message}`);
+      this.#fail("not-understood", `the server broke the protocol: ${error.message}`);
     }
   }
 
   #closed(code: number): void {
     this.#leave();
     const final = FINAL_CODES.has(code) || (code >= 4000 && code !== HELLO_TIMEOUT);
-    if (final) this.#fail(`the server closed the stream (${code})`);
+    if (final) this.#fail(streamFailure(code), `the server closed the stream (${code})`);
     else this.#retryLater();
   }
 
@@ -180,10 +181,10 @@ export class SceneStream {
     this.#retry = setTimeout(() => this.#connect(), longest * Math.random());
   }
 
-  #fail(message: string): void {
+  #fail(failure: StreamFailure, detail: string): void {
     this.#leave();
     this.events.state("closed");
-    this.events.failed(message);
+    this.events.failed(failure, detail);
   }
 
   #send(message: ClientMessage): void {
@@ -211,7 +212,7 @@ export class SceneStream {
         this.#connection?.rest();
         break;
       case "error":
-        if (!PASSING.has(message.code)) this.#fail(message.detail);
+        if (!PASSING.has(message.code)) this.#fail(streamFailure(message.code), message.detail);
         break;
     }
   }
@@ -224,7 +225,7 @@ export class SceneStream {
       this.#manifestId = manifest_id.slice();
       this.events.manifest(manifest.slice());
     } else if (!sameBytes(this.#manifestId, manifest_id)) {
-      this.#fail("the scene has been published anew; load the page again");
+      this.#fail("scene-changed", "another manifest than before");
     }
   }
 

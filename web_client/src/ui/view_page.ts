@@ -89,9 +89,11 @@ class ViewPage {
         root.classList.toggle("lost", stats.contextLost);
         this.#transport?.update();
       },
-      onError: (message) => {
+      onError: (message, cause) => {
+        // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+        console.error(cause);
         notices.fail(message);
-        this.#fail(new Error(message));
+        this.#fail(new Error(cause));
       },
     });
     this.#stats = new StatsPanel(this.#player, this.#canvas, signal);

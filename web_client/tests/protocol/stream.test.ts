@@ -123,7 +123,7 @@ describe("SceneStream", () => {
     socket.welcome();
     socket.frame(A, 0, 9, Uint8Array.of(1, 2));
     socket.frame(A, 3, 9, Uint8Array.of(3));
-    expect(events.failed).toHaveBeenCalledOnce();
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("not-understood", expect.stringContaining("chunk"));
     expect(socket.closed).toBe(1000);
   });
 
@@ -356,7 +356,7 @@ describe("SceneStream", () => {
     socket.receive(encode({ type: "error", code: "scene-not-found", detail: "scene x: no such scene" }));
     socket.drop(4004);
     vi.advanceTimersByTime(60000);
-    expect(events.failed).toHaveBeenCalledExactlyOnceWith("scene x: no such scene");
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("no-scene", "scene x: no such scene");
     expect(sockets.length).toBe(1);
   });
 
@@ -368,7 +368,7 @@ describe("SceneStream", () => {
     vi.advanceTimersByTime(2000);
     sockets[1].open();
     sockets[1].welcome('{"a": 1}', 8);
-    expect(events.failed).toHaveBeenCalledOnce();
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("scene-changed", expect.any(String));
   });
 
   it("keeps the last seek for the hello if it is not connected yet", () => {
