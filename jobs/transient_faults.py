@@ -15,9 +15,8 @@ from jobs.home_identity import HomeIdentity
 __all__ = ["one_line", "reason_to_wait", "unreachable"]
 
 LONGEST = 200  # characters of a reason
-FULL = (
-    1 << 20
-)  # bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write
+# Bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write.
+FULL = 1 << 20
 
 _PASSING = {
     *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO),  # the disk

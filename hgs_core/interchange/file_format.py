@@ -32,7 +32,6 @@ class FileFormat:
     suffix: str
     read: Callable[[Path], ReadSplats] | None = None
     write_still: Callable[[StaticSplats[Floats], bool], Written] | None = None  # the bool: they are drawn antialiased
-    write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = (
-        None  # of one segment, with the scene's cameras
-    )
+    # Takes one segment and the scene's cameras.
+    write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = None
     says_antialiased: bool = False

@@ -12,9 +12,8 @@ from hgs_core.scene.camera import Camera
 __all__ = ["Features", "extract_features", "fundamental_matrix", "match_features"]
 
 _MASK_MARGIN = 24  # pixels around the mask's box: the descriptors there see beyond it
-_SMALL_PICTURE = (
-    60_000  # pixels; a smaller picture is searched at twice its size, which finds about three times as much
-)
+# Pixels; a smaller picture is searched at twice its size, which finds about three times as much.
+_SMALL_PICTURE = 60_000
 _MAX_FEATURES = 3000
 _EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
 _MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default

@@ -38,9 +38,8 @@ _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of th
 _HULL_SHARE = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
 _MIN_VIEWS = 2
 _STILL_FRAMES = 11  # that the still picture of a camera is the median of
-_UNKNOWN_BACKGROUND_SHARE = (
-    0.5  # share of the sampled frames in which a pixel moves, from which on its background means nothing
-)
+# Share of the sampled frames in which a pixel moves, from which on its background means nothing.
+_UNKNOWN_BACKGROUND_SHARE = 0.5
 _MAX_SPACING = 3.0  # of the median: what stands alone must not start as a giant
 
 

@@ -17,9 +17,8 @@ from hgs_core.codec.encoder.utility import grades
 
 __all__ = ["Layer", "dynamic_layers", "slice_limits", "static_layers"]
 
-LARGEST_STEP_RATIO = (
-    8.0  # a splat whose position step would be wider than the others' by this factor goes to another chunk
-)
+# A splat whose position step would be wider than the others' by this factor goes to another chunk.
+LARGEST_STEP_RATIO = 8.0
 LONG_LIVED_SPLATS = 2048  # splats that live on together, from which they get chunks apart from those that die earlier
 
 Index = NDArray[np.intp]

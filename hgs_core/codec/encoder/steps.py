@@ -17,9 +17,8 @@ __all__ = ["BLUR_DEVIATION", "FINEST_SHARE", "TURN_AGAINST_SCALE", "Steps", "ide
 BLUR_DEVIATION = 0.1  # pixels of standard deviation: rendering adds more, so thinner axes need not be told apart
 # A turn by t between axes of deviations a and b, (a/b - b/a)^2 t^2 / 4, against a change of one axis by e, 3/4 e^2.
 TURN_AGAINST_SCALE = 1 / 3
-ROTATION_STEP_PERCENTILE = (
-    98.0  # per cent of splats that are no longer and thinner than what the rotation's step is made for
-)
+# Per cent of splats that are no longer and thinner than what the rotation's step is made for.
+ROTATION_STEP_PERCENTILE = 98.0
 FINEST_OPACITY = 2.0**-9
 FINEST_ROTATION = 2.0**-13
 FINEST_SHARE = 2.0**-21  # a step below this share of a coordinate costs more bits than float32 is worth

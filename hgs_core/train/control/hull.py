@@ -23,9 +23,8 @@ __all__ = ["ever_inside", "outside_moving_hull"]
 
 _INSIDE_SHARE = 0.5  # mean share of the views that must see something move there
 _LOOKED_AT_MOMENTS = 16  # moments of the segment at which something still is looked for in the hull
-_BRIEF_HALF_LIFE = (
-    0.25  # normalised time to half the opacity; what lives longer may be a restless static, outside of masks
-)
+# Normalised time to half the opacity; what lives longer may be a restless static, outside of masks.
+_BRIEF_HALF_LIFE = 0.25
 _LIFE_MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
 
 
