@@ -23,9 +23,11 @@ from hgs_core.codec.format.folder import MANIFEST, THUMBNAIL, chunk_bytes, load_
 if TYPE_CHECKING:
     from obstore import ObjectMeta
 
-__all__ = ["ArtifactStore", "SceneEntry"]
+__all__ = ["SCENE_ID", "ArtifactStore", "SceneEntry"]
 
-_SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
+"""Of a scene, and of the job that makes it: they have the same."""
+
 _CHUNK_ID = re.compile(r"[0-9a-f]{64}")
 
 
@@ -60,7 +62,7 @@ class ArtifactStore:
         Raises:
             InputError: a malformed scene id, an unreadable manifest, or a file that is missing or damaged.
         """
-        if not _SCENE_ID.fullmatch(scene_id):
+        if not SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
         manifest = load_manifest(folder)
         total = len(manifest.chunks) + 1
@@ -79,13 +81,13 @@ class ArtifactStore:
         for page in obstore.list(self._store, prefix="scenes"):
             for item in page:
                 parts = item["path"].split("/")
-                if len(parts) == 3 and parts[2] == MANIFEST and _SCENE_ID.fullmatch(parts[1]):
+                if len(parts) == 3 and parts[2] == MANIFEST and SCENE_ID.fullmatch(parts[1]):
                     scenes.append(_entry(parts[1], item))
         return sorted(scenes, key=lambda scene: (scene.published, scene.id), reverse=True)
 
     def scene_entry(self, scene_id: str) -> SceneEntry | None:
         """Return one published scene as `list_scenes` does, without a look at the others."""
-        if not _SCENE_ID.fullmatch(scene_id):
+        if not SCENE_ID.fullmatch(scene_id):
             return None
         try:
             return _entry(scene_id, obstore.head(self._store, f"scenes/{scene_id}/{MANIFEST}"))
@@ -94,11 +96,11 @@ class ArtifactStore:
 
     def manifest(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's manifest.json."""
-        return self._get(f"scenes/{scene_id}/{MANIFEST}") if _SCENE_ID.fullmatch(scene_id) else None
+        return self._get(f"scenes/{scene_id}/{MANIFEST}") if SCENE_ID.fullmatch(scene_id) else None
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's JPEG thumbnail."""
-        return self._get(f"scenes/{scene_id}/{THUMBNAIL}") if _SCENE_ID.fullmatch(scene_id) else None
+        return self._get(f"scenes/{scene_id}/{THUMBNAIL}") if SCENE_ID.fullmatch(scene_id) else None
 
     def chunk(self, chunk_id: str) -> bytes | None:
         """Return the bytes of the chunk with this SHA-256 (64 lower-case hexadecimal digits)."""
@@ -106,7 +108,7 @@ class ArtifactStore:
 
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
-        if _SCENE_ID.fullmatch(scene_id):
+        if SCENE_ID.fullmatch(scene_id):
             for name in (MANIFEST, THUMBNAIL):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")

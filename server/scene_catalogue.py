@@ -25,7 +25,7 @@ from server.scene_index import SceneIndex, read_scene
 if TYPE_CHECKING:
     from server.service import Artifacts, Jobs
 
-__all__ = ["SceneCatalogue"]
+__all__ = ["SceneCatalogue", "unknown_scene"]
 
 _INDICES = 64  # scenes whose index is kept beyond the streams that use it
 
@@ -150,15 +150,16 @@ class SceneCatalogue:
     def _entry(self, scene_id: str) -> SceneEntry:
         entry = self._artifacts.scene_entry(scene_id)
         if entry is None:
-            raise _unknown(scene_id)
+            raise unknown_scene(scene_id)
         return entry
 
     def _read(self, entry: SceneEntry) -> SceneIndex:
         manifest = self._artifacts.manifest(entry.id)
         if manifest is None:
-            raise _unknown(entry.id)
+            raise unknown_scene(entry.id)
         return read_scene(entry.id, manifest)
 
 
-def _unknown(scene_id: str) -> ProblemError:
+def unknown_scene(scene_id: str) -> ProblemError:
+    """Return the answer to a request for a scene that is not published."""
     return ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")

@@ -17,7 +17,6 @@ from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
 from server.job_events import JobFollowers
 from server.scene_catalogue import SceneCatalogue
-from server.scene_index import SceneIndex
 
 __all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
 
@@ -61,14 +60,6 @@ class Service:
         """Make what is kept in memory of the queue and the store."""
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
-
-    def scene(self, scene_id: str) -> SceneIndex:
-        """Return a published scene; blocks for a look into the store.
-
-        Raises:
-            ProblemError: 404, no such scene; 500, its manifest is of another version or damaged.
-        """
-        return self.catalogue.scene(scene_id)
 
     def same_site(self, connection: HTTPConnection) -> bool:
         """Return whether the request comes from no page, or from a page of this server."""

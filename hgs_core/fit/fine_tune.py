@@ -35,7 +35,8 @@ from hgs_core.train.training_views import TrainingViews
 __all__ = ["FineTune"]
 
 CYCLES_PER_OFFSET = 50  # cycles for which the offset is held
-# As a share of the step sizes of training; falls to nothing along a cosine. More disturbs a scene whose steps have settled.
+# As a share of the step sizes of training; falls to nothing along a cosine. More disturbs a scene whose steps have
+# settled.
 STEP_SIZE_SHARE = 0.05
 
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])

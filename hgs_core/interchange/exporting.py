@@ -38,7 +38,7 @@ def export_scene(
             that the format cannot hold.
     """
     target = format_of(path, lambda one: one.write_still is not None or one.write_moving is not None)
-    moving = any(len(part.dynamic) for part in scene.segments)
+    moving = scene.dynamic_splats > 0
     changes: list[Change] = []
     if scene.antialiased and not target.says_antialiased:
         reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
@@ -85,7 +85,7 @@ def _lost_in_a_moment(scene: HybridScene[Floats], kept: StaticSplats[Floats], ti
 
 
 def _splats(scene: HybridScene[Floats]) -> int:
-    return len(scene.static) + sum(len(segment.dynamic) for segment in scene.segments)
+    return len(scene.static) + scene.dynamic_splats
 
 
 def _segment(scene: HybridScene[Floats], number: int | None) -> Segment[Floats]:

@@ -88,7 +88,7 @@ def import_run(
             if fresh:
                 shutil.rmtree(run)
             raise
-    encoded = len(imported.scene.static) + sum(len(part.dynamic) for part in imported.scene.segments)
+    encoded = len(imported.scene.static) + imported.scene.dynamic_splats
     missed = Change(Action.LEFT_OUT, "splats", encoded - kept, encoded, "no picture misses them")
     return ImportedRun(imported.splats, kept, nonzero((*imported.changes, missed)))
 

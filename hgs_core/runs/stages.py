@@ -159,8 +159,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
-    moving = sum(len(part.dynamic) for part in scene.segments)
-    return Encoded(manifest, found.settings.coarseness, found.loss, len(scene.static), moving)
+    return Encoded(manifest, found.settings.coarseness, found.loss, len(scene.static), scene.dynamic_splats)
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

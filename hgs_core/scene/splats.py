@@ -126,6 +126,11 @@ class HybridScene(Generic[A]):
         """Last moment, seconds."""
         return self.segments[-1].end
 
+    @property
+    def dynamic_splats(self) -> int:
+        """How many dynamic splats all segments have together."""
+        return sum(len(segment.dynamic) for segment in self.segments)
+
     def segment_at(self, seconds: float) -> Segment[A]:
         """Return the segment that is shown at `seconds`: the last that has started, or the first."""
         for segment in reversed(self.segments):

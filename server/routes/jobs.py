@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
+from jobs.artifacts import SCENE_ID
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
 from server.conditional import respond_json
@@ -25,8 +25,6 @@ from server.service import Service, ServiceDep
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/jobs")
-
-_JOB_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")  # whatever else a client asks for, not every database can look up
 
 
 class Submission(BaseModel):
@@ -122,7 +120,8 @@ def _submit(service: Service, submission: Submission) -> Job:
 
 
 def _known(service: Service, job_id: str) -> Job:
-    job = service.jobs.get(job_id) if _JOB_ID.fullmatch(job_id) else None
+    # Whatever else a client asks for, not every database can look up.
+    job = service.jobs.get(job_id) if SCENE_ID.fullmatch(job_id) else None
     if job is None:
         raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
     return job

@@ -9,6 +9,7 @@ from starlette.concurrency import run_in_threadpool
 
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.problems import ProblemError
+from server.scene_catalogue import unknown_scene
 from server.service import ServiceDep
 
 __all__ = ["router"]
@@ -34,7 +35,7 @@ def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
     """Serve the manifest's exact bytes, compressed for those who ask."""
     body = service.artifacts.manifest(scene_id)
     if body is None:
-        raise ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")
+        raise unknown_scene(scene_id)
     return respond_compressed(request, body, "application/json")
 
 

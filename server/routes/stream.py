@@ -36,7 +36,7 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
         return
     await socket.accept()
     try:
-        scene = await run_in_threadpool(service.scene, scene_id)
+        scene = await run_in_threadpool(service.catalogue.scene, scene_id)
         await _converse(socket, StreamSession(scene), service.chunks)
     except WebSocketDisconnect:
         return

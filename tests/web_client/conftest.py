@@ -134,6 +134,26 @@ def browser() -> Iterator[Browser]:
         yield opened
 
 
+@pytest.fixture
+def flipped_bit() -> str:
+    """Return a script for a page in which one bit of the stream's first chunk arrives wrong."""
+    return """
+      const Original = WebSocket;
+      window.WebSocket = class extends Original {
+        constructor(url) {
+          super(url);
+          const flip = ({ data }) => {
+            const bytes = new Uint8Array(data);
+            if (bytes[0] !== 1) return;
+            bytes[100] ^= 1;
+            this.removeEventListener("message", flip);
+          };
+          this.addEventListener("message", flip);
+        }
+      };
+    """
+
+
 @contextmanager
 def serving(runs: list[Path], home: Path) -> Iterator[list[str]]:
     """Serve the scenes of runs as `hgs serve` does, in a process of its own; yields the addresses of their pages."""

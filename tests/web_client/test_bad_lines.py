@@ -101,25 +101,9 @@ def test_damaged_chunks_cost_their_splats_and_a_notice(page: Page, damaged: str)
     page.wait_for_function("() => window.hgs.state.time > 0.2")  # it plays through the damaged slice
 
 
-def test_chunk_that_cannot_be_decoded_costs_its_splats_and_a_notice(page: Page, site: Site) -> None:
+def test_chunk_that_cannot_be_decoded_costs_its_splats_and_a_notice(page: Page, site: Site, flipped_bit: str) -> None:
     """One bit of the stream's first chunk is wrong, and what is fetched in its place is wrong too."""
-    page.add_init_script(
-        """
-      const Original = WebSocket;
-      window.WebSocket = class extends Original {
-        constructor(url) {
-          super(url);
-          const flip = ({ data }) => {
-            const bytes = new Uint8Array(data);
-            if (bytes[0] !== 1) return;
-            bytes[100] ^= 1;
-            this.removeEventListener("message", flip);
-          };
-          this.addEventListener("message", flip);
-        }
-      };
-    """
-    )
+    page.add_init_script(flipped_bit)
     page.route("**/v1/chunks/*", lambda route: route.fulfill(body=b"no chunk"))
     page.goto(f"{site.page}?paused=1&t=0.4")
     page.wait_for_function(READY)

@@ -19,7 +19,7 @@ from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.lives import visible_where_still, with_lives_shortened
 from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
-from hgs_core.train.control.round import RoundContext
+from hgs_core.train.control.round import RoundContext, is_after_share
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.splat_sets import kept, rows_of
 
@@ -45,7 +45,7 @@ class BirthRound:
 
     def due(self, cycle: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return cycle + 1 in {round(share * self.config.cycles) for share in BIRTHS_AT[: self.config.birth_rounds]}
+        return is_after_share(self.config, cycle, BIRTHS_AT[: self.config.birth_rounds])
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import ClassVar, TypeVar
+from typing import TypeVar
 
 import numpy as np
 import torch
@@ -21,7 +21,7 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.control.round import RoundContext, is_density_round
+from hgs_core.train.control.round import BudgetRound, RoundContext
 from hgs_core.train.splat_sets import joined
 
 __all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
@@ -33,16 +33,8 @@ _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 
 @dataclasses.dataclass(frozen=True)
-class DensityRound:
+class DensityRound(BudgetRound):
     """Prunes, clones and splits both sets, each within its own budget; children inherit their parent's label."""
-
-    name: ClassVar[str] = "density"
-    on_host: ClassVar[bool] = True
-    config: TrainConfig
-
-    def due(self, cycle: int) -> bool:
-        """Return whether the round follows this iteration, counted from 0."""
-        return is_density_round(self.config, cycle)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

@@ -13,7 +13,7 @@ from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.births import BIRTHS_AT
 from hgs_core.train.control.density import is_fog
 from hgs_core.train.control.hull import outside_moving_hull
-from hgs_core.train.control.round import RoundContext
+from hgs_core.train.control.round import RoundContext, is_after_share
 from hgs_core.train.splat_sets import kept
 
 __all__ = ["PruningRound"]
@@ -36,8 +36,7 @@ class PruningRound:
 
     def due(self, cycle: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        wanted = self.config.prune_contribution > 0
-        return wanted and cycle + 1 in {round(share * self.config.cycles) for share in _PRUNED_AT}
+        return self.config.prune_contribution > 0 and is_after_share(self.config, cycle, _PRUNED_AT)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

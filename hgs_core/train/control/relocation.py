@@ -21,9 +21,8 @@ from hgs_core.render.projection import rotation_matrices
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.density import peak_opacity
-from hgs_core.train.control.round import RoundContext, is_density_round
+from hgs_core.train.control.round import BudgetRound, RoundContext
 from hgs_core.train.splat_sets import joined
 
 __all__ = ["NoiseRound", "RelocationRound", "disturb", "relocate", "shared_among"]
@@ -39,20 +38,12 @@ _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
 
 
 @dataclasses.dataclass(frozen=True)
-class RelocationRound:
+class RelocationRound(BudgetRound):
     """Moves the dead of both sets onto the living and fills each one's budget; copies inherit all but opacity and size.
 
     The budget is that of the round, as for cloning and splitting. The paper's 5 % a round would leave the statics of a
     short schedule far below theirs, and fill that of the dynamics before births can use it.
     """
-
-    name: ClassVar[str] = "density"
-    on_host: ClassVar[bool] = True
-    config: TrainConfig
-
-    def due(self, cycle: int) -> bool:
-        """Return whether the round follows this iteration, counted from 0."""
-        return is_density_round(self.config, cycle)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

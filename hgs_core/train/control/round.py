@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -12,7 +13,7 @@ from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.training_views import TrainingViews
 
-__all__ = ["Round", "RoundContext", "is_density_round", "is_one_of_ten"]
+__all__ = ["BudgetRound", "Round", "RoundContext", "is_after_share", "is_one_of_ten"]
 
 _FIRST_OF_TEN = 0.1  # share of the iterations that pass before them
 
@@ -43,16 +44,29 @@ class Round(Protocol):
         """Change the state in place."""
 
 
+@dataclass(frozen=True)
+class BudgetRound:
+    """What rounds have in common that fill the budgets of the sets, in whichever way."""
+
+    name: ClassVar[str] = "density"
+    on_host: ClassVar[bool] = True
+    config: TrainConfig
+
+    def due(self, cycle: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        config, done = self.config, cycle + 1
+        first, last = (share * config.cycles for share in (config.densify_from, config.densify_until))
+        return done % config.densify_every == 0 and first <= done <= last
+
+
+def is_after_share(config: TrainConfig, cycle: int, shares: Sequence[float]) -> bool:
+    """Return whether one of these shares of all iterations ends with this one."""
+    return cycle + 1 in {round(share * config.cycles) for share in shares}
+
+
 def is_one_of_ten(config: TrainConfig, cycle: int) -> bool:
     """Return whether one of ten evenly spaced rounds follows this iteration, all while splats are still added."""
     first, last = (share * config.cycles for share in (_FIRST_OF_TEN, config.densify_until))
     every = max(1, round((last - first) / 10))
     done = cycle + 1
     return first < done <= last and (done - round(first)) % every == 0
-
-
-def is_density_round(config: TrainConfig, cycle: int) -> bool:
-    """Return whether a round of density control follows this iteration."""
-    done = cycle + 1
-    first, last = (share * config.cycles for share in (config.densify_from, config.densify_until))
-    return done % config.densify_every == 0 and first <= done <= last

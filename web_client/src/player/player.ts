@@ -53,8 +53,7 @@ export class ScenePlayer {
         lost: (id, message) => {
           // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
           console.warn(message);
-          this.#playback?.buffer.lose(id);
-          this.invalidate();
+          this.#lose(id);
         },
       },
       fetchChunk,
@@ -64,10 +63,7 @@ export class ScenePlayer {
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
-        missing: (id) => {
-          this.#playback?.buffer.lose(id);
-          this.invalidate();
-        },
+        missing: (id) => this.#lose(id),
         progress: (bytes) => {
           this.#bytes += bytes;
           this.#line.count(bytes, performance.now());
@@ -222,6 +218,12 @@ export class ScenePlayer {
   #visibility(): void {
     if (!document.hidden) this.#stream.wake();
     this.#playback?.pageHidden(document.hidden);
+  }
+
+  /** Go on without a chunk. */
+  #lose(id: string): void {
+    this.#playback?.buffer.lose(id);
+    this.invalidate();
   }
 
   #contextChanged(lost: boolean): void {
