@@ -1,4 +1,4 @@
-/** The way of chunks to their decoder: keeps the stream's credit, and fetches again what arrives damaged. */
+/** The way of chunks to their decoder: keeps the source's credit, and fetches again what arrives damaged. */
 
 /** Pauses before a damaged chunk is fetched again, milliseconds: at once, and then when a disturbance may have passed. */
 const PAUSES = [0, 1000];
@@ -6,7 +6,7 @@ const PAUSES = [0, 1000];
 export interface IntakeEvents {
   /** Decode a chunk; answered by `decoded` or `damaged`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>): void;
-  /** The stream's decoder is done with so many bytes. */
+  /** The decoder is done with so many bytes. */
   consumed(bytes: number): void;
   /** A chunk stays damaged; `message` says how. */
   lost(id: string, message: string): void;
@@ -17,13 +17,13 @@ export class ChunkIntake {
   readonly #fetched = new Map<string, number>(); // how often a chunk has been fetched again
   readonly #abort = new AbortController();
 
-  /** @param fetchChunk brings a chunk's bytes from the server by another way than the stream. */
+  /** @param fetchAgain brings a chunk's bytes once more. */
   constructor(
     readonly events: IntakeEvents,
-    readonly fetchChunk: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
+    readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
   ) {}
 
-  /** A complete chunk has come from the stream. */
+  /** A complete chunk has come from the source. */
   arrived(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     this.#streamed.set(id, bytes.length);
     this.events.decode(id, bytes);
@@ -46,7 +46,7 @@ export class ChunkIntake {
     await new Promise((resolve) => setTimeout(resolve, PAUSES[times]));
     if (signal.aborted) return;
     try {
-      const bytes = await this.fetchChunk(id, signal);
+      const bytes = await this.fetchAgain(id, signal);
       if (!signal.aborted) this.events.decode(id, bytes);
     } catch (error) {
       if (signal.aborted) return;
@@ -60,7 +60,7 @@ export class ChunkIntake {
     this.#abort.abort();
   }
 
-  /** Only chunks of the stream cost credit. */
+  /** Only chunks that the source brought by itself cost credit. */
   #consume(id: string): void {
     const bytes = this.#streamed.get(id);
     if (bytes === undefined) return;

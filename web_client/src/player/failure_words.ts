@@ -1,8 +1,8 @@
 /** What a player says when it cannot go on: a line for people, without the words of the protocol. */
 
-import type { StreamFailure } from "../protocol/stream_failure";
+import type { SourceFailure } from "../source/scene_source";
 
-const WORDS: Readonly<Record<StreamFailure, string>> = {
+const WORDS: Readonly<Record<SourceFailure, string>> = {
   "no-scene": "There is no such scene here. It may have been taken away.",
   "scene-changed": "This scene has been published anew. Load the page again to see it.",
   "not-understood": "This page and the server are of different versions. Loading the page again may help.",
@@ -12,6 +12,6 @@ const WORDS: Readonly<Record<StreamFailure, string>> = {
 export const DECODER_STOPPED = "The decoder of this page has stopped. Loading the page again may help.";
 export const SCENE_UNREADABLE = "This page cannot read the scene. Loading the page again may help.";
 
-export function describeFailure(failure: StreamFailure): string {
+export function describeFailure(failure: SourceFailure): string {
   return WORDS[failure];
 }

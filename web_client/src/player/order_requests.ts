@@ -1,7 +1,8 @@
 /** Keeps the order of the splats up to date: asks the worker for one at a time, and remembers what the last one is of. */
 
-import type { SplatRenderer } from "../renderer/renderer";
-import type { FromWorker, ToWorker } from "../worker/messages";
+import type { SplatSink } from "../renderer/splat_drawer";
+import type { OrderedSplats } from "../worker/messages";
+import type { SceneWorker } from "../worker/scene_worker";
 import { type DepthAxis, sameAxis } from "../worker/splat_order";
 import type { View } from "./view";
 
@@ -20,8 +21,6 @@ export function orderKey({ pose, camera }: View, time: number, version: number):
   return { axis: { x: r[6], y: r[7], z: r[8], offset: pose.translation[2], near: camera.near }, time, version };
 }
 
-type Ordered = Extract<FromWorker, { type: "ordered" }>;
-
 export class OrderRequests {
   #asked: OrderKey | null = null;
   #askedAt = 0; // ms
@@ -30,12 +29,13 @@ export class OrderRequests {
   #ids: Uint32Array<ArrayBuffer> | undefined; // of the order that is shown, until the next one comes
   #spare: Uint32Array<ArrayBuffer> | undefined;
   #normalisedTime = 0;
+  #count = 0;
   #dynamicSplats = 0;
   #sortTime = 0;
 
   constructor(
-    readonly tell: (message: ToWorker, transfer: Transferable[]) => void,
-    readonly renderer: SplatRenderer,
+    readonly worker: Pick<SceneWorker, "order">,
+    readonly sink: Pick<SplatSink, "setOrder">,
   ) {}
 
   /** What the order that is drawn now is of; null before the first. */
@@ -48,6 +48,12 @@ export class OrderRequests {
     return this.#normalisedTime;
   }
 
+  /** Splats in the shown order. */
+  get count(): number {
+    return this.#count;
+  }
+
+  /** Those of them that move. */
   get dynamicSplats(): number {
     return this.#dynamicSplats;
   }
@@ -70,21 +76,21 @@ export class OrderRequests {
     const { axis, time } = key;
     const recycled = this.#spare;
     this.#spare = undefined;
-    if (recycled) this.tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
-    else this.tell({ type: "order", axis, time }, []);
+    this.worker.order(axis, time, recycled);
   }
 
   /** Take the worker's answer. */
-  receive(order: Ordered): void {
+  receive(order: OrderedSplats): void {
     this.#spare = this.#ids;
     this.#ids = order.ids;
     this.#normalisedTime = order.normalisedTime;
+    this.#count = order.count;
     this.#dynamicSplats = order.dynamic;
     this.#sortTime = order.sortTime;
     this.#shown = this.#asked;
     this.#shownAskedAt = this.#askedAt;
     this.#asked = null;
-    this.renderer.setOrder(order.ids, order.count);
+    this.sink.setOrder(order.ids, order.count);
   }
 
   shows(key: OrderKey): boolean {

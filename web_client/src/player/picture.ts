@@ -3,7 +3,8 @@
  * a slow device, and finely once it stands.
  */
 
-import type { Shot, SplatRenderer } from "../renderer/renderer";
+import type { CanvasRenderer } from "../renderer/canvas_renderer";
+import type { Shot } from "../renderer/shot";
 import { FrameRate } from "./frame_rate";
 import type { OrderRequests } from "./order_requests";
 import { Stillness } from "./stillness";
@@ -18,7 +19,7 @@ export class Picture {
   #orderAge = 0;
 
   constructor(
-    readonly renderer: SplatRenderer,
+    readonly renderer: CanvasRenderer,
     readonly orders: OrderRequests,
   ) {}
 
@@ -63,7 +64,7 @@ export class Picture {
     this.#quick = quick;
     this.frames.count(now);
     this.#orderAge = this.orders.age(performance.now());
-    if (this.#first === null && this.renderer.count > 0) this.#first = performance.now();
+    if (this.#first === null && this.orders.count > 0) this.#first = performance.now();
     return true;
   }
 }

@@ -1,18 +1,18 @@
-/** Moves the playhead, and tells the server, whose own playhead runs along, where this one goes and when it waits. */
+/** Moves the playhead, and tells the source, whose own playhead runs along, where this one goes and when it waits. */
 
-import type { SceneStream } from "../protocol/stream";
+import type { SceneSource } from "../source/scene_source";
 import type { SceneBuffer } from "./buffer";
 import type { PlayerClock } from "./clock";
 
 export class Playback {
-  #stalled = false; // as the server knows
+  #stalled = false; // as the source knows
 
   constructor(
     readonly clock: PlayerClock,
     readonly buffer: SceneBuffer,
-    readonly stream: SceneStream,
+    readonly source: SceneSource,
   ) {
-    stream.playheadAt(clock.time);
+    source.playheadAt(clock.time);
   }
 
   /** True while the scene moves, and is not waiting for data. */
@@ -22,39 +22,39 @@ export class Playback {
 
   play(): void {
     this.clock.play();
-    this.stream.play(this.clock.time, this.clock.rate);
+    this.source.play(this.clock.time, this.clock.rate);
   }
 
   pause(): void {
     this.clock.pause();
     this.#stalled = false;
-    this.stream.pause(this.clock.time);
+    this.source.pause(this.clock.time);
   }
 
   /** Scene seconds per second. */
   setRate(rate: number): void {
     this.clock.rate = rate;
-    if (this.clock.playing) this.stream.play(this.clock.time, rate);
+    if (this.clock.playing) this.source.play(this.clock.time, rate);
   }
 
   /** Move the playhead; what is missing there comes before everything else. */
   seek(time: number): void {
     this.clock.seek(time);
     const at = this.clock.time;
-    if (!this.buffer.ready(at)) this.stream.seek(at);
-    else if (this.clock.playing) this.stream.play(at, this.clock.rate);
-    else this.stream.pause(at);
+    if (!this.buffer.ready(at)) this.source.seek(at);
+    else if (this.clock.playing) this.source.play(at, this.clock.rate);
+    else this.source.pause(at);
   }
 
   /** Advance to `now` (seconds of any steady clock) and return the scene's time. */
   tick(now: number): number {
     const time = this.clock.tick(now, (moment) => this.buffer.ready(moment));
-    this.stream.playheadAt(time);
-    // The server's playhead runs ahead while this one waits.
+    this.source.playheadAt(time);
+    // The source's playhead runs ahead while this one waits.
     if (this.clock.stalled !== this.#stalled) {
       this.#stalled = this.clock.stalled;
-      if (this.#stalled) this.stream.pause(time);
-      else if (this.clock.playing) this.stream.play(time, this.clock.rate);
+      if (this.#stalled) this.source.pause(time);
+      else if (this.clock.playing) this.source.play(time, this.clock.rate);
     }
     return time;
   }
@@ -62,7 +62,7 @@ export class Playback {
   /** A hidden page gets no frames: its playhead stands. */
   pageHidden(hidden: boolean): void {
     if (!this.clock.playing) return;
-    if (hidden) this.stream.pause(this.clock.time);
-    else this.stream.play(this.clock.time, this.clock.rate);
+    if (hidden) this.source.pause(this.clock.time);
+    else this.source.play(this.clock.time, this.clock.rate);
   }
 }

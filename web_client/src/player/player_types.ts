@@ -1,12 +1,12 @@
 /** What a player is made from and what it tells of itself. */
 
 import type { Manifest } from "../codec/types";
-import type { StreamState } from "../protocol/stream";
+import type { OpenSource, SourceState } from "../source/scene_source";
 import type { View } from "./view";
 
 export interface PlayerOptions {
   readonly canvas: HTMLCanvasElement;
-  readonly streamUrl: string;
+  readonly source: OpenSource;
   /** Seconds from which to show and load first. */
   readonly time: number | null;
   readonly playing: boolean;
@@ -22,7 +22,7 @@ export interface PlayerOptions {
 }
 
 export interface PlayerStats {
-  readonly stream: StreamState;
+  readonly stream: SourceState;
   readonly bytes: number;
   readonly bytesTotal: number;
   /** Bytes per second over the last second. */

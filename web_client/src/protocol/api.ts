@@ -40,12 +40,6 @@ export const isFinal = (job: Job): boolean => job.state !== "queued" && job.stat
 
 export const thumbnailUrl = (scene: string): string => `/v1/scenes/${encodeURIComponent(scene)}/thumbnail`;
 
-/** The address of a scene's stream on the server that the page came from. */
-export function streamUrl(scene: string, page: { protocol: string; host: string } = location): string {
-  const scheme = page.protocol === "https:" ? "wss:" : "ws:";
-  return `${scheme}//${page.host}/v1/scenes/${encodeURIComponent(scene)}/stream`;
-}
-
 /** The server answered with a problem, or not at all; the message is one line for people. */
 export class ApiError extends Error {}
 
@@ -82,20 +76,6 @@ export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
 /** @throws ApiError */
 export async function listJobs(signal: AbortSignal): Promise<Job[]> {
   return ((await requestJson("/v1/jobs", signal)).jobs ?? []) as Job[];
-}
-
-/**
- * The bytes of a chunk, past every cache, in which a damaged copy may lie.
- *
- * @throws ApiError
- */
-export async function fetchChunk(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
-  const response = await request(`/v1/chunks/${id}`, { signal, cache: "reload" });
-  try {
-    return new Uint8Array(await response.arrayBuffer());
-  } catch {
-    throw new ApiError("The server cannot be reached.");
-  }
 }
 
 /** @throws ApiError */

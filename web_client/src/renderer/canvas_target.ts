@@ -52,7 +52,6 @@ export class CanvasTarget {
     this.#picture.bindTexture(0);
     gl.disable(gl.BLEND);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
-    gl.enable(gl.BLEND);
   }
 
   #use(width: number, height: number, format: "RGBA8" | "RGBA16F"): DrawnSize {

@@ -28,6 +28,11 @@ export class OrderTexture {
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
   }
 
+  dispose(gl: WebGL2RenderingContext): void {
+    gl.deleteTexture(this.#texture);
+    this.forget();
+  }
+
   /** Forget the texture of a lost context. */
   forget(): void {
     this.#texture = null;

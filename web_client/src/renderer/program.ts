@@ -12,7 +12,10 @@ export class Program<Name extends string> {
   readonly handle: WebGLProgram;
   readonly uniforms: Readonly<Record<Name, WebGLUniformLocation | null>>;
 
+  readonly #gl: WebGL2RenderingContext;
+
   constructor(gl: WebGL2RenderingContext, vertexSource: string, fragmentSource: string, names: readonly Name[]) {
+    this.#gl = gl;
     const vertex = compile(gl, gl.VERTEX_SHADER, vertexSource);
     const fragment = compile(gl, gl.FRAGMENT_SHADER, fragmentSource);
     this.handle = gl.createProgram();
@@ -27,5 +30,9 @@ export class Program<Name extends string> {
     gl.deleteShader(fragment);
     const uniforms = names.map((name) => [name, gl.getUniformLocation(this.handle, name)]);
     this.uniforms = Object.fromEntries(uniforms) as Record<Name, WebGLUniformLocation | null>;
+  }
+
+  dispose(): void {
+    this.#gl.deleteProgram(this.handle);
   }
 }

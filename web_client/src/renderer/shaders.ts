@@ -148,13 +148,14 @@ export const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 
 uniform vec2 size;
+uniform vec2 origin;          // lower left corner of the picture in the framebuffer, pixels
 flat in vec2 mean2d;
 flat in vec3 falloff;
 flat in vec4 colour;
 out vec4 result;
 
 void main() {
-  vec2 delta = vec2(gl_FragCoord.x, size.y - gl_FragCoord.y) - mean2d;
+  vec2 delta = vec2(gl_FragCoord.x - origin.x, size.y - (gl_FragCoord.y - origin.y)) - mean2d;
   vec2 deviations = vec2(falloff.x * (delta.x - falloff.y * delta.y), falloff.z * delta.y);
   float alpha = min(0.99, colour.a * exp(-0.5 * dot(deviations, deviations)));
   if (alpha < 1.0 / 255.0) discard;

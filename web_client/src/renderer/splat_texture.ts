@@ -51,6 +51,13 @@ export class SplatTexture {
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
   }
 
+  /** Delete the texture and let go of what was written. */
+  dispose(gl: WebGL2RenderingContext): void {
+    gl.deleteTexture(this.#texture);
+    this.#texture = null;
+    this.#chunks = [];
+  }
+
   #upload(gl: WebGL2RenderingContext, row: number, texels: Float32Array): void {
     const rows = texels.length / (4 * this.width);
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);

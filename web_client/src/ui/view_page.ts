@@ -2,8 +2,9 @@
 
 import { listenForGestures } from "../camera/gestures";
 import { ScenePlayer } from "../player/player";
-import { streamUrl } from "../protocol/api";
-import type { Pixels } from "../renderer/renderer";
+import type { Pixels } from "../renderer/shot";
+import { SceneStream } from "../source/scene_stream";
+import { streamUrl } from "../source/stream_url";
 import { CameraMenu } from "./camera_menu";
 import { element, icon } from "./element";
 import { BACK, FULLSCREEN, STATS } from "./icons";
@@ -71,7 +72,7 @@ class ViewPage {
     this.#viewpoint = new Viewpoint(this.#canvas, parameters, () => this.#player.invalidate(), signal);
     this.#player = new ScenePlayer({
       canvas: this.#canvas,
-      streamUrl: streamUrl(scene),
+      source: (events, playhead) => new SceneStream(streamUrl(scene), events, playhead),
       time: parameters.time,
       playing: !(parameters.paused ?? matchMedia("(prefers-reduced-motion: reduce)").matches),
       antialiased: parameters.antialiased,

@@ -1,7 +1,7 @@
 /** What the page and its worker say to each other. Big arrays are transferred, never copied. */
 
 import type { Manifest } from "../codec/types";
-import type { DepthAxis } from "./splat_order";
+import type { DepthAxis, SplatOrder } from "./splat_order";
 
 export type ToWorker =
   /** First, once. */
@@ -11,23 +11,23 @@ export type ToWorker =
   /** Order the splats; `recycled` gives back the ids of an earlier answer. One at a time. */
   | { type: "order"; axis: DepthAxis; time: number; recycled?: Uint32Array<ArrayBuffer> };
 
+/** A chunk's splats, packed as the data textures hold them. */
+export interface DecodedSplats {
+  readonly id: string;
+  readonly kind: "static" | "dynamic";
+  /** The id of its first splat. */
+  readonly first: number;
+  readonly texels: Float32Array<ArrayBuffer>;
+  /** Of dynamic splats whose motion goes on to the fifth order; empty if none does. */
+  readonly fifth: Float32Array<ArrayBuffer>;
+}
+
+export interface OrderedSplats extends SplatOrder {
+  /** Milliseconds. */
+  readonly sortTime: number;
+}
+
 export type FromWorker =
-  | {
-      type: "decoded";
-      id: string;
-      kind: "static" | "dynamic";
-      first: number;
-      texels: Float32Array<ArrayBuffer>;
-      /** Of dynamic splats whose motion goes on to the fifth order; empty if none does. */
-      fifth: Float32Array<ArrayBuffer>;
-    }
+  | ({ type: "decoded" } & DecodedSplats)
   | { type: "failed"; id: string; message: string }
-  | {
-      type: "ordered";
-      normalisedTime: number;
-      ids: Uint32Array<ArrayBuffer>;
-      count: number;
-      dynamic: number;
-      /** Milliseconds. */
-      sortTime: number;
-    };
+  | ({ type: "ordered" } & OrderedSplats);

@@ -2,7 +2,8 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { OrderRequests } from "../../src/player/order_requests";
 import { Picture } from "../../src/player/picture";
 import type { View } from "../../src/player/view";
-import type { Shot, SplatRenderer } from "../../src/renderer/renderer";
+import type { CanvasRenderer } from "../../src/renderer/canvas_renderer";
+import type { Shot } from "../../src/renderer/shot";
 
 const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },
@@ -22,7 +23,6 @@ beforeEach(() => {
   const renderer = {
     draw,
     busy: () => device.busy,
-    count: 1,
     get slow() {
       return device.slow;
     },
@@ -30,8 +30,8 @@ beforeEach(() => {
       return device.lost;
     },
   };
-  const orders = { shown: {}, age: () => 7 };
-  picture = new Picture(renderer as unknown as SplatRenderer, orders as unknown as OrderRequests);
+  const orders = { shown: {}, count: 1, age: () => 7 };
+  picture = new Picture(renderer as unknown as CanvasRenderer, orders as unknown as OrderRequests);
 });
 
 describe("Picture", () => {

@@ -2,7 +2,7 @@ import { beforeEach, expect, it, vi } from "vitest";
 import { SceneBuffer } from "../../src/player/buffer";
 import { PlayerClock } from "../../src/player/clock";
 import { Playback } from "../../src/player/playback";
-import type { SceneStream } from "../../src/protocol/stream";
+import type { SceneSource } from "../../src/source/scene_source";
 import { manifest, slice } from "../scene";
 
 const told = vi.fn();
@@ -11,7 +11,7 @@ const stream = {
   play: (time: number, rate: number) => told("play", time, rate),
   pause: (time: number) => told("pause", time),
   seek: (time: number) => told("seek", time),
-} as unknown as SceneStream;
+} as unknown as SceneSource;
 let playback: Playback;
 
 /** A scene of two seconds, of which the first is here. */

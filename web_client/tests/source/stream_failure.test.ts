@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { streamFailure } from "../../src/protocol/stream_failure";
+import { streamFailure } from "../../src/source/stream_failure";
 
 describe("a stream's failure", () => {
   it.each(["scene-not-found", 4004])("%s: the scene is not there", (code) => {

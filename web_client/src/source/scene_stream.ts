@@ -3,7 +3,7 @@
  * a broken or silent connection with the list of what it has.
  */
 
-import { Connection, type Socket } from "./connection";
+import { Connection, type Socket } from "../protocol/connection";
 import {
   CHUNK_FRAME,
   type ClientMessage,
@@ -16,10 +16,12 @@ import {
   ProtocolError,
   type ServerMessage,
   toHex,
-} from "./messages";
-import { PartialChunks } from "./partial_chunks";
-import { PlayheadMessages } from "./playhead_messages";
-import { type StreamFailure, streamFailure } from "./stream_failure";
+} from "../protocol/messages";
+import { PartialChunks } from "../protocol/partial_chunks";
+import { PlayheadMessages } from "../protocol/playhead_messages";
+import { fetchChunk } from "./fetch_chunk";
+import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
+import { streamFailure } from "./stream_failure";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
@@ -33,28 +35,7 @@ const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
 const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
 const HELLO_TIMEOUT = 4008;
 
-export type StreamState = "connecting" | "open" | "retrying" | "closed";
-
-export interface StreamEvents {
-  /** The manifest's bytes; once. */
-  manifest(bytes: Uint8Array): void;
-  /** A complete chunk; call `consumed` with its size when it is done with. */
-  chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
-  /** A chunk that the server cannot give; the next connection may bring it. */
-  missing(id: string): void;
-  /** Chunk bytes arrived, headers not counted. */
-  progress(bytes: number): void;
-  state(state: StreamState): void;
-  /** The stream is over for a reason that coming back does not cure; `detail` is for whoever looks into it. */
-  failed(failure: StreamFailure, detail: string): void;
-}
-
-interface Playhead {
-  readonly time: number | null; // seconds; null for the scene's start
-  readonly rate: number; // 0 while paused
-}
-
-export class SceneStream {
+export class SceneStream implements SceneSource {
   readonly #have = new Set<string>();
   readonly #partial = new PartialChunks();
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
@@ -68,7 +49,7 @@ export class SceneStream {
 
   constructor(
     readonly url: string,
-    readonly events: StreamEvents,
+    readonly events: SourceEvents,
     playhead: Playhead,
     readonly connect: (url: string) => Socket = (url) => new WebSocket(url),
   ) {
@@ -100,6 +81,10 @@ export class SceneStream {
   consumed(bytes: number): void {
     this.#undecoded -= bytes;
     this.#grant();
+  }
+
+  fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+    return fetchChunk(chunkUrl(this.url, id), signal);
   }
 
   /** The network or the page is back: connect now, or find out whether the connection has survived. */
@@ -181,7 +166,7 @@ export class SceneStream {
     this.#retry = setTimeout(() => this.#connect(), longest * Math.random());
   }
 
-  #fail(failure: StreamFailure, detail: string): void {
+  #fail(failure: SourceFailure, detail: string): void {
     this.#leave();
     this.events.state("closed");
     this.events.failed(failure, detail);
@@ -247,6 +232,11 @@ export class SceneStream {
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#connection?.grant();
   }
+}
+
+/** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`. */
+function chunkUrl(stream: string, id: string): string {
+  return new URL(`../../chunks/${id}`, stream).href.replace(/^ws/, "http");
 }
 
 function sameBytes(a: Uint8Array, b: Uint8Array): boolean {

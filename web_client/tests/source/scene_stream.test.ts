@@ -2,7 +2,8 @@ import { decode, encode } from "@msgpack/msgpack";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { Socket } from "../../src/protocol/connection";
 import { fromHex } from "../../src/protocol/messages";
-import { SceneStream, type StreamEvents } from "../../src/protocol/stream";
+import type { SourceEvents } from "../../src/source/scene_source";
+import { SceneStream } from "../../src/source/scene_stream";
 
 const A = "aa".repeat(32);
 const B = "bb".repeat(32);
@@ -68,13 +69,13 @@ const sockets: FakeSocket[] = [];
 function connect(time: number | null = 0.5) {
   const events = {
     manifest: vi.fn(),
-    chunk: vi.fn<StreamEvents["chunk"]>(),
+    chunk: vi.fn<SourceEvents["chunk"]>(),
     missing: vi.fn(),
     progress: vi.fn(),
     state: vi.fn(),
     failed: vi.fn(),
   };
-  const stream = new SceneStream("ws://here", events, { time, rate: 1 }, () => {
+  const stream = new SceneStream("ws://here/v1/scenes/s/stream", events, { time, rate: 1 }, () => {
     sockets.push(new FakeSocket());
     return sockets[sockets.length - 1];
   });
@@ -90,6 +91,15 @@ afterEach(() => {
 });
 
 describe("SceneStream", () => {
+  it("fetches a chunk again from the server of the stream", async () => {
+    const answer = vi.fn().mockResolvedValue(new Response(Uint8Array.of(1)));
+    vi.stubGlobal("fetch", answer);
+    const { signal } = new AbortController();
+    await connect().stream.fetchAgain(A, signal);
+    expect(answer).toHaveBeenCalledWith(`http://here/v1/chunks/${A}`, expect.objectContaining({ signal }));
+    vi.unstubAllGlobals();
+  });
+
   it("says hello with what it has, its credit and its playhead", () => {
     const { socket } = connect();
     socket.open();

@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { SplatRenderer } from "../../src/renderer/renderer";
+import { CanvasRenderer } from "../../src/renderer/canvas_renderer";
 
 /** A context that accepts every call; uniforms are known by name. */
 function fakeCanvas(uniform1i: (location: string, value: number) => void): HTMLCanvasElement {
@@ -17,11 +17,11 @@ function fakeCanvas(uniform1i: (location: string, value: number) => void): HTMLC
   return canvas as unknown as HTMLCanvasElement;
 }
 
-describe("SplatRenderer", () => {
+describe("CanvasRenderer", () => {
   it.each([true, false])("tells the shader of each picture whether it is antialiased: %s", (antialiased) => {
     const uniform1i = vi.fn();
-    const renderer = new SplatRenderer(fakeCanvas(uniform1i), () => {});
-    renderer.setOrder(new Uint32Array(2048), 1);
+    const renderer = new CanvasRenderer(fakeCanvas(uniform1i), () => {});
+    renderer.splats.setOrder(new Uint32Array(2048), 1);
     const pose = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] } as const;
     const camera = { width: 4, height: 4, fx: 4, fy: 4, cx: 2, cy: 2, near: 0.1 };
     renderer.draw({ pose, camera, time: 0, antialiased });

@@ -1,10 +1,9 @@
 /** Why a stream is over for good: what the server's codes mean to whoever watches. */
 
-/** The scene is not there; it is another one than before; page and server are of different versions; anything else. */
-export type StreamFailure = "no-scene" | "scene-changed" | "not-understood" | "ended";
+import type { SourceFailure } from "./scene_source";
 
 /** The server's error codes and close codes (docs/protocol.md, Closing) that have a meaning of their own. */
-const MEANINGS: ReadonlyMap<string | number, StreamFailure> = new Map<string | number, StreamFailure>([
+const MEANINGS: ReadonlyMap<string | number, SourceFailure> = new Map<string | number, SourceFailure>([
   ["scene-not-found", "no-scene"],
   [4004, "no-scene"],
   ["protocol-unsupported", "not-understood"],
@@ -14,6 +13,6 @@ const MEANINGS: ReadonlyMap<string | number, StreamFailure> = new Map<string | n
 ]);
 
 /** @param code of an `error` message or of a close */
-export function streamFailure(code: string | number): StreamFailure {
+export function streamFailure(code: string | number): SourceFailure {
   return MEANINGS.get(code) ?? "ended";
 }

@@ -1,0 +1,185 @@
+/**
+ * A scene while it arrives and plays: the only owner of its source, its worker, its buffer and its order of splats. What
+ * has been decoded goes to a sink, such as the renderer of a page, of a headset or of a host.
+ */
+
+import { ManifestError } from "../codec/errors";
+import { parseManifest } from "../codec/manifest";
+import type { Manifest } from "../codec/types";
+import type { SplatSink } from "../renderer/splat_drawer";
+import type { OpenSource, SceneSource, SourceState } from "../source/scene_source";
+import type { DecodedSplats } from "../worker/messages";
+import { placeChunks } from "../worker/placement";
+import { SceneWorker } from "../worker/scene_worker";
+import { SceneBuffer } from "./buffer";
+import { ChunkIntake } from "./chunk_intake";
+import { PlayerClock } from "./clock";
+import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
+import { LineRate } from "./line_rate";
+import { type OrderKey, OrderRequests } from "./order_requests";
+import { Playback } from "./playback";
+
+export interface SceneOptions {
+  readonly open: OpenSource;
+  readonly sink: SplatSink;
+  /** Seconds from which to show and load first; null for the start. */
+  readonly time: number | null;
+  readonly playing: boolean;
+}
+
+export interface SceneEvents {
+  manifest(manifest: Manifest): void;
+  /** Something has changed that the next frame should look at. */
+  changed(): void;
+  /** The sink has a new order. */
+  ordered(): void;
+  /** One line for people, and the cause for whoever looks into it; playing may go on. */
+  failed(message: string, cause: string): void;
+}
+
+export class StreamedScene {
+  readonly orders: OrderRequests;
+  readonly #options: SceneOptions;
+  readonly #events: SceneEvents;
+  readonly #worker: SceneWorker;
+  readonly #source: SceneSource;
+  readonly #chunks: ChunkIntake;
+  readonly #line = new LineRate();
+  #manifest: Manifest | null = null;
+  #playback: Playback | null = null; // from the manifest on
+  #version = 0;
+  #state: SourceState = "connecting";
+  #bytes = 0;
+
+  constructor(options: SceneOptions, events: SceneEvents) {
+    this.#options = options;
+    this.#events = events;
+    this.#worker = new SceneWorker({
+      decoded: (splats) => this.#decoded(splats),
+      damaged: (id, message) => void this.#chunks.damaged(id, message),
+      ordered: (order) => {
+        this.orders.receive(order);
+        events.ordered();
+      },
+      stopped: (cause) => events.failed(DECODER_STOPPED, cause),
+    });
+    this.orders = new OrderRequests(this.#worker, options.sink);
+    this.#chunks = new ChunkIntake(
+      {
+        decode: (id, bytes) => this.#worker.decode(id, bytes),
+        consumed: (bytes) => this.#source.consumed(bytes),
+        lost: (id, message) => {
+          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+          console.warn(message);
+          this.#lose(id);
+        },
+      },
+      (id, signal) => this.#source.fetchAgain(id, signal),
+    );
+    this.#source = options.open(
+      {
+        manifest: (bytes) => this.#begin(bytes),
+        chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
+        missing: (id) => this.#lose(id),
+        progress: (bytes) => {
+          this.#bytes += bytes;
+          this.#line.count(bytes, performance.now());
+          events.changed();
+        },
+        state: (state) => {
+          this.#state = state;
+          events.changed();
+        },
+        failed: (failure, detail) => events.failed(describeFailure(failure), detail),
+      },
+      { time: options.time, rate: options.playing ? 1 : 0 },
+    );
+  }
+
+  /** Null until it has arrived. */
+  get manifest(): Manifest | null {
+    return this.#manifest;
+  }
+
+  /** Null until the manifest has arrived. */
+  get playback(): Playback | null {
+    return this.#playback;
+  }
+
+  /** Counts the chunks that the worker has decoded. */
+  get version(): number {
+    return this.#version;
+  }
+
+  get state(): SourceState {
+    return this.#state;
+  }
+
+  /** Chunk bytes that have arrived. */
+  get bytes(): number {
+    return this.#bytes;
+  }
+
+  /** Bytes per second over the last second before `now`, milliseconds. */
+  lineRate(now: number): number {
+    return this.#line.rate(now);
+  }
+
+  /** Whether all that is alive at the time of the shown order, or of `wanted` if the scene stands, is in that order. */
+  settled(wanted: OrderKey): boolean {
+    const { shown } = this.orders;
+    const playback = this.#playback;
+    if (!shown || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
+    return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
+  }
+
+  /** The network or the page is back. */
+  wake(): void {
+    this.#source.wake();
+  }
+
+  /** Stop and give everything back but the sink. */
+  dispose(): void {
+    this.#source.close();
+    this.#chunks.dispose();
+    this.#worker.dispose();
+  }
+
+  #begin(bytes: Uint8Array): void {
+    try {
+      const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
+      const { staticRows, dynamicRows } = placeChunks(manifest);
+      this.#options.sink.allocate(staticRows, dynamicRows);
+      this.#worker.begin(manifest);
+      const clock = new PlayerClock(manifest.start, manifest.end);
+      clock.seek(this.#options.time ?? manifest.start);
+      this.#manifest = manifest;
+      this.#playback = new Playback(clock, new SceneBuffer(manifest), this.#source);
+      this.#events.manifest(manifest);
+      if (this.#options.playing) this.#playback.play();
+      this.#events.changed();
+    } catch (error) {
+      this.#source.close();
+      const cause = error instanceof Error ? error.message : String(error);
+      const unreadable = error instanceof ManifestError || error instanceof SyntaxError;
+      this.#events.failed(unreadable ? SCENE_UNREADABLE : cause, cause);
+    }
+  }
+
+  #decoded({ id, kind, first, texels, fifth }: DecodedSplats): void {
+    const { sink } = this.#options;
+    if (kind === "static") sink.writeStatics(first, texels);
+    else sink.writeDynamics(first, texels, fifth);
+    this.#playback?.buffer.arrived(id);
+    this.#version++;
+    this.#chunks.decoded(id);
+    if (this.#playback?.buffer.complete) this.#source.close(); // nothing more can come
+    this.#events.changed();
+  }
+
+  /** Go on without a chunk. */
+  #lose(id: string): void {
+    this.#playback?.buffer.lose(id);
+    this.#events.changed();
+  }
+}

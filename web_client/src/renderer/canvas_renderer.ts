@@ -1,0 +1,141 @@
+/** Draws a scene on a page's canvas with a WebGL2 context of its own, from any camera, at any time. */
+
+import { resized } from "../camera/pinhole";
+import { CanvasTarget } from "./canvas_target";
+import { GpuPace } from "./gpu_pace";
+import { canDraw, PictureTarget } from "./picture_target";
+import type { Pixels, Shot } from "./shot";
+import { SplatDrawer } from "./splat_drawer";
+
+export class CanvasRenderer {
+  /** What holds the scene's splats. */
+  readonly splats: SplatDrawer;
+  readonly #gl: WebGL2RenderingContext;
+  readonly #listeners = new AbortController();
+  #target!: CanvasTarget;
+  #pace!: GpuPace;
+  /** sRGB behind the splats, in [0, 1]. */
+  background: readonly [number, number, number] = [0, 0, 0];
+  #lost = false;
+
+  /**
+   * @param onContext called when the context is lost, and when it is back: then a new order must be set and the picture
+   *   drawn.
+   * @throws Error if the browser has no WebGL2.
+   */
+  constructor(
+    readonly canvas: HTMLCanvasElement,
+    onContext: (lost: boolean) => void,
+  ) {
+    const gl = canvas.getContext("webgl2", {
+      alpha: false,
+      antialias: false,
+      depth: false,
+      stencil: false,
+      powerPreference: "high-performance",
+    });
+    if (!gl) throw new Error("this browser offers no WebGL2; enable hardware acceleration or try another browser");
+    this.#gl = gl;
+    const { signal } = this.#listeners;
+    canvas.addEventListener(
+      "webglcontextlost",
+      (event) => {
+        event.preventDefault(); // else it never comes back
+        this.#lost = true;
+        onContext(true);
+      },
+      { signal },
+    );
+    canvas.addEventListener(
+      "webglcontextrestored",
+      () => {
+        this.#lost = false;
+        this.splats.rebuild();
+        this.#build();
+        onContext(false);
+      },
+      { signal },
+    );
+    this.splats = new SplatDrawer(gl);
+    this.#build();
+  }
+
+  get lost(): boolean {
+    return this.#lost;
+  }
+
+  /** Whether the last picture is still being drawn; the next one should wait. `now` in milliseconds. */
+  busy(now: number): boolean {
+    return !this.#lost && this.#pace.busy(now);
+  }
+
+  /** Whether this device is too slow to draw motion finely. */
+  get slow(): boolean {
+    return this.#pace.slow;
+  }
+
+  /** Draw to the canvas, whose backing store takes the camera's size; `quick` in half the resolution. */
+  draw(shot: Shot, quick = false): void {
+    if (this.#lost) return;
+    const { width, height } = this.#target.begin(shot.camera.width, shot.camera.height, quick);
+    this.#submit(quick ? { ...shot, camera: resized(shot.camera, width, height) } : shot);
+    this.#target.end();
+    this.#pace.submitted(performance.now(), quick);
+  }
+
+  /** Draw and read the canvas, in one task: the browser clears it afterwards. */
+  readPixels(shot: Shot): Pixels {
+    this.draw(shot);
+    const gl = this.#gl;
+    const { width, height } = shot.camera;
+    const data = new Uint8Array(4 * width * height);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, data);
+    return { width, height, data: flipped(data, width, height) };
+  }
+
+  /**
+   * Draw into a 32-bit float picture (16-bit where the device cannot blend 32) and read it.
+   *
+   * @throws Error if the device draws to no float format.
+   */
+  readFloatPixels(shot: Shot): Pixels {
+    const { width, height } = shot.camera;
+    const format = canDraw(this.#gl, "RGBA32F") ? "RGBA32F" : "RGBA16F";
+    if (!canDraw(this.#gl, format)) throw new Error("this device cannot draw into float textures");
+    const target = new PictureTarget(this.#gl, width, height, format);
+    try {
+      this.#submit(shot);
+      return { width, height, data: flipped(target.read(), width, height) };
+    } finally {
+      target.dispose();
+    }
+  }
+
+  /** Give everything back to the browser. */
+  dispose(): void {
+    this.#listeners.abort();
+    this.#gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
+  #build(): void {
+    this.#target = new CanvasTarget(this.#gl);
+    this.#pace = new GpuPace(this.#gl);
+  }
+
+  #submit(shot: Shot): void {
+    const gl = this.#gl;
+    gl.clearColor(...this.background, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    this.splats.draw(shot);
+  }
+}
+
+/** WebGL reads from the bottom row; pictures begin at the top. */
+function flipped<T extends Uint8Array | Float32Array>(data: T, width: number, height: number): T {
+  const out = data.slice() as T;
+  for (let y = 0; y < height; y++) {
+    const from = (height - 1 - y) * width * 4;
+    out.set(data.subarray(from, from + width * 4), y * width * 4);
+  }
+  return out;
+}

@@ -1,0 +1,164 @@
+/**
+ * The splats of one scene in one WebGL2 context: their data textures, their order, and the program that draws them into
+ * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
+ */
+
+import { DYNAMICS_PER_ROW, FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW } from "./layout";
+import { OrderTexture } from "./order_texture";
+import { Program } from "./program";
+import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders";
+import type { Shot } from "./shot";
+import { SplatTexture } from "./splat_texture";
+
+const UNIFORMS = [
+  "statics",
+  "dynamics",
+  "fifth",
+  "order",
+  "count",
+  "rotation",
+  "translation",
+  "focal",
+  "centre",
+  "size",
+  "origin",
+  "time",
+  "near",
+  "antialiased",
+] as const;
+
+/** Where a scene's decoded splats and their order go. */
+export interface SplatSink {
+  /** Make room for a scene; `staticRows` and `dynamicRows` are texture rows. */
+  allocate(staticRows: number, dynamicRows: number): void;
+  /** Take packed static splats; `first` is the id of the first, at the start of a row. */
+  writeStatics(first: number, texels: Float32Array): void;
+  /** Take packed dynamic splats; `first` is the id of the first, at the start of a row. `fifth` may be empty. */
+  writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void;
+  /** Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. */
+  setOrder(ids: Uint32Array, count: number): void;
+}
+
+export class SplatDrawer implements SplatSink {
+  readonly #statics = new SplatTexture("static");
+  readonly #dynamics = new SplatTexture("dynamic");
+  readonly #fifth = new SplatTexture("dynamic", FIFTH_WIDTH);
+  readonly #order = new OrderTexture();
+  #program!: Program<(typeof UNIFORMS)[number]>;
+  #quads!: WebGLVertexArrayObject;
+  #indices!: WebGLBuffer;
+  #dynamicRows = 0;
+  #count = 0;
+
+  constructor(readonly gl: WebGL2RenderingContext) {
+    this.rebuild();
+  }
+
+  /** Splats in the current order. */
+  get count(): number {
+    return this.#count;
+  }
+
+  allocate(staticRows: number, dynamicRows: number): void {
+    this.#statics.allocate(this.gl, staticRows);
+    this.#dynamics.allocate(this.gl, dynamicRows);
+    this.#fifth.allocate(this.gl, 0);
+    this.#dynamicRows = dynamicRows;
+  }
+
+  writeStatics(first: number, texels: Float32Array): void {
+    this.#statics.write(this.gl, first / STATICS_PER_ROW, texels);
+  }
+
+  writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void {
+    const row = first / DYNAMICS_PER_ROW;
+    this.#dynamics.write(this.gl, row, texels);
+    if (fifth.length === 0) return;
+    if (!this.#fifth.filled) this.#fifth.allocate(this.gl, this.#dynamicRows);
+    this.#fifth.write(this.gl, row, fifth);
+  }
+
+  setOrder(ids: Uint32Array, count: number): void {
+    this.#order.write(this.gl, ids, count);
+    this.#count = count;
+  }
+
+  /** Make everything anew in a context that was lost and has come back; then a new order must be set. */
+  rebuild(): void {
+    const { gl } = this;
+    this.#program = new Program(gl, VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
+    this.#quads = gl.createVertexArray();
+    this.#indices = gl.createBuffer();
+    gl.bindVertexArray(this.#quads);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#indices);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, quadIndices(), gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    this.#order.forget();
+    this.#count = 0;
+    this.#statics.create(gl);
+    this.#dynamics.create(gl);
+    this.#fifth.create(gl);
+  }
+
+  /**
+   * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
+   * is `origin`, in pixels of that framebuffer. Depth is neither tested nor written.
+   */
+  draw({ pose, camera, time, antialiased }: Shot, origin: readonly [number, number] = [0, 0]): void {
+    if (this.#count === 0) return;
+    const { gl } = this;
+    const u = this.#program.uniforms;
+    gl.viewport(...origin, camera.width, camera.height);
+    gl.disable(gl.DEPTH_TEST);
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.DITHER);
+    gl.enable(gl.BLEND);
+    gl.blendEquation(gl.FUNC_ADD);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA); // colours are multiplied by alpha in the shader
+    gl.useProgram(this.#program.handle);
+    gl.bindVertexArray(this.#quads);
+    this.#statics.bind(gl, 0);
+    this.#dynamics.bind(gl, 1);
+    this.#order.bind(gl, 2);
+    this.#fifth.bind(gl, 3);
+    gl.uniform1i(u.statics, 0);
+    gl.uniform1i(u.dynamics, 1);
+    gl.uniform1i(u.order, 2);
+    gl.uniform1i(u.fifth, 3);
+    gl.uniform1ui(u.count, this.#count);
+    gl.uniformMatrix3fv(u.rotation, true, [...pose.rotation]); // row-major
+    gl.uniform3f(u.translation, ...pose.translation);
+    gl.uniform2f(u.focal, camera.fx, camera.fy);
+    gl.uniform2f(u.centre, camera.cx, camera.cy);
+    gl.uniform2f(u.size, camera.width, camera.height);
+    gl.uniform2f(u.origin, ...origin);
+    gl.uniform1f(u.time, time);
+    gl.uniform1f(u.near, camera.near);
+    gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
+    const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
+    gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
+    gl.bindVertexArray(null);
+  }
+
+  /** Delete what was made in the context; the context itself stays. */
+  dispose(): void {
+    const { gl } = this;
+    this.#program.dispose();
+    gl.deleteVertexArray(this.#quads);
+    gl.deleteBuffer(this.#indices);
+    for (const texture of [this.#statics, this.#dynamics, this.#fifth, this.#order]) texture.dispose(gl);
+    this.#count = 0;
+  }
+}
+
+/** Two triangles for each of an instance's quads, four vertices each. */
+function quadIndices(): Uint16Array<ArrayBuffer> {
+  const indices = new Uint16Array(6 * QUADS_PER_INSTANCE);
+  for (let quad = 0; quad < QUADS_PER_INSTANCE; quad++) {
+    indices.set(
+      [0, 1, 2, 2, 1, 3].map((corner) => 4 * quad + corner),
+      6 * quad,
+    );
+  }
+  return indices;
+}

@@ -1,0 +1,17 @@
+/** A chunk over HTTP. */
+
+/**
+ * The bytes of a chunk, past every cache, in which a damaged copy may lie.
+ *
+ * @throws Error with one line for people
+ */
+export async function fetchChunk(url: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+  let response: Response;
+  try {
+    response = await fetch(url, { signal, cache: "reload" });
+    if (response.ok) return new Uint8Array(await response.arrayBuffer());
+  } catch {
+    throw new Error("The server cannot be reached.");
+  }
+  throw new Error(`The server answered ${response.status}: ${response.statusText}`);
+}

@@ -1,0 +1,53 @@
+/** Where a scene comes from: what a player needs of a stream, a server or a folder of files. */
+
+/** The scene is not there; it is another one than before; page and server are of different versions; anything else. */
+export type SourceFailure = "no-scene" | "scene-changed" | "not-understood" | "ended";
+
+export type SourceState = "connecting" | "open" | "retrying" | "closed";
+
+/** What a source tells the player. */
+export interface SourceEvents {
+  /** The manifest's bytes; once. */
+  manifest(bytes: Uint8Array): void;
+  /** A complete chunk; call `consumed` with its size when it is done with. */
+  chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
+  /** A chunk that cannot be had now; it may come later. */
+  missing(id: string): void;
+  /** So many chunk bytes have arrived. */
+  progress(bytes: number): void;
+  state(state: SourceState): void;
+  /** The source is done for a reason that trying again does not cure; `detail` is for whoever looks into it. */
+  failed(failure: SourceFailure, detail: string): void;
+}
+
+/** Where the scene is shown. */
+export interface Playhead {
+  /** Seconds; null for the scene's start. */
+  readonly time: number | null;
+  /** Scene seconds per second; 0 while paused. */
+  readonly rate: number;
+}
+
+/** Brings a scene's manifest and then its chunks, those first that the playhead needs first. */
+export interface SceneSource {
+  play(time: number, rate: number): void;
+  pause(time: number): void;
+  seek(time: number): void;
+  /** Note where the playhead is, without a change of its course. */
+  playheadAt(time: number): void;
+  /** A complete chunk of so many bytes has been decoded. */
+  consumed(bytes: number): void;
+  /**
+   * Bring a chunk's bytes once more, past every cache, in which a damaged copy may lie.
+   *
+   * @throws Error with one line for people
+   */
+  fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
+  /** The network or the page is back: try now. */
+  wake(): void;
+  /** Leave for good. */
+  close(): void;
+}
+
+/** Opens a source, which begins to bring the scene at once. */
+export type OpenSource = (events: SourceEvents, playhead: Playhead) => SceneSource;

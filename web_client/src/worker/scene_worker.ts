@@ -1,0 +1,62 @@
+/** The page's end of the worker: everything that is said to it and heard from it passes here. */
+
+import type { Manifest } from "../codec/types";
+import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
+import type { DepthAxis } from "./splat_order";
+
+export interface SceneWorkerEvents {
+  /** A chunk's splats, packed for the renderer. */
+  decoded(splats: DecodedSplats): void;
+  /** A chunk cannot be decoded; `message` says why. */
+  damaged(id: string, message: string): void;
+  ordered(order: OrderedSplats): void;
+  /** The worker has died; `cause` is for whoever looks into it. */
+  stopped(cause: string): void;
+}
+
+export class SceneWorker {
+  readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+
+  constructor(readonly events: SceneWorkerEvents) {
+    this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#receive(data);
+    this.#worker.onerror = ({ message }) => events.stopped(message);
+  }
+
+  /** Say which scene the chunks are of; first, and once. */
+  begin(manifest: Manifest): void {
+    this.#tell({ type: "scene", manifest });
+  }
+
+  /** Decode a complete chunk, which is transferred; answered by `decoded` or `damaged`. */
+  decode(id: string, bytes: Uint8Array<ArrayBuffer>): void {
+    this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]);
+  }
+
+  /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
+  order(axis: DepthAxis, time: number, recycled?: Uint32Array<ArrayBuffer>): void {
+    if (recycled) this.#tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
+    else this.#tell({ type: "order", axis, time });
+  }
+
+  dispose(): void {
+    this.#worker.terminate();
+  }
+
+  #tell(message: ToWorker, transfer: Transferable[] = []): void {
+    this.#worker.postMessage(message, transfer);
+  }
+
+  #receive(message: FromWorker): void {
+    switch (message.type) {
+      case "decoded":
+        this.events.decoded(message);
+        break;
+      case "failed":
+        this.events.damaged(message.id, message.message);
+        break;
+      case "ordered":
+        this.events.ordered(message);
+        break;
+    }
+  }
+}
