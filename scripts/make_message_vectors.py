@@ -1,0 +1,112 @@
+"""Write tests/vectors/messages.json: the messages of docs/protocol.md as bytes and values, and bytes to be refused.
+
+The server and the viewer are both tested against the file. Run it after a change of the protocol:
+
+    .venv/bin/python scripts/make_message_vectors.py
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import msgpack
+
+from server.protocol import chunk_header
+
+OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors" / "messages.json"
+
+ID = bytes(range(32))
+OTHER = bytes(reversed(range(32)))
+
+# Written out rather than taken from the server's classes, which are tested against them.
+CLIENT: dict[str, dict[str, Any]] = {
+    "hello": {"type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "rate": 1},
+    "hello-resuming": {
+        "type": "hello", "protocol": 1, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]],
+        "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
+    },
+    "credit": {"type": "credit", "bytes": 70000},
+    "seek": {"type": "seek", "time": 2.5},
+    "seek-to-a-whole-second": {"type": "seek", "time": 3},
+    "play": {"type": "play", "time": 0.125, "rate": 2},
+    "pause": {"type": "pause", "time": 4.75},
+    "ping": {"type": "ping", "id": 4294967296},
+}  # fmt: skip
+SERVER: dict[str, dict[str, Any]] = {
+    "welcome": {
+        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": b'{"format": "hgs-scene"}',
+        "manifest_id": ID, "remaining": 1 << 33,
+    },
+    "welcome-back": {
+        "type": "welcome", "protocol": 1, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
+    },
+    "slice": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0},
+    "missing": {"type": "missing", "id": OTHER},
+    "pong": {"type": "pong", "id": 4294967296},
+    "end": {"type": "end", "bytes": 1234567},
+    "error": {"type": "error", "code": "malformed", "detail": "hello.credits is missing"},
+}  # fmt: skip
+REFUSED_BY_SERVER: dict[str, bytes] = {
+    "nothing": b"",
+    "a-list": msgpack.packb([1]),
+    "no-type": msgpack.packb({"bytes": 1}),
+    "unknown-type": msgpack.packb({"type": "weather"}),
+    "credit-negative": msgpack.packb({"type": "credit", "bytes": -1}),
+    "credit-fraction": msgpack.packb({"type": "credit", "bytes": 1.5}),
+    "seek-not-a-number": msgpack.packb({"type": "seek", "time": float("nan")}),
+    "seek-null": msgpack.packb({"type": "seek", "time": None}),
+    "play-too-fast": msgpack.packb({"type": "play", "time": 0.0, "rate": 17.0}),
+    "hello-short-id": msgpack.packb({"type": "hello", "protocol": 1, "credits": 1, "have": [b"short"]}),
+    "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
+    "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),
+}
+REFUSED_BY_CLIENT: dict[str, bytes] = {
+    "nothing": b"",
+    "a-list": msgpack.packb([1]),
+    "no-type": msgpack.packb({"bytes": 1}),
+    "end-without-bytes": msgpack.packb({"type": "end"}),
+    "end-with-text": msgpack.packb({"type": "end", "bytes": "1"}),
+    "missing-with-text": msgpack.packb({"type": "missing", "id": "00"}),
+    "cut-off": msgpack.packb({"type": "end", "bytes": 70000})[:-2],
+}
+FRAME = {"id": ID, "offset": 4096, "size": 70000, "payload": b"splats"}
+
+
+def plain(value: Any) -> Any:
+    """Bytes as {"hex": …}, the rest as JSON has it."""
+    if isinstance(value, bytes):
+        return {"hex": value.hex()}
+    if isinstance(value, list):
+        return [plain(item) for item in value]
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
+    return value
+
+
+def packed(messages: dict[str, dict[str, Any]]) -> list[dict[str, Any]]:
+    return [
+        {"name": name, "bytes": msgpack.packb(message, use_bin_type=True).hex(), "message": plain(message)}
+        for name, message in messages.items()
+    ]
+
+
+def refused(cases: dict[str, bytes]) -> list[dict[str, str]]:
+    return [{"name": name, "bytes": message.hex()} for name, message in cases.items()]
+
+
+def document() -> dict[str, Any]:
+    frame = chunk_header(FRAME["id"], FRAME["offset"], FRAME["size"]) + FRAME["payload"]
+    return {
+        "protocol": 1,
+        "client": packed(CLIENT),
+        "server": packed(SERVER),
+        "refused_by_server": refused(REFUSED_BY_SERVER),
+        "refused_by_client": refused(REFUSED_BY_CLIENT),
+        "chunk_frame": {"bytes": frame.hex(), "frame": plain(FRAME)},
+    }
+
+
+if __name__ == "__main__":
+    OUT.write_text(json.dumps(document(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

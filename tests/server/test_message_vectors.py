@@ -1,0 +1,73 @@
+"""The server against tests/vectors/messages.json, which the viewer is tested against as well."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import Any
+
+import msgpack
+import pytest
+
+from scripts.make_message_vectors import document
+from server import protocol
+from server.client_messages import decode
+from server.protocol import ClientMessage, Hello, ProtocolError, ServerMessage
+
+FILE = Path(__file__).resolve().parents[1] / "vectors" / "messages.json"
+VECTORS: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
+SERVER_MESSAGES: dict[str, type[ServerMessage]] = {kind.type: kind for kind in ServerMessage.__args__}
+
+
+def _named(cases: list[dict[str, Any]]) -> Any:
+    return pytest.mark.parametrize("case", cases, ids=[case["name"] for case in cases])
+
+
+def _value(value: Any) -> Any:
+    if isinstance(value, dict) and value.keys() == {"hex"}:
+        return bytes.fromhex(value["hex"])
+    if isinstance(value, dict):
+        return {name: _value(item) for name, item in value.items()}
+    return [_value(item) for item in value] if isinstance(value, list) else value
+
+
+def _fields(message: ClientMessage) -> dict[str, Any]:
+    """The message as the protocol's table has it; what means its default is there too."""
+    fields = {"type": message.type} | dataclasses.asdict(message)
+    if isinstance(message, Hello):
+        fields["have"] = sorted(message.have)
+        fields["parts"] = [[chunk, kept] for chunk, kept in message.parts.items()]
+    return {name: value for name, value in fields.items() if value is not None}
+
+
+@_named(VECTORS["client"])
+def test_a_message_of_the_client_is_read(case: dict[str, Any]) -> None:
+    assert _fields(decode(bytes.fromhex(case["bytes"]))) == _value(case["message"])
+
+
+@_named(VECTORS["server"])
+def test_a_message_of_the_server_has_these_bytes(case: dict[str, Any]) -> None:
+    fields = _value(case["message"])
+    message = SERVER_MESSAGES[fields.pop("type")](**fields)
+    assert protocol.encode(message).hex() == case["bytes"]
+
+
+@_named(VECTORS["refused_by_server"])
+def test_a_message_that_breaks_the_protocol_is_refused(case: dict[str, Any]) -> None:
+    with pytest.raises(ProtocolError):
+        decode(bytes.fromhex(case["bytes"]))
+
+
+def test_every_type_of_message_has_a_vector() -> None:
+    for side, types in (("client", ClientMessage.__args__), ("server", ServerMessage.__args__)):
+        assert {case["message"]["type"] for case in VECTORS[side]} == {kind.type for kind in types}
+
+
+def test_the_bytes_are_those_of_the_values() -> None:
+    for case in [*VECTORS["client"], *VECTORS["server"]]:
+        assert msgpack.unpackb(bytes.fromhex(case["bytes"])) == _value(case["message"])
+
+
+def test_the_file_is_what_the_script_writes() -> None:
+    assert document() == VECTORS
