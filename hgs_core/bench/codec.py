@@ -18,7 +18,7 @@ from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.folder import CHUNKS
-from hgs_core.fit.coarseness import Fitted, Loss, fine_tune_cycles, fit
+from hgs_core.fit.coarseness import Fitted, Loss, fine_tune_iterations, fit
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.interchange.importing import import_scene
@@ -98,11 +98,11 @@ def bench_codec(
     seen = Loss(scene, views, views.trained)
     unseen = Loss(scene, views, held_out) if held_out else None
     points: list[CodecPoint] = []
-    cycles = fine_tune_cycles(config)
+    iterations = fine_tune_iterations(config)
     chosen = []
     for name in budgets:
         began = time.process_time()
-        found = fit(scene, views, utility, name, config, cycles=cycles, states=states)
+        found = fit(scene, views, utility, name, config, iterations=iterations, states=states)
         chosen.append((name, found, time.process_time() - began))
     plain = [("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), 0.0), 0.0) for coarseness in sweep]
     rates: dict[str, float] = {}

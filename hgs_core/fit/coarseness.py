@@ -24,14 +24,14 @@ from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import BUDGETS, TrainConfig
 
-__all__ = ["Fitted", "Loss", "fine_tune_cycles", "fit"]
+__all__ = ["Fitted", "Loss", "fine_tune_iterations", "fit"]
 
 LOSS_VIEWS = 12  # in which the loss is measured
 COARSENESS_ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
 LOSS_LEFT_AFTER_TUNING = 0.5  # of a loss after training further, about
 TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before suggests
 LARGEST_TUNING_RATIO = 1.4  # factor from one to the next
-FINE_TUNE_SHARE = 1 / 60  # of a training's cycles
+FINE_TUNE_SHARE = 1 / 60  # of a training's iterations
 BUDGET_SHARE_NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
@@ -39,9 +39,9 @@ GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
 
-def fine_tune_cycles(config: TrainConfig) -> int:
-    """Return for how many cycles a scene is trained further before it is encoded, if nobody says otherwise."""
-    return round(config.cycles * FINE_TUNE_SHARE)
+def fine_tune_iterations(config: TrainConfig) -> int:
+    """Return for how many iterations a scene is trained further before it is encoded, if nobody says otherwise."""
+    return round(config.iterations * FINE_TUNE_SHARE)
 
 
 class Loss:
@@ -111,14 +111,14 @@ def fit(
     budget: str,
     config: TrainConfig,
     *,
-    cycles: int = 0,
+    iterations: int = 0,
     states: Sequence[TrainState] = (),
     trained: Callable[[int], None] = lambda done: None,
 ) -> Fitted:
     """Find the coarsest settings with which the training views lose no more than the budget.
 
-    With `cycles` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
-    after that; without a capture there is nothing to train with. `trained` is called with the number of cycles done.
+    With `iterations` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
+    after that; without a capture there is nothing to train with. `trained` is called with the iterations done.
 
     Raises:
         InputError: a frame cannot be read, or a splat cannot be encoded.
@@ -137,15 +137,15 @@ def fit(
 
     # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
     start = 0.4 * math.sqrt(allowed / 0.1)
-    if cycles < TUNING_ROUNDS or views.capture is None:
+    if iterations < TUNING_ROUNDS or views.capture is None:
         return coarsest(allowed, start)
     loses = lost(scene, utility, EncodeSettings(coarseness=start))
     coarseness = _next_coarseness(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
-    tune = FineTune(scene, utility, views, dataclasses.replace(config, cycles=cycles), states)
+    tune = FineTune(scene, utility, views, dataclasses.replace(config, iterations=iterations), states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
     for done in range(TUNING_ROUNDS):
-        first, last = (cycles * part // TUNING_ROUNDS for part in (done, done + 1))
+        first, last = (iterations * part // TUNING_ROUNDS for part in (done, done + 1))
         settings = EncodeSettings(coarseness=coarseness)
         tune.run(settings, range(first, last), trained)
         # What training further gains is for the viewer: the codes may not spend it.

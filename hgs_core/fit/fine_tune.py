@@ -1,7 +1,8 @@
 """Training a scene a little further while it is drawn as it decodes, so that splats make good what quantisation costs.
 
-The exact numbers learn, but what is drawn is them plus the offset that quantisation gives them: held for some cycles,
-in which the gradients of the decoded scene move both, then found anew (a straight-through estimator in blocks).
+The exact numbers learn, but what is drawn is them plus the offset that quantisation gives them: held for some
+iterations, in which the gradients of the decoded scene move both, then found anew (a straight-through estimator in
+blocks).
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ from hgs_core.train.training_views import TrainingViews
 
 __all__ = ["FineTune"]
 
-CYCLES_PER_OFFSET = 50  # cycles for which the offset is held
+ITERATIONS_PER_OFFSET = 50  # iterations for which the offset is held
 # As a share of the step sizes of training; falls to nothing along a cosine. More disturbs a scene whose steps have
 # settled.
 STEP_SIZE_SHARE = 0.05
@@ -55,9 +56,9 @@ class FineTune:
     ) -> None:
         """Begin with a trained scene and the states in which its segments' trainings ended, if they are known.
 
-        It will be trained for the config's cycles in all; the training cameras' colour maps stay as they are. Adam goes
-        on from its moments: without them its first steps are as large for numbers that nothing pulls at as for others,
-        and undo more than a few hundred cycles make good.
+        It will be trained for the config's iterations in all; the training cameras' colour maps stay as they are. Adam
+        goes on from its moments: without them its first steps are as large for numbers that nothing pulls at as for
+        others, and undo more than a few hundred iterations make good.
         """
         assert views.capture is not None
         self.scene, self.utility = scene, utility
@@ -82,22 +83,21 @@ class FineTune:
         self._static: Adam[StaticSplats[Tensor]] = static.to(self._device)
         self._dynamic: list[Adam[DynamicSplats[Tensor]]] = [adam.to(self._device) for adam in dynamic]
 
-    def run(self, settings: EncodeSettings, cycles: range, trained: Callable[[int], None]) -> None:
-        """Train for some cycles against the scene as `settings` code it; what they drop is gone.
+    def run(self, settings: EncodeSettings, iterations: range, trained: Callable[[int], None]) -> None:
+        """Train for some iterations against the scene as `settings` code it; what they drop is gone.
 
-        Step sizes fall to nothing within these cycles, whose numbers decide which views are seen. `trained` is
-        called with the cycles done after each; what it raises ends the training.
+        Step sizes fall to nothing within these iterations, whose numbers decide which views are seen. `trained` is
+        called with the iterations done after each; what it raises ends the training.
         """
-        blocks = -(-len(cycles) // CYCLES_PER_OFFSET)
+        blocks = -(-len(iterations) // ITERATIONS_PER_OFFSET)
         with one_torch_thread():
             for i in range(blocks):
                 coded = self._coded(settings)
                 drawn = coded.decoded.map(self._tensor)
-                for place in range(len(cycles) * i // blocks, len(cycles) * (i + 1) // blocks):
-                    self._cycle(
-                        drawn, cycles[place], STEP_SIZE_SHARE * 0.5 * (1 + math.cos(math.pi * place / len(cycles)))
-                    )
-                    trained(cycles[place] + 1)
+                for place in range(len(iterations) * i // blocks, len(iterations) * (i + 1) // blocks):
+                    share = STEP_SIZE_SHARE * 0.5 * (1 + math.cos(math.pi * place / len(iterations)))
+                    self._iteration(drawn, iterations[place], share)
+                    trained(iterations[place] + 1)
                 self._move(coded, drawn)
 
     def _coded(self, settings: EncodeSettings) -> Quantised:
@@ -123,9 +123,9 @@ class FineTune:
             ),
         )
 
-    def _cycle(self, drawn: HybridScene[Tensor], cycle: int, share: float) -> None:
-        number, turn = cycle % len(self._segments), cycle // len(self._segments)
-        view = self._training[number].of_cycle(turn, 1.0)
+    def _iteration(self, drawn: HybridScene[Tensor], iteration: int, share: float) -> None:
+        number, turn = iteration % len(self._segments), iteration // len(self._segments)
+        view = self._training[number].of_iteration(turn, 1.0)
         dynamic, schedule = drawn.segments[number].dynamic, self._schedules[number]
         take_step(drawn.static, dynamic, view, self._config, gradients="all", correction=self._correction)
         self._static.step(drawn.static, _scaled(schedule.static_rates(0), share))

@@ -47,7 +47,7 @@ def quality_section(run: FinishedRun, cameras: Sequence[CameraPictures], times: 
 
 
 def training_section(run: FinishedRun) -> str:
-    """Return the curves of training, over cycles with the seconds above, and where its time went."""
+    """Return the curves of training, over iterations with the seconds above, and where its time went."""
     parts = [_curves(run, run.history)] if run.history else []
     if run.profile:
         parts.append(chart("Where the time went", _profile_chart(run), "Seconds of training by activity."))
@@ -143,23 +143,23 @@ def _camera_bar(name: str, values: Sequence[float], number: int) -> Bar:
 
 
 def _curves(run: FinishedRun, history: History) -> str:
-    top = TopAxis("seconds", history.cycle, history.seconds) if all(map(math.isfinite, history.seconds)) else None
+    top = TopAxis("seconds", history.iteration, history.seconds) if all(map(math.isfinite, history.seconds)) else None
     html = []
     for key, title, y_label, words in (
         ("psnr", "PSNR of training views", "PSNR, dB", "Smoothed; training draws the first part at reduced size."),
         ("loss", "Loss", "loss", "Smoothed."),
     ):
         if any(map(math.isfinite, history.figures.get(key, ()))):
-            lines = [Series(key, history.cycle, history.figures[key])]
-            svg = line_chart(title, lines, "cycle", y_label, top_axis=top, y_zero=key == "loss")
+            lines = [Series(key, history.iteration, history.figures[key])]
+            svg = line_chart(title, lines, "iteration", y_label, top_axis=top, y_zero=key == "loss")
             html.append(chart(title, svg, words))
     counts = [
-        Series(key, history.cycle, history.figures[key], number)
+        Series(key, history.iteration, history.figures[key], number)
         for number, key in enumerate(("static", "dynamic"))
         if key in history.figures
     ]
     if counts:
-        svg = line_chart("Splats", counts, "cycle", "splats", top_axis=top, y_zero=True)
+        svg = line_chart("Splats", counts, "iteration", "splats", top_axis=top, y_zero=True)
         html.append(chart("Splats", svg))
     return "".join(html)
 

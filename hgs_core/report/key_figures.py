@@ -54,10 +54,10 @@ def key_figures(run: FinishedRun) -> list[Figure]:
     totals = run.manifest.totals
     splats = f"{totals.splats_static:,} static, {totals.splats_dynamic:,} dynamic"
     figures.append(Figure("splats", "splats", f"{totals.splats_static + totals.splats_dynamic:,}", "", splats))
-    figures.append(Figure("minutes", "training", f"{run.seconds / 60:.1f}", "min", f"{run.cycles:,} cycles"))
+    figures.append(Figure("minutes", "training", f"{run.seconds / 60:.1f}", "min", f"{run.iterations:,} iterations"))
     if run.seconds > 0:
-        rate = run.cycles / run.seconds
-        figures.append(Figure("rate", "speed", f"{rate:.1f}", "it/s", "cycles per second"))
+        rate = run.iterations / run.seconds
+        figures.append(Figure("rate", "speed", f"{rate:.1f}", "it/s", "iterations per second"))
     return figures
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, load_manifest
@@ -23,7 +24,7 @@ __all__ = ["FinishedRun", "History", "finite_number", "read_run"]
 class History:
     """What training of the first segment reported on its way; lists of equal length, NaN where a figure is unknown."""
 
-    cycle: Sequence[float]
+    iteration: Sequence[float]
     seconds: Sequence[float]
     figures: Mapping[str, Sequence[float]]  # loss, psnr, static, dynamic: those that were recorded
 
@@ -37,7 +38,7 @@ class FinishedRun:
     spec: RunSpec
     manifest: Manifest
     seconds: float  # of training
-    cycles: int  # of all segments
+    iterations: int  # of all segments
     history: History | None
     profile: Mapping[str, float]  # seconds by activity, empty if not recorded
     machine: Mapping[str, Any]  # that trained it, empty if not recorded
@@ -80,11 +81,11 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
     if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(path, "the run has no encoded scene yet", "finish it with hgs train")
     manifest = load_manifest(folder.manifest)
-    summary = _object(folder.train_summary, "train it again")
+    summary = with_new_names(_object(folder.train_summary, "train it again"), folder.train_summary)
     scores, unscored = _scores(folder, progress)
-    seconds, cycles = finite_number(summary.get("seconds")), finite_number(summary.get("cycles"))
-    if seconds is None or cycles is None:
-        raise InputError(folder.train_summary, "lacks the seconds or the cycles of training", "train the run again")
+    seconds, iterations = finite_number(summary.get("seconds")), finite_number(summary.get("iterations"))
+    if seconds is None or iterations is None:
+        raise InputError(folder.train_summary, "lacks the seconds or the iterations of training", "train the run again")
     profile, machine = summary.get("profile"), summary.get("machine")
     stages = {str(name): finite_number(value) for name, value in profile.items()} if isinstance(profile, dict) else {}
     return FinishedRun(
@@ -93,7 +94,7 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
         spec=spec,
         manifest=manifest,
         seconds=seconds,
-        cycles=int(cycles),
+        iterations=int(iterations),
         history=_history(summary.get("history")),
         profile={name: value for name, value in stages.items() if value is not None and value > 0},
         machine=machine if isinstance(machine, dict) else {},
@@ -127,14 +128,14 @@ def _scores(folder: RunFolder, progress: ProgressCallback) -> tuple[Mapping[str,
 
 
 def _history(value: Any) -> History | None:
-    """Read the history leniently: figures whose length is not that of `cycle` are left out."""
+    """Read the history leniently: figures whose length is not that of `iteration` are left out."""
     if not isinstance(value, dict):
         return None
-    lists = {name: _floats(figures) for name, figures in value.items() if isinstance(figures, list)}
-    cycle = lists.pop("cycle", [])
-    same = {name: figures for name, figures in lists.items() if len(figures) == len(cycle)}
-    seconds = same.pop("seconds", [math.nan] * len(cycle))
-    return History(cycle, seconds, same) if len(cycle) > 1 and same else None
+    lists = {name: _floats(figures) for name, figures in with_new_names(value).items() if isinstance(figures, list)}
+    iteration = lists.pop("iteration", [])
+    same = {name: figures for name, figures in lists.items() if len(figures) == len(iteration)}
+    seconds = same.pop("seconds", [math.nan] * len(iteration))
+    return History(iteration, seconds, same) if len(iteration) > 1 and same else None
 
 
 def _floats(values: list[Any]) -> list[float]:

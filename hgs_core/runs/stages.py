@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
@@ -120,13 +121,13 @@ def encode(run: Path, progress: ProgressCallback) -> None:
 def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
     """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
 
-    `fine_tune` is for how many cycles the scene is trained further as it decodes; None: a share of the training's.
+    `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
 
     Raises:
         InputError: the run is not trained yet, or its capture is gone or has changed.
     """
     from hgs_core.codec import encode_scene
-    from hgs_core.fit.coarseness import fine_tune_cycles, fit
+    from hgs_core.fit.coarseness import fine_tune_iterations, fit
     from hgs_core.fit.utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
@@ -135,10 +136,10 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     spec = folder.read_spec()
     scene = trained_scene(folder)
     views = views_of_run(folder, spec, scene)
-    cycles = fine_tune_cycles(spec.config) if fine_tune is None else fine_tune
+    iterations = fine_tune_iterations(spec.config) if fine_tune is None else fine_tune
     if views.capture is None:  # there is nothing to train with
-        cycles = 0
-    steps = 4 + cycles
+        iterations = 0
+    steps = 4 + iterations
     progress(Progress("encode", 0, steps))
     utility = measure_utility(
         scene, list(views.trained.values()), views.times,
@@ -146,13 +147,13 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     )  # fmt: skip
     progress(Progress("encode", 1, steps))
     found = fit(
-        scene, views, utility, budget or spec.config.budget, spec.config, cycles=cycles,
+        scene, views, utility, budget or spec.config.budget, spec.config, iterations=iterations,
         states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )  # fmt: skip
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
-    summary = json.loads(folder.train_summary.read_text())
+    summary = with_new_names(json.loads(folder.train_summary.read_text()))
     training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
@@ -198,7 +199,7 @@ def train_scene(
     Example:
         >>> import hgs_core as hgs
         >>> from pathlib import Path
-        >>> config = hgs.TrainConfig.for_preset("preview", cycles=20, hold_out=["2"])
+        >>> config = hgs.TrainConfig.for_preset("preview", iterations=20, hold_out=["2"])
         >>> run = hgs.train_scene(Path("capture"), Path("new_run"), config)
         >>> sorted(path.name for path in (run / "scene").iterdir())
         ['chunks', 'manifest.json', 'thumbnail.jpg']

@@ -54,7 +54,7 @@ def train_capture(
         StageStopped: the callback asked to stop; the state was saved first.
     """
     segments = cut_into_segments(capture.times, config.segment_frames)
-    total, trained, key = config.cycles * len(segments), [], None
+    total, trained, key = config.iterations * len(segments), [], None
     for number, segment in enumerate(segments):
         start = initial_splats(
             segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels,
@@ -64,7 +64,7 @@ def train_capture(
             capture, cameras, config, segment, start, checkpoint(number),
             masks=masks, after=None if key is None else key.state,
         )  # fmt: skip
-        before = number * config.cycles
+        before = number * config.iterations
 
         def report(step: Progress, before: int = before) -> None:
             progress(dataclasses.replace(step, done=before + step.done, total=total))
@@ -77,7 +77,7 @@ def train_capture(
     states = [state for state, _ in trained]
     summary = {
         "seconds": sum(state.seconds for state in states),
-        "cycles": total,
+        "iterations": total,
         **key.figures(),
         "dynamic": float(sum(len(state.dynamic) for state in states)),
         "history": key.state.history.curves,

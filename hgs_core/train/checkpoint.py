@@ -13,6 +13,7 @@ from torch import Tensor
 
 from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
+from hgs_core.base.old_names import with_new_names
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
@@ -28,9 +29,9 @@ _FORMAT = 3
 
 @dataclass
 class TrainState:
-    """All that the next cycle depends on, besides the config and the capture."""
+    """All that the next iteration depends on, besides the config and the capture."""
 
-    cycle: int  # cycles done
+    iteration: int  # iterations done
     seconds: float  # spent training so far
     static: StaticSplats[Tensor]
     dynamic: DynamicSplats[Tensor]
@@ -60,7 +61,7 @@ class TrainState:
 def fresh_state(
     static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor], cameras: int, config: TrainConfig
 ) -> TrainState:
-    """Return the state before the first cycle, with `cameras` training cameras."""
+    """Return the state before the first iteration, with `cameras` training cameras."""
     return TrainState(
         0, 0.0, static, dynamic, Adam.of(static), Adam.of(dynamic), ScreenStatistics.zeros(len(static) + len(dynamic)),
         ColourCorrection(cameras) if config.colour_correction else None, TrainingHistory(),
@@ -71,7 +72,7 @@ def save_state(path: Path, state: TrainState) -> None:
     """Write a checkpoint; the old one stays until the new one is complete."""
     value = {
         "format": _FORMAT,
-        "cycle": state.cycle,
+        "iteration": state.iteration,
         "seconds": state.seconds,
         "static": _plain(state.static),
         "dynamic": _plain(state.dynamic),
@@ -92,11 +93,11 @@ def load_state(path: Path) -> TrainState:
         InputError: the file is damaged or of another version.
     """
     try:
-        value = torch.load(path, map_location="cpu", weights_only=True)
+        value = with_new_names(torch.load(path, map_location="cpu", weights_only=True))
         if value["format"] != _FORMAT:
             raise InputError(path, f"checkpoint format {value['format']}, expected {_FORMAT}", "start a new run")
         return TrainState(
-            cycle=int(value["cycle"]),
+            iteration=int(value["iteration"]),
             seconds=float(value["seconds"]),
             static=StaticSplats(**value["static"]),
             dynamic=DynamicSplats(**value["dynamic"]),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.old_names import with_new_names
 from hgs_core.base.storable_text import require_storable
 from hgs_core.train.field_checks import Range, check_fields, require_known
 
@@ -17,12 +18,12 @@ BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "cycles": 2_500, "dynamic_points": 5_000,
+        "iterations": 2_500, "dynamic_points": 5_000,
         "max_static": 35_000, "max_dynamic": 8_000, "coarse_until": 0.4,
     },
     "standard": {},
     "best": {
-        "cycles": 40_000, "static_points": 10_000, "dynamic_points": 10_000,
+        "iterations": 40_000, "static_points": 10_000, "dynamic_points": 10_000,
         "max_static": 120_000, "max_dynamic": 25_000, "coarse_until": 0.15,
     },
 }  # fmt: skip
@@ -43,7 +44,7 @@ _SHARE = (0.0, 1.0)
 _RANGES: dict[str, Range] = {
     "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
     "seed": (0, 2**53 - 1),  # the largest whole number that every reader of JSON keeps, browsers too
-    "cycles": (1, 1_000_000),  # 25 times those of `best`: days of a machine
+    "iterations": (1, 1_000_000),  # 25 times those of `best`: days of a machine
     "static_points": (0, 1_000_000),  # a point for every second pixel of a Full HD picture
     "dynamic_points": (0, 1_000_000),
     "init_interval": (0.001, 1e6),  # a camera of 1000 frames a second; longer than any capture: one moment
@@ -51,7 +52,7 @@ _RANGES: dict[str, Range] = {
     "max_dynamic": (0, 1_000_000),  # the same for a segment of ten seconds
     "densify_from": _SHARE,
     "densify_until": _SHARE,
-    "densify_every": (1, 1_000_000),  # the most cycles there are: never
+    "densify_every": (1, 1_000_000),  # the most iterations there are: never
     "grow_gradient": (0.0, 1e3),  # a gradient of the loss, which is at most 1, is far below: none is refined
     "clone_scale": (0.0, 1e3),  # a splat of many times the scene's extent: none is split
     "prune_opacity": _SHARE,
@@ -103,7 +104,7 @@ _RATES: dict[str, Range] = dict.fromkeys((field.name for field in dataclasses.fi
 
 @dataclass(frozen=True)
 class TrainConfig:
-    """How to train one run. A cycle draws one view; `stages` says how the two sets learn from it.
+    """How to train one run. An iteration draws one view; `stages` says how the two sets learn from it.
 
     Equal configs on equal captures give equal bits, for any number of threads.
     """
@@ -112,25 +113,25 @@ class TrainConfig:
     hold_out: tuple[str, ...] = ()  # camera names that neither training nor initialisation may see
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     seed: int = 0
-    cycles: int = 12_000
+    iterations: int = 12_000
     static_points: int = 6_000  # initial points asked for; more of them stand at wrong depths
     dynamic_points: int = 8_000  # the same of what moves, for every second of the capture
     init_interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     max_static: int = 80_000  # splat budgets
     max_dynamic: int = 15_000  # for every second of a segment
     density: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
-    densify_from: float = 0.04  # shares of `cycles`
+    densify_from: float = 0.04  # shares of `iterations`
     densify_until: float = 0.6
-    densify_every: int = 50  # cycles
+    densify_every: int = 50  # iterations
     grow_gradient: float = 2e-4  # screen-gradient norm per half image width above which a splat is refined
     clone_scale: float = 0.01  # a splat larger than this share of the extent is split instead of cloned
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # remove splats of less blending weight in every training pixel; 0: none
     dssim: float = 0.2  # lambda of the loss
-    settle_from: float = 0.6  # share of `cycles` after which steps of all but positions become smaller
+    settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
     settled: float = 0.02  # what is left of them at the end
     steps_by_life: bool = True  # a dynamic splat's steps are smaller the shorter it lives (docs/training.md)
-    coarse_until: float = 0.25  # share of `cycles` trained at half resolution
+    coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     labels: str = "auto"  # auto: from masks; dynamic, static: all splats alike
     adaptive_labels: bool = True  # labels follow what splats do
@@ -142,7 +143,7 @@ class TrainConfig:
     motion_order: int = 3  # degree of the position polynomial: 1, 2, 3 or 5
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)
-    checkpoint_every: int = 500  # cycles
+    checkpoint_every: int = 500  # iterations
     frame_memory_mib: int = 4096  # for decoded frames; a longer capture is visited in blocks that fit
     backend: str = "auto"
     budget: str = "default"  # of the encoded scene: one of `BUDGETS`
@@ -183,12 +184,12 @@ class TrainConfig:
         Example:
             >>> import hgs_core as hgs
             >>> config = hgs.TrainConfig.for_preset("preview", hold_out=["cam00"], learning_rates={"rgb": 0.01})
-            >>> config.cycles, config.hold_out, config.learning_rates.rgb
+            >>> config.iterations, config.hold_out, config.learning_rates.rgb
             (2500, ('cam00',), 0.01)
         """
         if preset not in PRESETS:
             raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")
-        return cls.from_json({"preset": preset, **PRESETS[preset], **overrides})
+        return cls.from_json({"preset": preset, **PRESETS[preset], **with_new_names(overrides, "config")})
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form that run.json stores."""
@@ -196,13 +197,13 @@ class TrainConfig:
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> TrainConfig:
-        """Read what `to_json` wrote; absent fields take their defaults.
+        """Read what `to_json` wrote, also in earlier versions; absent fields take their defaults.
 
         Raises:
             InputError: an unknown field, or a value of the wrong type or range.
         """
-        require_known(cls, value, "config")
-        fields = dict(value)
+        fields = with_new_names(value, "config")
+        require_known(cls, fields, "config")
         rates = fields.get("learning_rates")
         if isinstance(rates, dict):
             require_known(LearningRates, rates, "config.learning_rates")

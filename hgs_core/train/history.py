@@ -1,4 +1,4 @@
-"""What a training run looked like: its curves over the cycles, and where its time went."""
+"""What a training run looked like: its curves over the iterations, and where its time went."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from hgs_core.base.old_names import with_new_names
+
 __all__ = ["TrainingHistory"]
 
-_CURVES = ("cycle", "seconds", "loss", "psnr", "static", "dynamic")
+_CURVES = ("iteration", "seconds", "loss", "psnr", "static", "dynamic")
 _SMOOTHING = 0.9  # of the loss and the PSNR, per report
 _MOST_POINTS = 1000  # of a curve; beyond it every other one is dropped
 
@@ -42,15 +44,15 @@ class TrainingHistory:
         self.labels_changed["to_static"] += to_static
         self.labels_changed["to_dynamic"] += to_dynamic
 
-    def report(self, cycle: int, seconds: float, static: int, dynamic: int) -> None:
+    def report(self, iteration: int, seconds: float, static: int, dynamic: int) -> None:
         """Add a point to the curves; a curve never holds more than 1,000."""
         self._reports += 1
         if self._reports % self.stride or math.isnan(self.loss):
             return
-        values = (cycle, seconds, self.loss, self.psnr, static, dynamic)
+        values = (iteration, seconds, self.loss, self.psnr, static, dynamic)
         for name, value in zip(_CURVES, values, strict=True):
             self.curves[name].append(float(value))
-        if len(self.curves["cycle"]) > _MOST_POINTS:
+        if len(self.curves["iteration"]) > _MOST_POINTS:
             self.stride *= 2
             self.curves = {name: values[1::2] for name, values in self.curves.items()}
 
@@ -72,6 +74,6 @@ class TrainingHistory:
 
     @staticmethod
     def restored(state: dict[str, Any]) -> TrainingHistory:
-        """Return what `state` described."""
-        values = dict(state)
+        """Return what `state` described, also in earlier versions."""
+        values = {**state, "curves": with_new_names(state["curves"])}
         return TrainingHistory(_reports=values.pop("reports"), **values)

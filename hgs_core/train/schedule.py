@@ -18,39 +18,39 @@ _LEAST_SHARE = 0.05  # of time that a splat counts as alive for: a few visits sa
 
 @dataclass(frozen=True)
 class Schedule:
-    """The schedule of one run; every method is a pure function of the cycle (counted from 0)."""
+    """The schedule of one run; every method is a pure function of the iteration (counted from 0)."""
 
     config: TrainConfig
     extent: float  # world units; positions move in multiples of it
     frames: int  # of the segment
     seconds: float = 0.0  # of the segment
 
-    def resolution(self, cycle: int) -> float:
+    def resolution(self, iteration: int) -> float:
         """Return the factor by which pictures are resized: coarse first, then full."""
-        return 0.5 if cycle < self.config.coarse_until * self.config.cycles else 1.0
+        return 0.5 if iteration < self.config.coarse_until * self.config.iterations else 1.0
 
     @property
     def splat_budgets(self) -> tuple[int, int]:
         """Return how many static and dynamic splats the segment may have in the end."""
         return self.config.splat_budgets(self.seconds)
 
-    def budget(self, cycle: int, initial: int, final: int) -> int:
-        """Return the splats allowed after the round that follows `cycle`: from `initial` to `final`, linearly."""
-        progress = (cycle + 1) / max(1.0, self.config.densify_until * self.config.cycles)
+    def budget(self, iteration: int, initial: int, final: int) -> int:
+        """Return the splats allowed after the round that follows `iteration`: from `initial` to `final`, linearly."""
+        progress = (iteration + 1) / max(1.0, self.config.densify_until * self.config.iterations)
         return round(initial + (max(final, initial) - initial) * min(1.0, progress))
 
-    def static_rates(self, cycle: int) -> dict[str, float | Tensor]:
+    def static_rates(self, iteration: int) -> dict[str, float | Tensor]:
         """Return the step size of every field of the static set."""
-        rates, share = self.config.learning_rates, self.settling(cycle)
+        rates, share = self.config.learning_rates, self.settling(iteration)
         return {
-            "means": self.position_rate(cycle),
+            "means": self.position_rate(iteration),
             "log_scales": share * rates.log_scale,
             "quats": share * rates.rotation,
             "opacity_logits": share * rates.opacity,
             "rgb": share * rates.rgb,
         }
 
-    def dynamic_rates(self, cycle: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
+    def dynamic_rates(self, iteration: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
         """Return the step size of every field of the dynamic set, per splat; and per coefficient for the polynomials.
 
         All are in proportion to the root of the share of time for which a splat is alive (`share_alive`): Adam divides
@@ -61,7 +61,7 @@ class Schedule:
         is divided by that: at the ends of a life, a step of any coefficient moves the splat equally far. Otherwise what
         lives shortly could never learn to move fast.
         """
-        rates, position, share = self.config.learning_rates, self.position_rate(cycle), self.settling(cycle)
+        rates, position, share = self.config.learning_rates, self.position_rate(iteration), self.settling(iteration)
         visits = torch.ones_like(dynamic.time_centers)  # [M] factor of every step size
         if self.config.steps_by_life:
             visits = share_alive(dynamic).sqrt()
@@ -82,20 +82,20 @@ class Schedule:
             "rgb": rows * (share * rates.rgb),
         }
 
-    def settling(self, cycle: int) -> float:
+    def settling(self, iteration: int) -> float:
         """Return the share that is left of all step sizes but the positions': 1 until `settle_from`, then a cosine.
 
         A step looks at one view at one moment, so that parameters whose steps stay as large never come to rest.
         """
-        first, end = self.config.settle_from * self.config.cycles, self.config.cycles
-        if cycle <= first:
+        first, end = self.config.settle_from * self.config.iterations, self.config.iterations
+        if iteration <= first:
             return 1.0
-        fall = 0.5 * (1 - math.cos(math.pi * (cycle - first) / (end - first)))
+        fall = 0.5 * (1 - math.cos(math.pi * (iteration - first) / (end - first)))
         return 1.0 + (self.config.settled - 1.0) * fall
 
-    def position_rate(self, cycle: int) -> float:
+    def position_rate(self, iteration: int) -> float:
         """Return the step size of positions, world units."""
-        rates, progress = self.config.learning_rates, cycle / self.config.cycles
+        rates, progress = self.config.learning_rates, iteration / self.config.iterations
         if rates.position <= 0:
             return 0.0
         return self.extent * float(rates.position ** (1 - progress) * max(rates.position_final, 1e-12) ** progress)

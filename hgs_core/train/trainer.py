@@ -1,4 +1,4 @@
-"""The trainer of a segment: in every cycle both sets learn from the composite of one view, at once or one by one."""
+"""The trainer of a segment: every iteration, both sets learn from the composite of one view, at once or in turn."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from hgs_core.train.training_views import TrainingView, TrainingViews
 __all__ = ["Trainer"]
 
 _HOST = torch.device("cpu")
-_REPORT_EVERY = 10  # cycles
+_REPORT_EVERY = 10  # iterations
 _SHORTEST_LIFE = 0.5  # frames at which the opacity of the briefest splat has halved
 
 
@@ -92,15 +92,15 @@ class Trainer:
         started, before, state = time.monotonic(), self.state.seconds, self.state
         try:
             with one_torch_thread(), self._on(self.device):
-                while state.cycle < self.config.cycles:
-                    self._cycle(state.cycle)
-                    state.cycle += 1
+                while state.iteration < self.config.iterations:
+                    self._iteration(state.iteration)
+                    state.iteration += 1
                     state.seconds = before + time.monotonic() - started
-                    if state.cycle % self.config.checkpoint_every == 0:
+                    if state.iteration % self.config.checkpoint_every == 0:
                         save_state(self.checkpoint, state)
-                    if state.cycle % _REPORT_EVERY == 0 or state.cycle == self.config.cycles:
-                        state.history.report(state.cycle, state.seconds, len(state.static), len(state.dynamic))
-                        progress(Progress("train", state.cycle, self.config.cycles, self.figures()))
+                    if state.iteration % _REPORT_EVERY == 0 or state.iteration == self.config.iterations:
+                        state.history.report(state.iteration, state.seconds, len(state.static), len(state.dynamic))
+                        progress(Progress("train", state.iteration, self.config.iterations, self.figures()))
         except StageStopped:
             save_state(self.checkpoint, state)
             raise
@@ -129,34 +129,35 @@ class Trainer:
         segment = Segment(self.segment.clock.start, self.segment.clock.end, dynamic)
         return HybridScene(static, (segment,), antialiased=self.config.antialiased)
 
-    def _cycle(self, cycle: int) -> None:
+    def _iteration(self, iteration: int) -> None:
         state, config, timed = self.state, self.config, self.state.history.timed
         with timed("frames"):
-            view = self.views.of_cycle(cycle, self.schedule.resolution(cycle))
+            view = self.views.of_iteration(iteration, self.schedule.resolution(iteration))
         if config.stages == "together" and self.statics_learn:
-            self._learn("all", cycle, view)
+            self._learn("all", iteration, view)
         else:
             if len(state.static) and self.statics_learn:
-                self._learn("static", cycle, view, ignored=view.moving)
+                self._learn("static", iteration, view, ignored=view.moving)
             with timed("tiles"):
                 tiles = tiles_of_dynamic(
                     state.dynamic, view.camera, view.moment, backend=config.backend, antialiased=config.antialiased
                 )
             if tiles.any():
-                self._learn("dynamic", cycle, view, tiles=tiles, ignored=None if view.moving is None else ~view.moving)
+                still = None if view.moving is None else ~view.moving
+                self._learn("dynamic", iteration, view, tiles=tiles, ignored=still)
         self._constrain()
         context = RoundContext(
-            cycle, self.schedule, self.views, self.segment, view.camera, self.first_counts, self.statics_learn
+            iteration, self.schedule, self.views, self.segment, view.camera, self.first_counts, self.statics_learn
         )
         for control in self.rounds:
-            if control.due(cycle):
+            if control.due(iteration):
                 with timed(control.name), self._on(_HOST if control.on_host else self.device):
                     control.apply(state, context)
 
     def _learn(
         self,
         stage: Gradients,
-        cycle: int,
+        iteration: int,
         view: TrainingView,
         *,
         tiles: npt.NDArray[np.bool_] | None = None,
@@ -176,13 +177,13 @@ class Trainer:
             )  # fmt: skip
         with timed("Adam"):
             if stage in ("static", "all"):
-                state.static_adam.step(state.static, self.schedule.static_rates(cycle))
+                state.static_adam.step(state.static, self.schedule.static_rates(iteration))
             if stage in ("dynamic", "all"):
-                state.dynamic_adam.step(state.dynamic, self.schedule.dynamic_rates(cycle, state.dynamic))
+                state.dynamic_adam.step(state.dynamic, self.schedule.dynamic_rates(iteration, state.dynamic))
             if step.colour_gradient is not None and stage != "dynamic" and self.statics_learn:
                 assert state.correction is not None
                 state.correction.step(view.place, step.colour_gradient, config.learning_rates.colour_correction)
-        if tiles is None and cycle % _REPORT_EVERY == 0:
+        if tiles is None and iteration % _REPORT_EVERY == 0:
             error = float((step.picture - view.target).square().mean())
             state.history.follow(step.loss, decibels(max(error, 1e-10)))
 

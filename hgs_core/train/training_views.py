@@ -57,7 +57,7 @@ class TrainingViews:
         config: TrainConfig,
         segment: CaptureSegment,
         masks: MotionMasks | None,
-        device: torch.device = _CPU,  # where `of_cycle` puts pictures and masks
+        device: torch.device = _CPU,  # where `of_iteration` puts pictures and masks
     ) -> None:
         self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
         self._masks = masks
@@ -70,7 +70,7 @@ class TrainingViews:
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
         memory = (config.frame_memory_mib << 20) * 4 // 5
         self.order = ViewSchedule.fitting(
-            self._training, segment.frames, frame_bytes, memory, config.cycles, config.seed
+            self._training, segment.frames, frame_bytes, memory, config.iterations, config.seed
         )
 
     @property
@@ -83,19 +83,19 @@ class TrainingViews:
         assert self._masks is not None
         return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
 
-    def of_cycle(self, cycle: int, size: float) -> TrainingView:
-        """Return the view of a cycle, resized by the factor `size`."""
-        index, frame = self.order.view(cycle)
+    def of_iteration(self, iteration: int, size: float) -> TrainingView:
+        """Return the view of an iteration, resized by the factor `size`."""
+        index, frame = self.order.view(iteration)
         return self._view(self._frames, index, frame, size, masked=self._config.stages == "separate")
 
-    def samples(self, cycle: int) -> Iterator[Iterator[TrainingView]]:
+    def samples(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
         """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""
-        for index, frames in self.order.samples(cycle):
+        for index, frames in self.order.samples(iteration):
             yield (self._view(self._on_host, index, frame, _SAMPLE_SIZE) for frame in frames)
 
-    def everywhere(self, cycle: int) -> Iterator[list[TrainingView]]:
+    def everywhere(self, iteration: int) -> Iterator[list[TrainingView]]:
         """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
-        for index, frames in self.order.everywhere(cycle):
+        for index, frames in self.order.everywhere(iteration):
             yield [self._view(self._on_host, index, frame, 1.0, self.masked) for frame in frames]
 
     def poses(self, moments: int) -> Iterator[tuple[Camera, list[float]]]:

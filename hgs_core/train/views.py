@@ -1,4 +1,4 @@
-"""Which view each cycle trains on: a pure function of the seed and the cycle, so that resuming needs no state."""
+"""Which view each iteration trains on: a pure function of seed and iteration, so that resuming needs no state."""
 
 from __future__ import annotations
 
@@ -33,50 +33,50 @@ def training_cameras(capture: Capture, config: TrainConfig) -> tuple[int, ...]:
 class ViewSchedule:
     """Random views, drawn so that the frames in use fit in memory.
 
-    When all frames of the training cameras fit, every cycle draws a camera and a frame at random. Otherwise the
+    When all frames of the training cameras fit, every iteration draws a camera and a frame at random. Otherwise the
     capture is cut into blocks of consecutive frames that fit, as long as each other (all cameras of a block together).
-    Blocks are visited in a random order that changes with every pass, and cycles draw within the current block: a long
-    video is decoded forwards, block by block, instead of being sought all over. Stays are short: while one block is
-    looked at, nothing holds splats in place that others need.
+    Blocks are visited in a random order that changes with every pass, and iterations draw within the current block: a
+    long video is decoded forwards, block by block, instead of being sought all over. Stays are short: while one block
+    is looked at, nothing holds splats in place that others need.
     """
 
     cameras: tuple[int, ...]  # indices into the capture's cameras
     frames: int
     blocks: int  # that the frames are cut into
-    stay: int  # cycles for which a block is drawn from
+    stay: int  # iterations for which a block is drawn from
     seed: int
 
     @staticmethod
     def fitting(
-        cameras: tuple[int, ...], frames: int, frame_bytes: int, memory: int, cycles: int, seed: int
+        cameras: tuple[int, ...], frames: int, frame_bytes: int, memory: int, iterations: int, seed: int
     ) -> ViewSchedule:
-        """Choose blocks for frames of `frame_bytes` each and `memory` bytes of cache, in a training of `cycles`."""
+        """Choose blocks for frames of `frame_bytes` each and `memory` bytes of cache, in a training of `iterations`."""
         fit = max(1, min(frames, memory // max(1, frame_bytes * len(cameras))))
         blocks = -(-frames // fit)
-        return ViewSchedule(cameras, frames, blocks, max(1, cycles // (blocks * _BLOCK_PASSES)), seed)
+        return ViewSchedule(cameras, frames, blocks, max(1, iterations // (blocks * _BLOCK_PASSES)), seed)
 
-    def view(self, cycle: int) -> tuple[int, int]:
-        """Return (camera, frame) of a cycle."""
-        random = np.random.default_rng((self.seed, 1, cycle))
-        first, last = self._block(cycle)
+    def view(self, iteration: int) -> tuple[int, int]:
+        """Return (camera, frame) of an iteration."""
+        random = np.random.default_rng((self.seed, 1, iteration))
+        first, last = self._block(iteration)
         return int(random.choice(self.cameras)), int(random.integers(first, last))
 
-    def samples(self, cycle: int) -> Iterator[tuple[int, list[int]]]:
-        """Yield a few cameras, each with a few frames of the cycle's block, one from each equal part of it."""
-        random = np.random.default_rng((self.seed, 4, cycle))
-        first, last = self._block(cycle)
+    def samples(self, iteration: int) -> Iterator[tuple[int, list[int]]]:
+        """Yield a few cameras, each with a few frames of the iteration's block, one from each equal part of it."""
+        random = np.random.default_rng((self.seed, 4, iteration))
+        first, last = self._block(iteration)
         borders = np.linspace(first, last, min(_SAMPLE_FRAMES, last - first) + 1)
         for camera in random.permutation(self.cameras)[:_SAMPLE_CAMERAS]:
             yield int(camera), [int(random.uniform(a, b)) for a, b in pairwise(borders)]
 
-    def everywhere(self, cycle: int) -> Iterator[tuple[int, list[int]]]:
-        """Yield all cameras, each with a few frames of the cycle's block."""
-        random = np.random.default_rng((self.seed, 7, cycle))
-        first, last = self._block(cycle)
+    def everywhere(self, iteration: int) -> Iterator[tuple[int, list[int]]]:
+        """Yield all cameras, each with a few frames of the iteration's block."""
+        random = np.random.default_rng((self.seed, 7, iteration))
+        first, last = self._block(iteration)
         for camera in self.cameras:
             yield camera, [int(frame) for frame in random.integers(first, last, _INFILL_FRAMES)]
 
-    def _block(self, cycle: int) -> tuple[int, int]:
-        turn, place = divmod(cycle // self.stay, self.blocks)
+    def _block(self, iteration: int) -> tuple[int, int]:
+        turn, place = divmod(iteration // self.stay, self.blocks)
         block = int(np.random.default_rng((self.seed, 2, turn)).permutation(self.blocks)[place])
         return self.frames * block // self.blocks, self.frames * (block + 1) // self.blocks

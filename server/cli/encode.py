@@ -27,9 +27,9 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--fine-tune",
         type=int,
-        metavar="CYCLES",
-        help="cycles for which the scene is trained as it decodes, so that coarser codes will do; 0: none; "
-        "default: a sixtieth of the run's cycles",
+        metavar="ITERATIONS",
+        help="iterations for which the scene is trained as it decodes, so that coarser codes will do; 0: none; "
+        "default: a sixtieth of the run's iterations",
     )
     parser.set_defaults(run=_run)
 
@@ -39,7 +39,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.stages import encode_again
 
     if options.fine_tune is not None and options.fine_tune < 0:
-        raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of cycles, or 0")
+        raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")
     folder = RunFolder(options.run_folder)
     folder.read_spec()  # before torch is loaded: a wrong path is told at once
     with folder.exclusive(), ProgressBars() as bars:

@@ -23,7 +23,7 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
-        help="replace fields of the training config, e.g. cycles=2000 learning_rates.opacity=0.04",
+        help="replace fields of the training config, e.g. iterations=2000 learning_rates.opacity=0.04",
     )  # fmt: skip
 
 

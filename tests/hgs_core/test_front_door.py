@@ -30,7 +30,7 @@ FIRST_MET = [
 """What a user meets first, in the order in which they meet it; each has a runnable example."""
 
 SMALL: dict[str, Any] = {
-    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
+    "iterations": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
     "max_static": 400, "max_dynamic": 100, "hold_out": ["2"],
 }  # fmt: skip
 

@@ -74,13 +74,13 @@ def client(home: Home) -> Iterator[JobClient]:
 
 @pytest.fixture
 def submit(client: JobClient, tmp_path: Path) -> Callable[..., str]:
-    """Return a function that submits a job of so many cycles that behaves in the given way."""
+    """Return a function that submits a job of so many iterations that behaves in the given way."""
 
-    def submit(cycles: int = 10, behaviour: str = "count") -> str:
+    def submit(iterations: int = 10, behaviour: str = "count") -> str:
         capture = tmp_path / "capture"
         capture.mkdir(exist_ok=True)
         (capture / "behaviour").write_text(behaviour)
-        return client.submit(JobRequest(capture, TrainConfig(cycles=cycles)))
+        return client.submit(JobRequest(capture, TrainConfig(iterations=iterations)))
 
     return submit
 

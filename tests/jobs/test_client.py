@@ -18,13 +18,13 @@ from jobs.store import JobState
 def test_a_submitted_job_is_queued_with_its_run_folder(
     client: JobClient, submit: Callable[..., str], tmp_path: Path
 ) -> None:
-    job_id = submit(cycles=7)
+    job_id = submit(iterations=7)
     job = client.get(job_id)
     assert job is not None
     assert job.state is JobState.QUEUED
     assert job.title == "capture"
     assert job.capture == str(tmp_path / "capture")
-    assert TrainConfig.from_json(dict(job.config)) == TrainConfig(cycles=7)
+    assert TrainConfig.from_json(dict(job.config)) == TrainConfig(iterations=7)
     assert (client.home.run(job_id) / "run.json").is_file()
 
 

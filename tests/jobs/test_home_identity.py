@@ -96,7 +96,7 @@ def test_a_worker_whose_home_vanishes_takes_no_job(
             wait_until(lambda: "is ready" in log.read_text(), "the worker")
             (home.folder / "home-id").rename(home.folder / "away")
             wait_until(lambda: f"takes no job: HGS_HOME {home.folder}" in log.read_text(), "the worker to notice")
-            job_id = submit(cycles=1)
+            job_id = submit(iterations=1)
             time.sleep(3)  # it looks into the queue twice a second
             job = client.get(job_id)
             assert job is not None
@@ -110,7 +110,7 @@ def test_a_worker_whose_home_vanishes_takes_no_job(
 def test_a_run_that_was_begun_on_a_home_that_vanished_waits(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
-    job_id = submit(cycles=200)
+    job_id = submit(iterations=200)
     worker()
     wait_for(job_id, lambda job: job.stage == "train" and job.done > 20, "training")
     home.folder.rename(home.folder.parent / "unmounted")

@@ -26,11 +26,11 @@ def finished(job: Job) -> bool:
     return job.state.finished
 
 
-def cycles(run: Path) -> list[tuple[int, int]]:
-    """Return the process id and the number of every cycle that was trained, in the order they were trained in."""
-    log = run / "cycles.log"
+def iterations(run: Path) -> list[tuple[int, int]]:
+    """Return the process id and the number of every iteration that was trained, in the order they were trained in."""
+    log = run / "iterations.log"
     lines = log.read_text().splitlines() if log.exists() else []
-    return [(int(pid), int(cycle)) for pid, cycle in (line.split() for line in lines)]
+    return [(int(pid), int(iteration)) for pid, iteration in (line.split() for line in lines)]
 
 
 def is_worked_on(run: Path) -> bool:
@@ -51,15 +51,15 @@ def test_another_worker_resumes_from_the_checkpoint(
     wait_until: Poll,
     standby: bool,
 ) -> None:
-    job_id = submit(cycles=150)
+    job_id = submit(iterations=150)
     run = client.home.run(job_id)
     first = worker()
-    wait_until(lambda: len(cycles(run)) >= 12, "twelve cycles")
+    wait_until(lambda: len(iterations(run)) >= 12, "twelve iterations")
     other = worker() if standby else None
     first.send_signal(signal.SIGKILL)
     first.wait()
     if other is None:
-        younger = submit(cycles=1)
+        younger = submit(iterations=1)
         worker()
         wait_for(younger, finished, "the end of the younger job")
         resumed = client.get(job_id)
@@ -68,10 +68,10 @@ def test_another_worker_resumes_from_the_checkpoint(
 
     job = wait_for(job_id, finished, "the end of the job")
     assert (job.state, job.error, job.attempt) == (JobState.SUCCEEDED, "", 1)
-    trained = cycles(run)
+    trained = iterations(run)
     pids = list(dict.fromkeys(pid for pid, _ in trained))
-    before, after = ([cycle for pid, cycle in trained if pid == own] for own in pids)  # exactly two processes trained
-    assert trained == [(pids[0], cycle) for cycle in before] + [(pids[1], cycle) for cycle in after]  # never at once
+    before, after = ([done for pid, done in trained if pid == own] for own in pids)  # exactly two processes trained
+    assert trained == [(pids[0], done) for done in before] + [(pids[1], done) for done in after]  # never at once
     assert before == list(range(len(before)))
     assert after == list(range(after[0], 150))
     assert after[0] % 5 == 0  # a checkpoint,
@@ -81,10 +81,10 @@ def test_another_worker_resumes_from_the_checkpoint(
 def test_a_killed_worker_leaves_no_orphan(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_until: Poll
 ) -> None:
-    job_id = submit(cycles=100_000, behaviour="deaf")
+    job_id = submit(iterations=100_000, behaviour="deaf")
     run = client.home.run(job_id)
     process = worker()
-    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    wait_until(lambda: len(iterations(run)) >= 1, "the first iteration")
     assert is_worked_on(run)
     process.kill()
     process.wait()
@@ -94,38 +94,38 @@ def test_a_killed_worker_leaves_no_orphan(
 def test_a_paused_worker_is_not_taken_for_dead(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    job_id = submit(cycles=100)
+    job_id = submit(iterations=100)
     run = client.home.run(job_id)
     first = worker()
-    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    wait_until(lambda: len(iterations(run)) >= 1, "the first iteration")
     first.send_signal(signal.SIGSTOP)
     worker()
-    wait_until(lambda: len(cycles(run)) == 100, "the stage's end, which nobody hears of yet")
+    wait_until(lambda: len(iterations(run)) == 100, "the stage's end, which nobody hears of yet")
     job = client.get(job_id)
     assert job is not None
     assert job.state is JobState.RUNNING
     first.send_signal(signal.SIGCONT)
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
-    assert [cycle for _, cycle in cycles(run)] == list(range(100))
+    assert [iteration for _, iteration in iterations(run)] == list(range(100))
 
 
 def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    job_id = submit(cycles=100_000)
+    job_id = submit(iterations=100_000)
     run = client.home.run(job_id)
     first = worker()
-    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    wait_until(lambda: len(iterations(run)) >= 1, "the first iteration")
     first.kill()
     first.wait()
     client.cancel(job_id)
-    trained = cycles(run)
+    trained = iterations(run)
     worker()
-    assert wait_for(submit(cycles=3), finished, "the end of the next job").state is JobState.SUCCEEDED
+    assert wait_for(submit(iterations=3), finished, "the end of the next job").state is JobState.SUCCEEDED
     job = client.get(job_id)
     assert job is not None
     assert job.state is JobState.CANCELLED
-    assert len(cycles(run)) <= len(trained) + 1
+    assert len(iterations(run)) <= len(trained) + 1
 
 
 @pytest.mark.slow
@@ -134,7 +134,7 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
     client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
     config = TrainConfig(
-        cycles=300,
+        iterations=300,
         checkpoint_every=20,
         static_points=1000,
         dynamic_points=300,
@@ -153,7 +153,7 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
     reports: list[int] = []
 
     def report(job: Job) -> bool:
-        if job.stage == "train" and job.total == config.cycles:
+        if job.stage == "train" and job.total == config.iterations:
             reports.append(job.done)
         return finished(job)
 

@@ -29,8 +29,8 @@ def waits(job: Job) -> bool:
     return bool(job.waiting) or job.state.finished
 
 
-def cycles(client: JobClient, job_id: str) -> list[int]:
-    lines = (client.home.run(job_id) / "cycles.log").read_text().splitlines()
+def iterations(client: JobClient, job_id: str) -> list[int]:
+    lines = (client.home.run(job_id) / "iterations.log").read_text().splitlines()
     return [int(line.split()[1]) for line in lines]
 
 
@@ -67,7 +67,7 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     assert (job.state, job.waiting) == (JobState.SUCCEEDED, "")
     log = (client.home.run(job_id) / "stage.log").read_text()
     assert log.count("a library that prints to stdout") == 1  # the stages before are not even begun again
-    assert cycles(client, job_id) == list(range(10))
+    assert iterations(client, job_id) == list(range(10))
     assert [scene.id for scene in ArtifactStore(client.home.store_url).list_scenes()] == [job_id]
     after = client.get(younger.id)
     assert after is not None
@@ -130,7 +130,7 @@ class TestFullDisk:
         small_disk: Path,
     ) -> None:
         worker()
-        job_id = submit(cycles=200)
+        job_id = submit(iterations=200)
         wait_for(job_id, lambda job: job.stage == "train" and job.done > 20, "training")
         ballast = small_disk / "ballast"
         fill(ballast)
@@ -142,7 +142,7 @@ class TestFullDisk:
         ballast.unlink()
         job = wait_for(job_id, finished, "the end of the job")
         assert (job.state, job.error) == (JobState.SUCCEEDED, "")
-        assert sorted(set(cycles(client, job_id))) == list(range(200))
+        assert sorted(set(iterations(client, job_id))) == list(range(200))
 
 
 def fill(path: Path) -> None:

@@ -35,23 +35,23 @@ def finished(job: Job) -> bool:
     return job.state.finished
 
 
-def cycles(run: Path) -> list[tuple[int, int]]:
-    log = run / "cycles.log"
+def iterations(run: Path) -> list[tuple[int, int]]:
+    log = run / "iterations.log"
     lines = log.read_text().splitlines() if log.exists() else []
-    return [(int(pid), int(cycle)) for pid, cycle in (line.split() for line in lines)]
+    return [(int(pid), int(iteration)) for pid, iteration in (line.split() for line in lines)]
 
 
 def test_cancel_and_retry_are_the_same_as_on_sqlite(
     home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
     worker()
-    job_id = submit(cycles=150)
-    wait_until(lambda: len(cycles(home.run(job_id))) >= 3, "three cycles")
+    job_id = submit(iterations=150)
+    wait_until(lambda: len(iterations(home.run(job_id))) >= 3, "three iterations")
     with JobClient(home) as client:
         assert client.cancel(job_id).state is JobState.CANCELLED
         assert client.retry(job_id).attempt == 2
     assert wait_for(job_id, finished, "the end of the retry").state is JobState.SUCCEEDED
-    assert [cycle for _, cycle in cycles(home.run(job_id))] == list(range(150))
+    assert [iteration for _, iteration in iterations(home.run(job_id))] == list(range(150))
 
 
 def test_old_attempts_cannot_write(home: Home, client: object, submit: Callable[..., str]) -> None:
@@ -95,32 +95,32 @@ def test_a_restart_of_the_server_costs_no_training(
     wait_until: Poll,
 ) -> None:
     worker()
-    job_id = submit(cycles=150)
+    job_id = submit(iterations=150)
     run = home.run(job_id)
-    wait_until(lambda: len(cycles(run)) >= 3, "three cycles")
+    wait_until(lambda: len(iterations(run)) >= 3, "three iterations")
     server.stop()
     server.start()
     job = wait_for(job_id, finished, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
-    assert [cycle for _, cycle in cycles(run)] == list(range(150))
-    assert len({pid for pid, _ in cycles(run)}) == 1
+    assert [iteration for _, iteration in iterations(run)] == list(range(150))
+    assert len({pid for pid, _ in iterations(run)}) == 1
 
 
 @pytest.mark.slow
 def test_another_worker_takes_over_after_kill_9(
     home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    job_id = submit(cycles=150)
+    job_id = submit(iterations=150)
     run = home.run(job_id)
     first = worker()
-    wait_until(lambda: len(cycles(run)) >= 12, "twelve cycles")
+    wait_until(lambda: len(iterations(run)) >= 12, "twelve iterations")
     worker()
     first.kill()
     first.wait()
-    before = len(cycles(run))
+    before = len(iterations(run))
     job = wait_for(job_id, finished, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
-    after = [cycle for _, cycle in cycles(run)][before:]
+    after = [iteration for _, iteration in iterations(run)][before:]
     assert after == list(range(after[0], 150))
     assert after[0] in (before - before % 5, before + 1 - (before + 1) % 5)
 
@@ -129,9 +129,9 @@ def test_another_worker_takes_over_after_kill_9(
 def test_an_interrupted_job_comes_before_younger_ones(
     home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    job_id, younger = submit(cycles=150), submit(cycles=3)
+    job_id, younger = submit(iterations=150), submit(iterations=3)
     first = worker()
-    wait_until(lambda: len(cycles(home.run(job_id))) >= 12, "twelve cycles")
+    wait_until(lambda: len(iterations(home.run(job_id))) >= 12, "twelve iterations")
     first.kill()
     first.wait()
     worker()  # long before the first can be taken for dead

@@ -51,11 +51,11 @@ def start(home: Home) -> Iterator[Callable[[str, Path], Stage]]:
         process.wait()
 
 
-def make_run(folder: Path, behaviour: str, cycles: int = 20) -> Path:
+def make_run(folder: Path, behaviour: str, iterations: int = 20) -> Path:
     import counting_pipeline
 
     (folder / "behaviour").write_text(behaviour)
-    counting_pipeline.create_run(folder / "run", folder, TrainConfig(cycles=cycles))
+    counting_pipeline.create_run(folder / "run", folder, TrainConfig(iterations=iterations))
     return folder / "run"
 
 
@@ -67,8 +67,8 @@ def finish(process: Stage) -> tuple[int, list[dict[str, object]], str]:
     return process.wait(), messages, process.stderr.read().decode()
 
 
-def cycles(run: Path) -> list[int]:
-    log = run / "cycles.log"
+def iterations(run: Path) -> list[int]:
+    log = run / "iterations.log"
     return [int(line.split()[1]) for line in log.read_text().splitlines()] if log.exists() else []
 
 
@@ -105,22 +105,22 @@ def test_a_failure_is_one_line_a_traceback_and_status_1(start: Callable[[str, Pa
 def test_sigterm_saves_a_checkpoint_and_the_next_process_goes_on_from_there(
     start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll
 ) -> None:
-    run = make_run(tmp_path, "count", cycles=60)
+    run = make_run(tmp_path, "count", iterations=60)
     process = start("train", run)
-    wait_until(lambda: len(cycles(run)) >= 3, "three cycles")
+    wait_until(lambda: len(iterations(run)) >= 3, "three iterations")
     process.send_signal(signal.SIGTERM)
     assert finish(process)[0] == 75
-    assert (run / "checkpoint.pt").read_text() == str(len(cycles(run)))
-    assert len(cycles(run)) < 60
+    assert (run / "checkpoint.pt").read_text() == str(len(iterations(run)))
+    assert len(iterations(run)) < 60
 
     assert finish(start("train", run))[0] == 0
-    assert cycles(run) == list(range(60))
+    assert iterations(run) == list(range(60))
 
 
 def test_it_ends_when_its_parent_is_gone(start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll) -> None:
-    run = make_run(tmp_path, "count", cycles=100_000)
+    run = make_run(tmp_path, "count", iterations=100_000)
     process = start("train", run)
-    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    wait_until(lambda: len(iterations(run)) >= 1, "the first iteration")
     assert process.stdin is not None
     process.stdin.close()
     assert process.wait(60) == 70
@@ -129,13 +129,13 @@ def test_it_ends_when_its_parent_is_gone(start: Callable[[str, Path], Stage], tm
 def test_two_processes_never_work_on_one_run(
     start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll
 ) -> None:
-    run = make_run(tmp_path, "count", cycles=40)
+    run = make_run(tmp_path, "count", iterations=40)
     first = start("train", run)
-    wait_until(lambda: len(cycles(run)) >= 1, "the first cycle")
+    wait_until(lambda: len(iterations(run)) >= 1, "the first iteration")
     second = start("train", run)
     assert finish(first)[0] == 0
     assert finish(second)[0] == 0
-    assert cycles(run) == list(range(40))
+    assert iterations(run) == list(range(40))
 
 
 def test_a_run_that_another_process_keeps_is_waited_for(home: Home, run: Path) -> None:

@@ -19,18 +19,18 @@ from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 
 @pytest.fixture
 def make_run(tmp_path: Path) -> Callable[..., Path]:
-    def make_run(behaviour: str, cycles: int = 100_000) -> Path:
+    def make_run(behaviour: str, iterations: int = 100_000) -> Path:
         import counting_pipeline
 
         (tmp_path / "behaviour").write_text(behaviour)
-        counting_pipeline.create_run(tmp_path / "run", tmp_path, TrainConfig(cycles=cycles))
+        counting_pipeline.create_run(tmp_path / "run", tmp_path, TrainConfig(iterations=iterations))
         return tmp_path / "run"
 
     return make_run
 
 
-def cycles_of(run: Path) -> list[str]:
-    log = run / "cycles.log"
+def iterations_of(run: Path) -> list[str]:
+    log = run / "iterations.log"
     return log.read_text().splitlines() if log.exists() else []
 
 
@@ -95,8 +95,8 @@ def test_cancelling_lets_the_stage_save_or_kills_it(
         with pytest.raises(asyncio.CancelledError):
             await stage.task
         assert stage.runner.workflows() == []
-        cycles = len((run / "cycles.log").read_text().splitlines())
-        assert ((run / "checkpoint.pt").exists() and int((run / "checkpoint.pt").read_text()) == cycles) is saved
+        iterations = len((run / "iterations.log").read_text().splitlines())
+        assert ((run / "checkpoint.pt").exists() and int((run / "checkpoint.pt").read_text()) == iterations) is saved
 
     asyncio.run(body())
 
@@ -151,7 +151,7 @@ def test_a_stage_that_computes_without_a_word_is_not(
     async def body() -> None:
         run = make_run("compute", 10)
         stage = Stage(dataclasses.replace(home, stage_silence=5.0), run)
-        while len(cycles_of(run)) < 6:
+        while len(iterations_of(run)) < 6:
             await asyncio.sleep(0.05)
         looks.clear()
         while len(looks) <= 2 * LOOKS:

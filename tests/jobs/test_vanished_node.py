@@ -100,7 +100,7 @@ def test_its_job_is_taken_over(
     worker: Callable[[], Worker],
     wait_for: WaitFor,
 ) -> None:
-    job_id = submit(cycles=400)
+    job_id = submit(iterations=400)
     process = start_on_node("-m", "jobs.worker")
     wait_for(job_id, lambda job: job.stage == "train" and job.done > 0, "training")
     worker()

@@ -27,8 +27,8 @@ def training(job: Job) -> bool:
     return job.stage == "train" and job.done > 0
 
 
-def cycles(client: JobClient, job_id: str) -> list[int]:
-    lines = (client.home.run(job_id) / "cycles.log").read_text().splitlines()
+def iterations(client: JobClient, job_id: str) -> list[int]:
+    lines = (client.home.run(job_id) / "iterations.log").read_text().splitlines()
     return [int(line.split()[1]) for line in lines]
 
 
@@ -41,13 +41,13 @@ def test_a_job_becomes_a_published_scene(
     assert job.scene_id == job.id
     store = ArtifactStore(client.home.store_url)
     assert [scene.id for scene in store.list_scenes()] == [job.scene_id]
-    assert cycles(client, job.id) == list(range(10))
+    assert iterations(client, job.id) == list(range(10))
 
 
 def test_a_worker_runs_one_job_after_the_other(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
-    first, second = submit(cycles=60), submit(cycles=5)
+    first, second = submit(iterations=60), submit(iterations=5)
     worker()
     wait_for(first, training, "the first job's training")
     seen = client.get(second)
@@ -63,7 +63,7 @@ def test_a_failed_job_says_why_and_a_retry_resumes_it(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, tmp_path: Path
 ) -> None:
     worker()
-    job_id = submit(cycles=20, behaviour="raise")
+    job_id = submit(iterations=20, behaviour="raise")
     job = wait_for(job_id, finished, "the failure")
     assert (job.state, job.error) == (JobState.FAILED, "RuntimeError: the loss is not a number")
     assert ArtifactStore(client.home.store_url).list_scenes() == []
@@ -71,23 +71,23 @@ def test_a_failed_job_says_why_and_a_retry_resumes_it(
     (tmp_path / "capture" / "behaviour").write_text("count")
     client.retry(job_id)
     assert wait_for(job_id, finished, "the end of the retry").state is JobState.SUCCEEDED
-    assert cycles(client, job_id) == [*range(11), *range(10, 20)]  # the last checkpoint before the failure was 10
+    assert iterations(client, job_id) == [*range(11), *range(10, 20)]  # the last checkpoint before the failure was 10
 
 
 def test_a_stage_that_was_killed_is_tried_again(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
     worker()
-    job = wait_for(submit(cycles=20, behaviour="die once"), finished, "the end of the job")
+    job = wait_for(submit(iterations=20, behaviour="die once"), finished, "the end of the job")
     assert job.state is JobState.SUCCEEDED
-    assert cycles(client, job.id) == [*range(11), *range(10, 20)]
+    assert iterations(client, job.id) == [*range(11), *range(10, 20)]
 
 
 def test_a_stage_that_is_always_killed_fails_the_job(
     submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
     worker()
-    job = wait_for(submit(cycles=4, behaviour="die"), finished, "the failure")
+    job = wait_for(submit(iterations=4, behaviour="die"), finished, "the failure")
     assert (job.state, job.error) == (JobState.FAILED, "train: ended by SIGKILL (out of memory?)")
 
 
@@ -96,44 +96,44 @@ def test_a_stage_that_hangs_is_started_again(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
 ) -> None:
     worker(stage_silence=5.0)
-    job = wait_for(submit(cycles=20, behaviour="hang once"), finished, "the end of the job")
+    job = wait_for(submit(iterations=20, behaviour="hang once"), finished, "the end of the job")
     assert (job.state, job.attempt) == (JobState.SUCCEEDED, 1)
-    assert cycles(client, job.id) == [*range(11), *range(10, 20)]
+    assert iterations(client, job.id) == [*range(11), *range(10, 20)]
 
 
 def test_a_cancelled_job_stops_and_frees_the_worker(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
     worker()
-    job_id = submit(cycles=100_000)
+    job_id = submit(iterations=100_000)
     wait_for(job_id, training, "training")
     assert client.cancel(job_id).state is JobState.CANCELLED
-    assert wait_for(submit(cycles=5), finished, "the end of the next job").state is JobState.SUCCEEDED
-    assert int((client.home.run(job_id) / "checkpoint.pt").read_text()) == len(cycles(client, job_id))
+    assert wait_for(submit(iterations=5), finished, "the end of the next job").state is JobState.SUCCEEDED
+    assert int((client.home.run(job_id) / "checkpoint.pt").read_text()) == len(iterations(client, job_id))
     job = client.get(job_id)
     assert job is not None
     assert job.state is JobState.CANCELLED
 
 
-def test_a_stopped_worker_saves_and_another_goes_on_without_losing_a_cycle(
+def test_a_stopped_worker_saves_and_another_goes_on_without_losing_an_iteration(
     client: JobClient,
     submit: Callable[..., str],
     worker: Callable[[], Worker],
     wait_for: WaitFor,
 ) -> None:
     first = worker()
-    job_id = submit(cycles=100)
+    job_id = submit(iterations=100)
     wait_for(job_id, training, "training")
     first.send_signal(signal.SIGTERM)
     assert first.wait(60) == 0
     job = client.get(job_id)
     assert job is not None
     assert (job.state, job.waiting) == (JobState.QUEUED, "its worker was stopped; the next free one goes on with it")
-    assert 0 < len(cycles(client, job_id)) < 100
+    assert 0 < len(iterations(client, job_id)) < 100
 
     worker()
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
-    assert cycles(client, job_id) == list(range(100))
+    assert iterations(client, job_id) == list(range(100))
 
 
 def test_a_started_worker_ends_with_its_parent(
@@ -141,7 +141,7 @@ def test_a_started_worker_ends_with_its_parent(
 ) -> None:
     process = start_worker(client.home)
     try:
-        assert wait_for(submit(cycles=3), finished, "the end of the job").state is JobState.SUCCEEDED
+        assert wait_for(submit(iterations=3), finished, "the end of the job").state is JobState.SUCCEEDED
         assert process.stdin is not None
         process.stdin.close()
         assert process.wait(60) == 0
@@ -190,7 +190,7 @@ def test_a_job_under_which_too_many_workers_died_is_failed(
 def test_a_workflow_of_a_living_worker_that_nobody_works_on_is_resumed(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
-    job_id = submit(cycles=3)
+    job_id = submit(iterations=3)
     hold = "UPDATE workflow_status SET queue_name = 'nowhere'"
     dropped = "UPDATE workflow_status SET queue_name = 'training', status = 'PENDING', executor_id = ?"
     running = "UPDATE hgs_job SET state = 'running'"

@@ -165,9 +165,9 @@ BODIES = [
     b'{"capture":"x","hold_out":["\\ud800"]}',
     b'{"capture":"x","config":{"\\ud800":1}}',
     b'{"capture":"\\u0000"}',
-    b'{"capture":"x","config":{"cycles":NaN}}',
+    b'{"capture":"x","config":{"iterations":NaN}}',
     b'{"capture":"x","config":{"a":' + b"[" * 30000 + b"]" * 30000 + b"}}",
-    b'{"capture":"x","config":{"cycles":' + LONG + b"}}",
+    b'{"capture":"x","config":{"iterations":' + LONG + b"}}",
     b"[" * 60000,
     b'"' + b"a" * 70000 + b'"',
 ]

@@ -43,14 +43,14 @@ class BirthRound:
     on_host: ClassVar[bool] = True
     config: TrainConfig
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return is_after_share(self.config, cycle, BIRTHS_AT[: self.config.birth_rounds])
+        return is_after_share(self.config, iteration, BIRTHS_AT[: self.config.birth_rounds])
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         config, views, segment = self.config, context.views, context.segment
-        generator = np.random.default_rng((config.seed, 5, context.cycle))
+        generator = np.random.default_rng((config.seed, 5, context.iteration))
         instants = min(_MOST_INSTANTS, segment.frames)
         most = max(0, context.schedule.splat_budgets[1] - len(state.dynamic)) // 2
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()

@@ -39,11 +39,11 @@ class DensityRound(BudgetRound):
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule, statics, seen = context.schedule, len(state.static), state.statistics
-        seed = int(np.random.default_rng((self.config.seed, 3, context.cycle)).integers(2**62))
+        seed = int(np.random.default_rng((self.config.seed, 3, context.iteration)).integers(2**62))
         generator = torch.Generator().manual_seed(seed)
 
         def plan(first: int, most: int) -> DensityPlan:
-            budget = schedule.budget(context.cycle, first, most)
+            budget = schedule.budget(context.iteration, first, most)
             half_width = 0.5 * max(context.camera.width, context.camera.height)
             return DensityPlan(budget, schedule.extent, half_width, self.config, generator)
 

@@ -41,19 +41,19 @@ class InfillRound:
     on_host: ClassVar[bool] = True
     config: TrainConfig
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0: the ten in which labels change, too."""
-        return self.config.infill > 0 and self.config.labels != "dynamic" and is_one_of_ten(self.config, cycle)
+        return self.config.infill > 0 and self.config.labels != "dynamic" and is_one_of_ten(self.config, iteration)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         config, budget = self.config, context.schedule.splat_budgets[0]
-        generator = np.random.default_rng((config.seed, 6, context.cycle))
+        generator = np.random.default_rng((config.seed, 6, context.iteration))
         most = min(round(config.infill * budget), budget - len(state.static))
         if most <= 0:
             return
         ranges = depth_ranges(context.views.cameras, state.static.means.numpy())
-        views = context.views.everywhere(context.cycle)
+        views = context.views.everywhere(context.iteration)
         points = find_infill(state.static, state.dynamic, views, config, state.shown, ranges, most, generator)
         added, _ = initial_splats(points, context.segment.clock, context.segment.frames, opacity=_OPACITY)
         state.replace(kept(state.static, state.static_adam, None, added), state.dynamic)

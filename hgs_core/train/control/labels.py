@@ -51,9 +51,9 @@ class LabelRound:
     on_host: ClassVar[bool] = True
     config: TrainConfig
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return self.config.adaptive_labels and is_one_of_ten(self.config, cycle)
+        return self.config.adaptive_labels and is_one_of_ten(self.config, iteration)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
@@ -61,7 +61,7 @@ class LabelRound:
         restless = np.zeros(len(state.static), np.bool_)
         room = schedule.splat_budgets[1] - len(state.dynamic)
         if config.restless_error > 0 and room > 1 and len(state.static):
-            samples = views.samples(context.cycle)
+            samples = views.samples(context.iteration)
             varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
             most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)
             worst = np.argsort(-varies, kind="stable")[:most]

@@ -34,9 +34,9 @@ class PruningRound:
     on_host: ClassVar[bool] = True
     config: TrainConfig
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return self.config.prune_contribution > 0 and is_after_share(self.config, cycle, _PRUNED_AT)
+        return self.config.prune_contribution > 0 and is_after_share(self.config, iteration, _PRUNED_AT)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""

@@ -48,13 +48,13 @@ class RelocationRound(BudgetRound):
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule, most, first = context.schedule, context.schedule.splat_budgets, context.first_counts
-        generator, dead = np.random.default_rng((self.config.seed, 3, context.cycle)), self.config.prune_opacity
+        generator, dead = np.random.default_rng((self.config.seed, 3, context.iteration)), self.config.prune_opacity
         static, dynamic = state.static, state.dynamic
         if context.statics_learn and len(static):
-            budget = schedule.budget(context.cycle, first[0], most[0])
+            budget = schedule.budget(context.iteration, first[0], most[0])
             static = relocate(static, state.static_adam, budget, dead, generator)
         if len(dynamic):
-            budget = schedule.budget(context.cycle, first[1], most[1])
+            budget = schedule.budget(context.iteration, first[1], most[1])
             dynamic = relocate(dynamic, state.dynamic_adam, budget, dead, generator)
         state.replace(static, dynamic)
 
@@ -65,15 +65,15 @@ class NoiseRound:
     name: ClassVar[str] = "noise"
     on_host: ClassVar[bool] = False
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return that the round follows every iteration."""
         return True
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule = context.schedule
-        generator = np.random.default_rng((schedule.config.seed, 8, context.cycle))
-        step = schedule.position_rate(context.cycle)
+        generator = np.random.default_rng((schedule.config.seed, 8, context.iteration))
+        step = schedule.position_rate(context.iteration)
         if context.statics_learn:
             disturb(state.static, step, schedule.extent, generator)
         disturb(state.dynamic, step, schedule.extent, generator)

@@ -22,7 +22,7 @@ _FIRST_OF_TEN = 0.1  # share of the iterations that pass before them
 class RoundContext:
     """What a round may look at besides the state that it changes."""
 
-    cycle: int  # the iteration it follows, from 0
+    iteration: int  # the iteration it follows, from 0
     schedule: Schedule
     views: TrainingViews
     segment: CaptureSegment
@@ -37,7 +37,7 @@ class Round(Protocol):
     name: ClassVar[str]  # of the activity in the profile of train.json
     on_host: ClassVar[bool]  # whether the state is brought to the host first; frequent rounds run where it is
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
@@ -52,21 +52,21 @@ class BudgetRound:
     on_host: ClassVar[bool] = True
     config: TrainConfig
 
-    def due(self, cycle: int) -> bool:
+    def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        config, done = self.config, cycle + 1
-        first, last = (share * config.cycles for share in (config.densify_from, config.densify_until))
+        config, done = self.config, iteration + 1
+        first, last = (share * config.iterations for share in (config.densify_from, config.densify_until))
         return done % config.densify_every == 0 and first <= done <= last
 
 
-def is_after_share(config: TrainConfig, cycle: int, shares: Sequence[float]) -> bool:
+def is_after_share(config: TrainConfig, iteration: int, shares: Sequence[float]) -> bool:
     """Return whether one of these shares of all iterations ends with this one."""
-    return cycle + 1 in {round(share * config.cycles) for share in shares}
+    return iteration + 1 in {round(share * config.iterations) for share in shares}
 
 
-def is_one_of_ten(config: TrainConfig, cycle: int) -> bool:
+def is_one_of_ten(config: TrainConfig, iteration: int) -> bool:
     """Return whether one of ten evenly spaced rounds follows this iteration, all while splats are still added."""
-    first, last = (share * config.cycles for share in (_FIRST_OF_TEN, config.densify_until))
+    first, last = (share * config.iterations for share in (_FIRST_OF_TEN, config.densify_until))
     every = max(1, round((last - first) / 10))
-    done = cycle + 1
+    done = iteration + 1
     return first < done <= last and (done - round(first)) % every == 0

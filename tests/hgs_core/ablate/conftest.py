@@ -13,7 +13,7 @@ from hgs_core.train.config import TrainConfig
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig.from_json({
-    "cycles": 5, "densify_every": 2, "static_points": 100, "dynamic_points": 40, "init_interval": 0.07,
+    "iterations": 5, "densify_every": 2, "static_points": 100, "dynamic_points": 40, "init_interval": 0.07,
     "max_static": 150, "max_dynamic": 60, "hold_out": ["1"],
 })  # fmt: skip
 

@@ -46,7 +46,7 @@ def test_every_row_trains(everything: tuple[Ablation, Any]) -> None:
     assert [row["name"] for row in result["rows"]] == list(ROWS)
     for row in ROWS.values():
         run = ablation.run(row, 0).folder
-        assert json.loads(run.train_summary.read_text())["cycles"] == CONFIG.cycles
+        assert json.loads(run.train_summary.read_text())["iterations"] == CONFIG.iterations
         assert run.read_spec().config == row.config(CONFIG, 0)
 
 
@@ -195,4 +195,4 @@ def test_a_damaged_result_says_what_to_do(make_ablation: MakeAblation, tmp_path:
 def test_runs_of_another_config_are_not_mixed_in(everything: tuple[Ablation, Any]) -> None:
     ablation, _ = everything
     with pytest.raises(InputError, match="another capture or config"):
-        ablate(dataclasses.replace(ablation, config=dataclasses.replace(CONFIG, cycles=6)), refuse)
+        ablate(dataclasses.replace(ablation, config=dataclasses.replace(CONFIG, iterations=6)), refuse)

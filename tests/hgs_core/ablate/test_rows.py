@@ -16,7 +16,7 @@ def test_every_row_changes_one_thing_of_a_valid_config(name: str, preset: str) -
     config = row.config(base, 3)
     assert config == TrainConfig.from_json(config.to_json())
     assert config.hold_out == base.hold_out
-    assert (config.seed, config.cycles) == (3, base.cycles)
+    assert (config.seed, config.iterations) == (3, base.iterations)
     changes = [dataclasses.replace(config, seed=base.seed) != base, row.masks is not None, row.statics_at_rest]
     assert sum(changes) == (row != FULL)
     assert row.asks

@@ -80,7 +80,7 @@ def test_equal_arguments_give_equal_scenes_and_leave_the_given_one_alone(given: 
 def test_a_budget_is_kept_with_coarser_codes_than_without(given: Given) -> None:
     scene, views, utility = given
     plain = fit(scene, views, utility, "low", CONFIG)
-    tuned = fit(scene, views, utility, "low", CONFIG, cycles=100)
+    tuned = fit(scene, views, utility, "low", CONFIG, iterations=100)
     assert tuned.loss <= BUDGETS["low"]
     assert tuned.settings.coarseness > plain.settings.coarseness
 
@@ -93,7 +93,7 @@ def test_it_can_be_stopped(given: Given) -> None:
             raise StageStopped
 
     with pytest.raises(StageStopped):
-        fit(scene, views, utility, "low", CONFIG, cycles=10, trained=stop)
+        fit(scene, views, utility, "low", CONFIG, iterations=10, trained=stop)
 
 
 def test_it_takes_smaller_steps_of_what_lives_shortly(given: Given) -> None:

@@ -19,7 +19,7 @@ __all__ = ["HISTORY", "write_finished_run"]
 
 FRAMES = 8
 HISTORY: dict[str, list[float]] = {
-    "cycle": [10.0, 20.0, 30.0, 40.0],
+    "iteration": [10.0, 20.0, 30.0, 40.0],
     "seconds": [2.0, 3.0, 7.0, 12.0],
     "loss": [0.4, 0.2, 0.15, 0.1],
     "psnr": [14.0, 18.0, 20.0, 21.0],
@@ -39,11 +39,11 @@ def write_finished_run(
     if not capture.exists():
         write_capture(capture, frames=FRAMES)
     run = RunFolder(folder / name)
-    create_run(run.path, capture, TrainConfig.for_preset("preview", cycles=40, hold_out=hold_out))
+    create_run(run.path, capture, TrainConfig.for_preset("preview", iterations=40, hold_out=hold_out))
     opened = run.read_spec().open_capture()
     static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
     segment = Segment(float(opened.times[0]), float(opened.times[-1]), dynamic)
-    run.train_summary.write_text(json.dumps({"seconds": 12.0, "cycles": 40, **summary}))
+    run.train_summary.write_text(json.dumps({"seconds": 12.0, "iterations": 40, **summary}))
     scene: HybridScene[np.ndarray] = HybridScene(static.take(slice(statics)), (segment,))
     encode_scene(scene, run.scene, cameras=opened.cameras, times=opened.times, title=opened.name)
     return run.path

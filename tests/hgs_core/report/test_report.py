@@ -163,7 +163,7 @@ def test_without_held_out_cameras_training_cameras_are_shown_and_called_so(run: 
 
 
 def test_settings_that_differ_from_the_preset_are_listed(report: Path) -> None:
-    assert '<tr><th scope="row">cycles</th><td>2500</td><td>40</td></tr>' in report.read_text()
+    assert '<tr><th scope="row">iterations</th><td>2500</td><td>40</td></tr>' in report.read_text()
 
 
 def test_an_unmeasured_run_is_measured_first(run: Path) -> None:

@@ -14,18 +14,18 @@ from hgs_core.train.config import TrainConfig
 @pytest.fixture
 def run(tmp_path: Path) -> RunFolder:
     run = RunFolder(tmp_path / "run")
-    run.write_spec(RunSpec(tmp_path, "fingerprint", TrainConfig(cycles=7)))
+    run.write_spec(RunSpec(tmp_path, "fingerprint", TrainConfig(iterations=7)))
     return run
 
 
 def test_a_run_keeps_its_specification(run: RunFolder, tmp_path: Path) -> None:
-    assert run.read_spec() == RunSpec(tmp_path, "fingerprint", TrainConfig(cycles=7))
+    assert run.read_spec() == RunSpec(tmp_path, "fingerprint", TrainConfig(iterations=7))
 
 
 @pytest.mark.parametrize("value", ["Infinity", "NaN", "1e300", "9" * 400, "0", '"7"'])
 def test_a_value_out_of_range_is_refused_with_its_file_and_field(run: RunFolder, value: str) -> None:
-    run.spec.write_text(run.spec.read_text().replace('"cycles": 7', f'"cycles": {value}'))
-    with pytest.raises(InputError, match=r"run\.json, config\.cycles: .*give a whole number from 1 to 1000000"):
+    run.spec.write_text(run.spec.read_text().replace('"iterations": 7', f'"iterations": {value}'))
+    with pytest.raises(InputError, match=r"run\.json, config\.iterations: .*give a whole number from 1 to 1000000"):
         run.read_spec()
 
 

@@ -24,7 +24,7 @@ from tests.conftest import REPOSITORY
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig.from_json({
-    "cycles": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
+    "iterations": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
     "max_static": 400, "max_dynamic": 100, "checkpoint_every": 20, "hold_out": ["2"],
 })  # fmt: skip
 
@@ -60,7 +60,7 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
     assert len(decoded.static) == manifest.totals.splats_static > 0
     assert len(decoded.static) <= len(scene.static)
     assert [camera.name for camera in manifest.cameras] == ["0", "1", "2", "3", "4"]
-    assert manifest.training["cycles"] == 60
+    assert manifest.training["iterations"] == 60
 
 
 def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:
@@ -226,4 +226,4 @@ def test_machine_and_curves_are_kept_beside_the_run_and_not_published(finished: 
     assert recorded["history"]["psnr"]
     published = load_manifest(finished / "scene" / "manifest.json").training
     assert not {"machine", "history", "profile"} & set(published)
-    assert published["cycles"] == recorded["cycles"]
+    assert published["iterations"] == recorded["iterations"]

@@ -16,8 +16,9 @@ from tests.hgs_core.train.test_trainer import points
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig(
-    cycles=30, densify_every=10, max_static=400, max_dynamic=100, checkpoint_every=10, segment_frames=3, birth_rounds=0
-)
+    iterations=30, densify_every=10, max_static=400, max_dynamic=100, checkpoint_every=10,
+    segment_frames=3, birth_rounds=0,
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +36,7 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
     assert [(s.start, s.end) for s in scene.segments] == [
         (capture.times[0], capture.times[3]), (capture.times[3], capture.times[5])
     ]  # fmt: skip
-    assert summary["cycles"] == 60
+    assert summary["iterations"] == 60
     assert summary["dynamic"] == sum(len(segment.dynamic) for segment in scene.segments)
     assert [p.done for p in heard] == list(range(10, 61, 10))
     assert {p.total for p in heard} == {60}

@@ -7,6 +7,7 @@ import json
 import math
 import subprocess
 import sys
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -35,9 +36,10 @@ def test_json_round_trip(preset: str) -> None:
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("cycles", 0), ("cycles", 1.5), ("cycles", "many"), ("cycles", True), ("dssim", 1.5), ("hold_out", "cam00"),
-        ("hold_out", ["a", "a"]), ("backend", "cuda9"), ("learning_rates", {"rgb": -1}), ("learning_rates", 3),
-        ("learning_rates", {"colour": 1}), ("no_such_field", 1), ("preset", 3), ("antialiased", 1),
+        ("iterations", 0), ("iterations", 1.5), ("iterations", "many"), ("iterations", True), ("dssim", 1.5),
+        ("hold_out", "cam00"), ("hold_out", ["a", "a"]), ("backend", "cuda9"), ("learning_rates", {"rgb": -1}),
+        ("learning_rates", 3), ("learning_rates", {"colour": 1}), ("no_such_field", 1), ("preset", 3),
+        ("antialiased", 1),
     ],
 )  # fmt: skip
 def test_a_bad_value_is_refused_by_name(field: str, value: Any) -> None:
@@ -73,10 +75,17 @@ def test_names_and_choices_are_bounded(field: str, value: Any) -> None:
     assert len(str(refused.value)) < 1000
 
 
+@pytest.mark.parametrize("read", [TrainConfig.from_json, lambda fields: TrainConfig.for_preset("preview", **fields)])
+def test_the_old_name_of_iterations_is_read(read: Callable[[dict[str, Any]], TrainConfig]) -> None:
+    assert read({"cycles": 7}).iterations == 7
+    with pytest.raises(InputError, match=r"config\.cycles: is the old name of iterations, and both are given"):
+        read({"cycles": 7, "iterations": 7})
+
+
 def test_whole_numbers_may_be_written_as_others() -> None:
-    config = TrainConfig.from_json({"cycles": 20.0, "motion_order": 5.0, "dssim": 1})
-    assert (config.cycles, config.motion_order, config.dssim) == (20, 5, 1.0)
-    assert [type(value) for value in (config.cycles, config.motion_order, config.dssim)] == [int, int, float]
+    config = TrainConfig.from_json({"iterations": 20.0, "motion_order": 5.0, "dssim": 1})
+    assert (config.iterations, config.motion_order, config.dssim) == (20, 5, 1.0)
+    assert [type(value) for value in (config.iterations, config.motion_order, config.dssim)] == [int, int, float]
 
 
 def test_an_unknown_preset_lists_the_known_ones() -> None:

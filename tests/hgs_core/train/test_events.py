@@ -46,7 +46,7 @@ def presence(tmp_path_factory: pytest.TempPathFactory) -> npt.NDArray[np.float64
     capture = open_capture(path / "capture")
     training = [index for index in range(7) if index != HELD_OUT]
     config = TrainConfig.from_json({
-        "cycles": 400, "densify_every": 20, "max_static": 400, "max_dynamic": 600, "coarse_until": 0.0,
+        "iterations": 400, "densify_every": 20, "max_static": 400, "max_dynamic": 600, "coarse_until": 0.0,
         "hold_out": [capture.cameras[HELD_OUT].name],
     })  # fmt: skip
     (segment,) = cut_into_segments(capture.times, config.segment_frames)

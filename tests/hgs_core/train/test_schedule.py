@@ -13,7 +13,7 @@ from hgs_core.train.schedule import Schedule
 
 CONFIG = TrainConfig(
     learning_rates=LearningRates(position=1e-3, position_final=1e-5),
-    cycles=1000,
+    iterations=1000,
     coarse_until=0.25,
     densify_from=0.1,
     densify_until=0.6,
@@ -84,10 +84,10 @@ def test_the_budget_grows_to_its_limit() -> None:
 
 def test_steps_of_all_but_positions_settle_to_the_share_that_is_left() -> None:
     schedule = Schedule(dataclasses.replace(CONFIG, settle_from=0.5, settled=0.1), extent=2.0, frames=50)
-    shares = [schedule.settling(cycle) for cycle in (0, 500, 750, 1000)]
+    shares = [schedule.settling(iteration) for iteration in (0, 500, 750, 1000)]
     assert shares == pytest.approx([1.0, 1.0, 0.55, 0.1])
-    first, last = (schedule.static_rates(cycle) for cycle in (0, 1000))
+    first, last = (schedule.static_rates(iteration) for iteration in (0, 1000))
     assert all(last[name] == pytest.approx(0.1 * float(first[name])) for name in first if name != "means")
-    first, last = (schedule.dynamic_rates(cycle, lives(4.0)) for cycle in (0, 1000))
+    first, last = (schedule.dynamic_rates(iteration, lives(4.0)) for iteration in (0, 1000))
     for name in ("rotation", "log_scales", "opacity_logits", "time_centers", "time_log_precisions", "rgb"):
         torch.testing.assert_close(torch.as_tensor(last[name]), 0.1 * torch.as_tensor(first[name]))

@@ -188,7 +188,7 @@ def loss_of(splats: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]], capture:
 def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions: list[str]) -> None:
     start = scene(random, kinds, motions)
     config = TrainConfig(
-        cycles=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random,
+        iterations=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random,
         adaptive_labels=False, prune_contribution=0.0,
     )  # fmt: skip
     (segment,) = cut_into_segments(capture.times, config.segment_frames)

@@ -121,7 +121,7 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
         torch.tensor(r.uniform(-0.5, 0.5, (8, 3)), dtype=torch.float32), torch.full((8, 3), -1.5),
         torch.tensor([[1.0, 0, 0, 0]]).repeat(8, 1), torch.zeros(8), torch.full((8, 3), 0.5),
     )  # fmt: skip
-    config = TrainConfig(cycles=1, coarse_until=0.0, prune_contribution=0.0, seed=1, steps_by_life=by_life)
+    config = TrainConfig(iterations=1, coarse_until=0.0, prune_contribution=0.0, seed=1, steps_by_life=by_life)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     before = static.opacity_logits.clone(), dynamic.opacity_logits.clone()
     training = Trainer(capture, capture.cameras, config, segment, (static, dynamic), tmp_path / "checkpoint.pt")

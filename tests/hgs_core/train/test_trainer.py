@@ -33,7 +33,7 @@ def capture_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def config(**overrides: object) -> TrainConfig:
     return TrainConfig.from_json({
-        "cycles": 60, "densify_every": 10, "densify_from": 0.1, "max_static": 400, "max_dynamic": 100,
+        "iterations": 60, "densify_every": 10, "densify_from": 0.1, "max_static": 400, "max_dynamic": 100,
         "checkpoint_every": 20, "hold_out": ["2"], **overrides,
     })  # fmt: skip
 
@@ -70,7 +70,7 @@ def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> boo
 
 def test_pictures_get_closer_to_the_truth(capture_folder: Path, tmp_path: Path) -> None:
     figures: list[float] = []
-    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(coarse_until=0.0, cycles=150))
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(coarse_until=0.0, iterations=150))
     training.run(lambda progress: figures.append(progress.figures["psnr"]))
     assert figures[-1] > figures[0] + 2
 
@@ -104,14 +104,31 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     with pytest.raises(StageStopped):
         begun("stopped.pt").run(stop)
     resumed = begun("stopped.pt")
-    assert resumed.state.cycle == stop_at
+    assert resumed.state.iteration == stop_at
     assert float(share_alive(resumed.state.dynamic).min()) < 0.8
     assert same_bits(whole, resumed.run(silent))
     assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
     assert whole.segments[0].dynamic.motion[:, settings.motion_order].any()
 
 
-def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
+def test_a_checkpoint_that_counts_cycles_is_resumed(capture_folder: Path, tmp_path: Path) -> None:
+    def stop(progress: Progress) -> None:
+        if progress.done >= 30:
+            raise StageStopped
+
+    checkpoint = tmp_path / "old.pt"
+    with pytest.raises(StageStopped):
+        trainer(capture_folder, checkpoint, config()).run(stop)
+    value = torch.load(checkpoint, weights_only=True)
+    value["cycle"] = value.pop("iteration")
+    value["history"]["curves"]["cycle"] = value["history"]["curves"].pop("iteration")
+    torch.save(value, checkpoint)
+    resumed = trainer(capture_folder, checkpoint, config())
+    assert resumed.state.iteration == 30
+    assert resumed.state.history.curves["iteration"] == [10, 20, 30]
+
+
+def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
     def kill(progress: Progress) -> None:
         if progress.done >= 30:
             raise RuntimeError("killed")
@@ -121,13 +138,15 @@ def test_killing_loses_no_more_than_the_cycles_since_the_checkpoint(capture_fold
     with pytest.raises(RuntimeError, match="killed"):
         trainer(capture_folder, checkpoint, config()).run(kill)
     resumed = trainer(capture_folder, checkpoint, config())
-    assert resumed.state.cycle == 20
+    assert resumed.state.iteration == 20
     assert same_bits(whole, resumed.run(silent))
 
 
 def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path: Path) -> None:
     figures: list[float] = []
-    settings = config(coarse_until=0.0, cycles=150, density="relocation", prune_contribution=0.0, adaptive_labels=False)
+    settings = config(
+        coarse_until=0.0, iterations=150, density="relocation", prune_contribution=0.0, adaptive_labels=False
+    )
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
     training.run(lambda progress: figures.append(progress.figures["psnr"]))
     assert figures[-1] > figures[0] + 2
@@ -136,7 +155,7 @@ def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path:
 
 def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folder: Path, tmp_path: Path) -> None:
     plain, antialiased = (
-        trainer(capture_folder, tmp_path / str(wanted), config(cycles=2, antialiased=wanted)).run(silent)
+        trainer(capture_folder, tmp_path / str(wanted), config(iterations=2, antialiased=wanted)).run(silent)
         for wanted in (False, True)
     )
     assert not same_bits(plain, antialiased)
@@ -146,7 +165,7 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
 def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, stages: str) -> None:
     """Without rounds of control, which reorder rows: what has changed in a row has been learnt."""
     settings = config(
-        stages=stages, cycles=40, coarse_until=0.0, densify_until=0.0, prune_contribution=0.0, birth_rounds=0
+        stages=stages, iterations=40, coarse_until=0.0, densify_until=0.0, prune_contribution=0.0, birth_rounds=0
     )
     capture = open_capture(capture_folder)
     masks = motion_masks(capture, (0, 1, 3, 4), progress=silent)
@@ -164,7 +183,7 @@ def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, sta
 def test_a_segment_after_the_first_leaves_the_statics_as_they_are(
     capture_folder: Path, tmp_path: Path, stages: str
 ) -> None:
-    first = trainer(capture_folder, tmp_path / "first.pt", config(cycles=30, stages=stages))
+    first = trainer(capture_folder, tmp_path / "first.pt", config(iterations=30, stages=stages))
     trained = first.run(silent)
     capture, settings = open_capture(capture_folder), first.config
     start = initial_splats(points(1), first.segment.clock, 2)
@@ -185,14 +204,14 @@ def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path, st
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(stages=stages))
     training.run(silent)
     history = training.state.history
-    assert history.curves["cycle"] == [10, 20, 30, 40, 50, 60]
+    assert history.curves["iteration"] == [10, 20, 30, 40, 50, 60]
     assert history.curves["static"][-1] == len(training.state.static)
     assert {"frames", "Adam", "density"} | steps <= set(history.profile)
 
 
 def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
     wanted, plain = (
-        trainer(capture_folder, tmp_path / str(on), config(cycles=20, colour_correction=on)) for on in (True, False)
+        trainer(capture_folder, tmp_path / str(on), config(iterations=20, colour_correction=on)) for on in (True, False)
     )
     for training in (wanted, plain):
         training.run(silent)
@@ -211,14 +230,14 @@ def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> 
 def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
     held_out = open_capture(capture_folder).camera_index("2")
-    assert all(training.views.order.view(cycle)[0] != held_out for cycle in range(500))
+    assert all(training.views.order.view(iteration)[0] != held_out for iteration in range(500))
 
 
 def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_path: Path) -> None:
     capture = open_capture(capture_folder)
     cloud = points()
     still = dataclasses.replace(cloud, dynamic=np.zeros_like(cloud.dynamic))
-    settings = config(cycles=20, adaptive_labels=False)
+    settings = config(iterations=20, adaptive_labels=False)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     start = initial_splats(still, segment.clock, 2)
     scene = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt").run(silent)

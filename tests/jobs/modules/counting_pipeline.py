@@ -1,10 +1,10 @@
-"""A pipeline whose training counts to `config.cycles`: it checkpoints, resumes, stops and fails like the real one.
+"""A pipeline whose training counts to `config.iterations`: it checkpoints, resumes, stops and fails like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
 SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "full once" (meets a full disk at half-time),
 "compute" (at half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and
 keeps no checkpoint).
-Every cycle appends its process id and number to `cycles.log` in the run folder.
+Every iteration appends its process id and number to `iterations.log` in the run folder.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.train.config import TrainConfig
 
 CHECKPOINT_EVERY = 5
-SECONDS_PER_CYCLE = 0.02
+SECONDS_PER_ITERATION = 0.02
 
 
 def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)
-    _replace(run / "run.json", json.dumps({"capture": str(capture), "cycles": config.cycles}))
+    _replace(run / "run.json", json.dumps({"capture": str(capture), "iterations": config.iterations}))
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:
@@ -42,31 +42,31 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
 def train(run: Path, progress: ProgressCallback) -> None:
     settings = json.loads((run / "run.json").read_text())
     behaviour = (Path(settings["capture"]) / "behaviour").read_text()
-    cycles = settings["cycles"]
+    iterations = settings["iterations"]
     checkpoint = run / "checkpoint.pt"
     done = int(checkpoint.read_text()) if checkpoint.exists() else 0
     if behaviour == "deaf":
-        progress(Progress("train", 0, cycles))
+        progress(Progress("train", 0, iterations))
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    for cycle in range(done, cycles):
+    for iteration in range(done, iterations):
         try:
-            progress(Progress("train", cycle, cycles, {"loss": 1 / (cycle + 1)}))
+            progress(Progress("train", iteration, iterations, {"loss": 1 / (iteration + 1)}))
         except StageStopped:
-            _replace(checkpoint, str(cycle))
+            _replace(checkpoint, str(iteration))
             raise
-        time.sleep(SECONDS_PER_CYCLE)
-        with (run / "cycles.log").open("a") as log:
-            log.write(f"{os.getpid()} {cycle}\n")
-        if (cycle + 1) % CHECKPOINT_EVERY == 0 and behaviour != "deaf":
-            _replace(checkpoint, str(cycle + 1))
-        if cycle == cycles // 2:
+        time.sleep(SECONDS_PER_ITERATION)
+        with (run / "iterations.log").open("a") as log:
+            log.write(f"{os.getpid()} {iteration}\n")
+        if (iteration + 1) % CHECKPOINT_EVERY == 0 and behaviour != "deaf":
+            _replace(checkpoint, str(iteration + 1))
+        if iteration == iterations // 2:
             _misbehave(behaviour, run)
-    progress(Progress("train", cycles, cycles, {"loss": 0.0}))
+    progress(Progress("train", iterations, iterations, {"loss": 0.0}))
     _replace(run / "train.json", "{}")
 
 
 def encode(run: Path, progress: ProgressCallback) -> None:
-    write_scene(run / "scene", ((run / "cycles.log").read_bytes(),))
+    write_scene(run / "scene", ((run / "iterations.log").read_bytes(),))
     progress(Progress("encode", 1, 1))
 
 

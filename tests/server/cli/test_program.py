@@ -155,16 +155,16 @@ def test_run_of_another_config_is_not_resumed(refused: Callable[..., str], tmp_p
 @pytest.mark.parametrize(
     ("assignment", "word"),
     [
-        ("cycles", "KEY=VALUE"),
+        ("iterations", "KEY=VALUE"),
         ("cycels=3", "cycels"),
-        ("cycles=many", "cycles"),
-        ("cycles=0", "cycles"),
+        ("iterations=many", "iterations"),
+        ("iterations=0", "iterations"),
         ("learning_rates.opacity=-1", "learning_rates.opacity"),
         ("seed.x=1", "seed"),
-        ("cycles=Infinity", "config.cycles: inf is out of range"),
+        ("iterations=Infinity", "config.iterations: inf is out of range"),
         ("dssim=NaN", "config.dssim: nan is out of range"),
         ("checkpoint_every=1000000000", "config.checkpoint_every: 1000000000 is out of range"),
-        ("cycles=" + "9" * 5000, "config.cycles"),
+        ("iterations=" + "9" * 5000, "config.iterations"),
         ("hold_out=" + "[" * 5000, "config.hold_out"),
         ("hold_out=3", "config.hold_out"),
     ],
@@ -185,13 +185,13 @@ def test_overrides_are_read_as_json_and_nest() -> None:
         "--hold-out",
         "a, b",
         "--set",
-        "cycles=9",
+        "iterations=9",
         "backend=cpu",
         "--set",
         "learning_rates.opacity=0.5",
     ]
     config = training_config(parser.parse_args(arguments))
-    assert (config.preset, config.hold_out, config.cycles, config.backend) == ("preview", ("a", "b"), 9, "cpu")
+    assert (config.preset, config.hold_out, config.iterations, config.backend) == ("preview", ("a", "b"), 9, "cpu")
     assert config.learning_rates.opacity == 0.5
 
 

@@ -95,8 +95,8 @@ def test_no_bad_value_in_any_place_is_queued_or_breaks_the_server(queue: Queue) 
     ("body", "field"),
     [
         ('{"capture": "studio", "config": {"learning_rates": {"rgb": Infinity}}}', "config.learning_rates.rgb"),
-        ('{"capture": "studio", "config": {"cycles": %s}}' % ("9" * 400), "config.cycles"),
-        ('{"capture": "studio", "config": {"cycles": 1e300}}', "config.cycles"),
+        ('{"capture": "studio", "config": {"iterations": %s}}' % ("9" * 400), "config.iterations"),
+        ('{"capture": "studio", "config": {"iterations": 1e300}}', "config.iterations"),
         ('{"capture": "studio", "config": {"checkpoint_every": 1000000000}}', "config.checkpoint_every"),
         (r'{"capture": "studio", "title": "a\u0000b"}', "title"),
         (r'{"capture": "studio", "title": "two\nlines"}', "title"),
@@ -151,12 +151,12 @@ def test_a_job_is_there_if_and_only_if_the_answer_is_201(queue: Queue, body: Any
 
 def test_a_row_that_no_answer_could_hold_breaks_neither_the_list_nor_its_job(queue: Queue) -> None:
     job = queue.post(b'{"capture": "studio"}').json()
-    config = {**job["config"], "cycles": float("inf"), "hold_out": ["\ud800"]}
+    config = {**job["config"], "iterations": float("inf"), "hold_out": ["\ud800"]}
     with queue.client._engine.begin() as connection:  # as an older version wrote it
         connection.exec_driver_sql("UPDATE hgs_job SET config = ?, state = 'failed'", (json.dumps(config),))
     (listed,) = queue.get("/v1/jobs").json()["jobs"]
     assert listed == queue.get(f"/v1/jobs/{job['id']}").json()
-    assert (listed["config"]["cycles"], listed["hold_out"]) == (None, ["\ufffd"])
+    assert (listed["config"]["iterations"], listed["hold_out"]) == (None, ["\ufffd"])
     assert json.dumps(listed["title"]) in queue.get(f"/v1/jobs/{job['id']}/events").text
 
 

@@ -29,7 +29,9 @@ def assert_problem(response: httpx.Response, status: int, code: str, *words: str
 
 
 def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
-    body = {"capture": "studio", "title": "Studio", "preset": "preview", "hold_out": ["cam00"], "config": {"cycles": 7}}
+    body = {
+        "capture": "studio", "title": "Studio", "preset": "preview", "hold_out": ["cam00"], "config": {"iterations": 7},
+    }  # fmt: skip
     response = server.request("POST", "/v1/jobs", json=body)
     assert response.status_code == 201
     assert response.headers["location"] == "/v1/jobs/job-0"
@@ -39,7 +41,7 @@ def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
     assert (job["stage"], job["progress"], job["error"], job["scene"]) == (None, None, None, None)
     (request,) = server.jobs.requests
     assert request.capture == server.captures.resolve() / "studio"
-    assert (request.title, request.config.cycles) == ("Studio", 7)
+    assert (request.title, request.config.iterations) == ("Studio", 7)
 
 
 def test_submit_needs_the_capture_alone(server: Any) -> None:
@@ -74,7 +76,7 @@ def test_body_that_is_no_object_is_422(server: Any) -> None:
     ("body", "field"),
     [
         ({"preset": "perfect"}, "preset"),
-        ({"config": {"cycles": 0}}, "config.cycles"),
+        ({"config": {"iterations": 0}}, "config.iterations"),
         ({"config": {"cycels": 9}}, "config.cycels"),
         ({"config": {"learning_rates": {"opacity": "big"}}}, "config.learning_rates.opacity"),
         ({"config": {"hold_out": ["cam00"]}}, "config.hold_out"),

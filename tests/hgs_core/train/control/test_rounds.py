@@ -9,13 +9,13 @@ import pytest
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control import rounds
 
-CONFIG = TrainConfig(cycles=1000, densify_from=0.1, densify_until=0.6, densify_every=100)
+CONFIG = TrainConfig(iterations=1000, densify_from=0.1, densify_until=0.6, densify_every=100)
 
 
 def due(config: TrainConfig, *, masked: bool = True, statics_learn: bool = True) -> dict[str, list[int]]:
     """For every round of a training, the iterations, counted from 1, that it follows."""
     every = rounds(config, masked=masked, statics_learn=statics_learn)
-    return {control.name: [i + 1 for i in range(config.cycles) if control.due(i)] for control in every}
+    return {control.name: [i + 1 for i in range(config.iterations) if control.due(i)] for control in every}
 
 
 def test_rounds_follow_an_iteration_in_their_order() -> None:

@@ -19,8 +19,8 @@ from tests.synthetic import write_capture
 
 def trained(folder: Path, backend: str) -> HybridScene[np.ndarray]:
     config = TrainConfig.from_json({
-        "cycles": 2, "densify_every": 1, "densify_from": 0.0, "max_static": 40, "max_dynamic": 10, "backend": backend,
-        "hold_out": ["2"], "prune_contribution": 0, "adaptive_labels": False,
+        "iterations": 2, "densify_every": 1, "densify_from": 0.0, "max_static": 40, "max_dynamic": 10,
+        "backend": backend, "hold_out": ["2"], "prune_contribution": 0, "adaptive_labels": False,
     })  # fmt: skip
     r = np.random.default_rng(0)
     points = PointCloud(
