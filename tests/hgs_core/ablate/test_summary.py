@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from hgs_core.ablate.summary import FIGURES, summarise
-from hgs_core.ablate.table import table_text
 
 
 def scores(**some: float | None) -> dict[str, Any]:
@@ -44,16 +43,3 @@ def test_small_differences_need_three_seeds(difference: float, seeds: int, needs
     full = {seed: scores(psnr=20.0) for seed in range(seeds)}
     _, row = summarise({"full": full, "order-1": {seed: scores(psnr=20.0 + difference) for seed in full}})
     assert row.needs_seeds is needs
-
-
-def test_the_table_has_a_line_for_every_row_and_says_what_its_marks_mean() -> None:
-    figures = {0: scores(psnr=20.0, bytes_static=1_234_567), 1: scores(psnr=21.0, bytes_static=1_234_567)}
-    near = {0: scores(psnr=20.3, psnr_dynamic=None), 1: scores(psnr=21.3, psnr_dynamic=None)}
-    rows = [{**vars(row), "moving": 0.25} for row in summarise({"full": figures, "order-1": near})]
-    head, _, full, order, _, note = table_text({"rows": rows}).splitlines()
-    titles, *lines = ([cell.strip() for cell in line.strip("|").split("|")] for line in (head, full, order))
-    first, second = (dict(zip(titles, line, strict=True)) for line in lines)
-    assert (first["row"], first["seeds"], first["moving"], first["to full"]) == ("full", "0,1", "25.0%", "-")
-    assert (first["PSNR"], first["MB static"]) == ("20.50 ±0.71", "1.235 ±0.000")
-    assert (second["to full"], second["PSNR of what moves"]) == ("+0.30*", "-")
-    assert note.startswith("*")

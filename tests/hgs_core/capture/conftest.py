@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,16 @@ def llff_row(
     down, right, back = (0, 1, 0), (1, 0, 0), (0, 0, -1)
     matrix = np.stack([down, right, back, position, (size[1], size[0], 50.0 * size[0] / WIDTH)], axis=1)
     return np.concatenate((matrix.reshape(-1).astype(float), [1.0, 10.0]))
+
+
+def write_masks(folder: Path, *, frames: Sequence[int] = range(6), size: tuple[int, int] = (64, 48)) -> Path:
+    """Masks of one camera: the columns from 8 on, as many as the frame's number, belong to object 3."""
+    folder.mkdir(parents=True)
+    for frame in frames:
+        mask = np.zeros((size[1], size[0]), np.uint8)
+        mask[:, 8 : 8 + frame] = 3
+        Image.fromarray(mask).save(folder / f"{frame:05d}.png")
+    return folder.parent
 
 
 @pytest.fixture

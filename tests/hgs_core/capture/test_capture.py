@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -11,7 +9,6 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cache import FrameCache
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.camera import Camera
@@ -21,25 +18,6 @@ PICTURE = 64 * 48 * 3
 
 def level(picture: np.ndarray) -> int:
     return 10 * round(float(picture.mean()) / 10)  # limited range costs a level
-
-
-def test_empty_folder_lists_the_layouts(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"the folder is empty; the layouts known are PanopticSports .* N3DV"):
-        open_capture(tmp_path)
-
-
-def test_unknown_layout(tmp_path: Path) -> None:
-    (tmp_path / "notes.txt").write_text("hello")
-    with pytest.raises(InputError, match=r"no known layout.*train_meta\.json.*poses_bounds\.npy"):
-        open_capture(tmp_path)
-
-
-def test_missing_folder_and_file(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="does not exist"):
-        open_capture(tmp_path / "nowhere")
-    (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="a file, not a folder"):
-        open_capture(tmp_path / "file")
 
 
 def test_frames_in_a_time_are_at_least_one_and_at_most_all(panoptic: Path) -> None:
@@ -75,16 +53,6 @@ def test_the_cache_never_holds_more_than_its_budget(n3dv: Path, budget: int) -> 
         for camera in (0, 1):
             assert level(capture.frame(camera, frame)) == 20 + 60 * camera + 10 * frame
             assert capture._cache.bytes_held <= budget
-
-
-def test_a_picture_used_lately_outlives_an_older_one() -> None:
-    cache = FrameCache(2 * PICTURE)
-    for frame in (0, 1):
-        cache.put(0, frame, np.zeros((48, 64, 3), np.uint8))
-    cache.get(0, 0)
-    cache.put(0, 2, np.zeros((48, 64, 3), np.uint8))
-    assert cache.get(0, 0) is not None
-    assert cache.get(0, 1) is None
 
 
 class CountingSource:
@@ -168,11 +136,3 @@ def test_the_fingerprint_follows_sizes(n3dv: Path) -> None:
     with (n3dv / "cam00.mp4").open("ab") as file:
         file.write(b"\0\0\0\x08free")
     assert open_capture(n3dv).fingerprint() != before
-
-
-def test_heavy_libraries_wait_until_they_are_needed() -> None:
-    code = (
-        "import sys, hgs_core.capture.open, hgs_core.points.initial_points;"
-        "assert not {'av', 'pycolmap', 'torch'} & set(sys.modules)"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, cwd=Path(__file__).resolve().parents[3])

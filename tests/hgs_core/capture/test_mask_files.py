@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
-
-
-def write_masks(folder: Path, *, frames: Sequence[int] = range(6), size: tuple[int, int] = (64, 48)) -> Path:
-    """Masks of one camera: the columns from 8 on, as many as the frame's number, belong to object 3."""
-    folder.mkdir(parents=True)
-    for frame in frames:
-        mask = np.zeros((size[1], size[0]), np.uint8)
-        mask[:, 8 : 8 + frame] = 3
-        Image.fromarray(mask).save(folder / f"{frame:05d}.png")
-    return folder.parent
+from tests.hgs_core.capture.conftest import write_masks
 
 
 @pytest.mark.parametrize("mode", ["1", "L", "P", "LA", "RGB", "RGBA", "I;16"])
@@ -108,28 +98,3 @@ def test_a_folder_without_masks_of_the_capture_is_refused(n3dv: Path, tmp_path: 
     masks = write_masks(tmp_path / "masks" / "camera0")
     with pytest.raises(InputError, match=r"no masks of this capture; .* each camera of cam00, cam01"):
         open_capture(n3dv, masks=masks)
-
-
-def test_reduced_captures_reduce_pictures_masks_and_cameras_alike(n3dv: Path) -> None:
-    write_masks(n3dv / "masks" / "cam00")
-    whole, half = open_capture(n3dv), open_capture(n3dv, downscale=2)
-    mask, picture = half.mask(0, 3), half.frame(0, 3)
-    assert mask is not None
-    assert picture.shape == (24, 32, 3)
-    assert np.unique(np.argwhere(mask)[:, 1]).tolist() == [4, 5]  # columns 8 to 10: a part of a pixel is enough
-    point = np.array([[0.2, 0.1, 2.0]])
-    np.testing.assert_allclose(half.cameras[0].project(point)[0], whole.cameras[0].project(point)[0] / 2)
-    assert half.fingerprint() != whole.fingerprint()
-
-
-def test_reduced_pictures_are_the_means_of_areas(panoptic: Path) -> None:
-    values = np.random.default_rng(0).integers(0, 255, (48, 64, 3)).astype(np.uint8)
-    Image.fromarray(values).save(panoptic / "ims" / "3" / "000000.jpg", format="PNG")
-    means = values.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3))
-    assert np.abs(open_capture(panoptic, downscale=2).frame(0, 0) - means).max() <= 1.0  # each axis rounds once
-
-
-@pytest.mark.parametrize(("factor", "problem"), [(0, "0 is too small"), (4, "4 is too much for the 64x48 pictures")])
-def test_senseless_reductions_are_refused(n3dv: Path, factor: int, problem: str) -> None:
-    with pytest.raises(InputError, match=f"downscale: {problem}"):
-        open_capture(n3dv, downscale=factor)
