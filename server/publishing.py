@@ -11,7 +11,7 @@ from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.codec.format.folder import MANIFEST, chunk_bytes, load_manifest
 from jobs.artifacts import ArtifactStore
 
-__all__ = ["publish_run"]
+__all__ = ["checked_manifest", "publish_run"]
 
 
 def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: ProgressCallback = silent) -> str:
@@ -23,8 +23,7 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
     Raises:
         InputError: the run has no encoded scene, the scene is damaged, or the id is malformed or taken.
     """
-    folder = run / "scene"
-    manifest = _checked_manifest(run, folder)
+    folder, manifest = checked_manifest(run)
     if scene_id:
         if store.manifest(scene_id) not in (None, manifest):
             raise InputError(f"--id {scene_id}", "another scene has this id", "choose another id")
@@ -36,10 +35,15 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
     return scene_id
 
 
-def _checked_manifest(run: Path, folder: Path) -> bytes:
-    """Return the manifest's bytes if all its chunks are there: nothing is published of a broken scene."""
+def checked_manifest(run: Path) -> tuple[Path, bytes]:
+    """Return the folder of a run's encoded scene and its manifest's bytes; its chunks are all there and whole.
+
+    Raises:
+        InputError: the run has no encoded scene, or the scene is damaged.
+    """
+    folder = run / "scene"
     if not (folder / MANIFEST).is_file():
         raise InputError(run, "has no encoded scene", "give a run that hgs train has finished")
     for entry in load_manifest(folder).chunks:
         chunk_bytes(folder, entry)
-    return (folder / MANIFEST).read_bytes()
+    return folder, (folder / MANIFEST).read_bytes()
