@@ -1,24 +1,17 @@
 /** Keeps the order of the splats up to date: asks the worker for one at a time, and remembers what the last one is of. */
 
 import type { SplatSink } from "../renderer/splat_drawer";
+import { type SplatDepth, sameDepth } from "../worker/depth";
 import type { OrderedSplats } from "../worker/messages";
 import type { SceneWorker } from "../worker/scene_worker";
-import { type DepthAxis, sameAxis } from "../worker/splat_order";
-import type { View } from "./view";
 
 /** What an order is of. */
 export interface OrderKey {
-  readonly axis: DepthAxis;
+  readonly depth: SplatDepth;
   /** Seconds. */
   readonly time: number;
   /** Counts what the worker has decoded. */
   readonly version: number;
-}
-
-/** What the order for a view at `time`, seconds, is of. */
-export function orderKey({ pose, camera }: View, time: number, version: number): OrderKey {
-  const r = pose.rotation;
-  return { axis: { x: r[6], y: r[7], z: r[8], offset: pose.translation[2], near: camera.near }, time, version };
 }
 
 export class OrderRequests {
@@ -73,10 +66,10 @@ export class OrderRequests {
     if (this.#asked || this.shows(key)) return;
     this.#asked = key;
     this.#askedAt = performance.now();
-    const { axis, time } = key;
+    const { depth, time } = key;
     const recycled = this.#spare;
     this.#spare = undefined;
-    this.worker.order(axis, time, recycled);
+    this.worker.order(depth, time, recycled);
   }
 
   /** Take the worker's answer. */
@@ -95,7 +88,9 @@ export class OrderRequests {
 
   shows(key: OrderKey): boolean {
     const shown = this.#shown;
-    return shown !== null && shown.version === key.version && shown.time === key.time && sameAxis(shown.axis, key.axis);
+    return (
+      shown !== null && shown.version === key.version && shown.time === key.time && sameDepth(shown.depth, key.depth)
+    );
   }
 
   /** The renderer has lost its order. */

@@ -44,11 +44,12 @@ export class Picture {
   }
 
   /**
-   * Draw if it is time to; called once per frame of the browser. `moving`: the scene moves. `now` in milliseconds.
+   * Draw if it is time to; called once per frame of the browser. `shot` is what the view shows, null before the first order;
+   * `moving`: the scene moves. `now` in milliseconds.
    *
    * Returns whether the next frame may draw more although nothing has changed until then.
    */
-  update(view: View, shot: () => Shot, moving: boolean, now: number): boolean {
+  update(view: View, shot: Shot | null, moving: boolean, now: number): boolean {
     const still = this.#stillness.update(view, moving, now);
     const drawn = this.#draw(view, shot, this.renderer.slow && !still, now);
     if (moving && !drawn) this.frames.drop();
@@ -56,15 +57,20 @@ export class Picture {
     return !this.renderer.lost && (this.renderer.busy(now) || (this.#quick && !moving));
   }
 
-  #draw(view: View, shot: () => Shot, quick: boolean, now: number): boolean {
-    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
-    if (current || !this.orders.shown || this.renderer.lost || this.renderer.busy(now)) return false;
-    this.renderer.draw(shot(), quick);
-    this.#drawn = view;
-    this.#quick = quick;
+  /** Note a frame drawn at `now`, milliseconds, on the canvas or elsewhere. */
+  countFrame(now: number): void {
     this.frames.count(now);
     this.#orderAge = this.orders.age(performance.now());
     if (this.#first === null && this.orders.count > 0) this.#first = performance.now();
+  }
+
+  #draw(view: View, shot: Shot | null, quick: boolean, now: number): boolean {
+    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
+    if (current || !shot || this.renderer.lost || this.renderer.busy(now)) return false;
+    this.renderer.draw(shot, quick);
+    this.#drawn = view;
+    this.#quick = quick;
+    this.countFrame(now);
     return true;
   }
 }

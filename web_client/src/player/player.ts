@@ -1,34 +1,38 @@
-/** Plays one scene on a canvas of its own: a frame of the browser moves the clock, asks for an order and draws. */
+/**
+ * Plays one scene on a canvas of its own: a frame of the browser moves the clock, asks for an order and draws. A headset's
+ * session that draws with the canvas's context drives it instead, frame by frame.
+ */
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
-import type { Pixels, Shot } from "../renderer/shot";
+import type { Pixels } from "../renderer/shot";
 import type { SceneBuffer } from "./buffer";
 import type { PlayerClock } from "./clock";
-import { orderKey } from "./order_requests";
 import { Picture } from "./picture";
 import type { PlayerOptions, PlayerStats } from "./player_types";
-import { StreamedScene } from "./streamed_scene";
+import { type SceneStep, StreamedScene } from "./streamed_scene";
 import type { View } from "./view";
 
 export class ScenePlayer {
   readonly #options: PlayerOptions;
-  readonly #renderer: CanvasRenderer;
+  /** For whoever drives the player: its context, its background, and the splats to draw. */
+  readonly renderer: CanvasRenderer;
   readonly #scene: StreamedScene;
   readonly #abort = new AbortController();
   readonly #picture: Picture;
   readonly #waiting: (() => void)[] = [];
   #animation = 0; // 0 while no frame is asked for
+  #driven = false;
 
   /** @throws Error if the browser has no WebGL2. */
   constructor(options: PlayerOptions) {
     this.#options = options;
-    this.#renderer = new CanvasRenderer(options.canvas, (lost) => this.#contextChanged(lost));
-    const { source: open, time, playing } = options;
+    this.renderer = new CanvasRenderer(options.canvas, (lost) => this.#contextChanged(lost));
+    const { source: open, time, playing, antialiased } = options;
     this.#scene = new StreamedScene(
-      { open, time, playing, sink: this.#renderer.splats },
+      { open, time, playing, antialiased, sink: this.renderer.splats },
       {
         manifest: (manifest) => {
-          this.#renderer.background = manifest.background;
+          this.renderer.background = manifest.background;
           options.onManifest(manifest);
         },
         changed: () => this.invalidate(),
@@ -39,7 +43,7 @@ export class ScenePlayer {
         failed: options.onError,
       },
     );
-    this.#picture = new Picture(this.#renderer, this.#scene.orders);
+    this.#picture = new Picture(this.renderer, this.#scene.orders);
     const { signal } = this.#abort;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     addEventListener("online", () => this.#scene.wake(), { signal });
@@ -74,15 +78,39 @@ export class ScenePlayer {
       framesDropped: frames.dropped,
       sortTime: orders.sortTime,
       orderAge,
-      contextLost: this.#renderer.lost,
+      contextLost: this.renderer.lost,
       firstFrame: first,
     };
   }
 
   /** Something that shows has changed, such as the view: the next frame looks at it. Without news there are no frames. */
   invalidate(): void {
-    if (this.#animation !== 0 || this.#abort.signal.aborted) return;
+    if (this.#animation !== 0 || this.#driven || this.#abort.signal.aborted) return;
     this.#animation = requestAnimationFrame((now) => this.#frame(now));
+  }
+
+  /**
+   * Let another loop drive: it calls `step` and draws, until `drive(false)` gives the canvas back. Meanwhile the player draws
+   * nothing and asks the browser for no frames.
+   */
+  drive(driven: boolean): void {
+    this.#driven = driven;
+    cancelAnimationFrame(this.#animation);
+    this.#animation = 0;
+    this.#picture.outdate(); // the canvas shows what was there before, or nothing
+    this.invalidate();
+  }
+
+  /**
+   * One frame of whoever drives, at `now`, milliseconds of the clock of animation frames: moves the playhead, asks for the
+   * order for the views, and tells what to draw for each. A frame is never skipped for the device's sake. Null until the
+   * manifest has arrived.
+   */
+  step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
+    const step = this.#scene.step(now, views);
+    if (step?.shots.length) this.#picture.countFrame(now);
+    this.#finish(step?.settled ?? false);
+    return step;
   }
 
   play(): void {
@@ -117,9 +145,9 @@ export class ScenePlayer {
   readPixels(float = false): Pixels | null {
     const view = this.#options.view();
     if (!view || !this.#scene.orders.shown) return null;
-    const shot = this.#shot(view);
+    const shot = this.#scene.shot(view);
     this.invalidate(); // the device's pace is taken from every picture
-    return float ? this.#renderer.readFloatPixels(shot) : this.#renderer.readPixels(shot);
+    return float ? this.renderer.readFloatPixels(shot) : this.renderer.readPixels(shot);
   }
 
   /** Stop and give everything back. */
@@ -127,7 +155,7 @@ export class ScenePlayer {
     this.#abort.abort();
     cancelAnimationFrame(this.#animation);
     this.#scene.dispose();
-    this.#renderer.dispose();
+    this.renderer.dispose();
   }
 
   /** While the page was hidden the connection may have died. */
@@ -144,28 +172,24 @@ export class ScenePlayer {
 
   #frame(now: number): void {
     this.#animation = 0;
-    if (this.#advance(now)) this.invalidate();
-    else this.#picture.frames.rest();
-    this.#options.onFrame();
-  }
-
-  /** Bring everything up to `now`, milliseconds; returns whether there is more to do at the next frame. */
-  #advance(now: number): boolean {
     const view = this.#options.view();
-    const { playback, orders, version } = this.#scene;
-    if (!playback || !view) return false;
-    const wanted = orderKey(view, playback.tick(now / 1000), version);
-    orders.want(wanted);
-    const unfinished = this.#picture.update(view, () => this.#shot(view), playback.moving, now);
-    if (this.#picture.shows(view, playback.clock.playing) && this.#scene.settled(wanted)) {
-      for (const resolve of this.#waiting.splice(0)) resolve();
-    }
-    return playback.clock.playing || unfinished;
+    const step = view && this.#scene.step(now, [view]);
+    const unfinished = step ? this.#show(view, step, now) : false;
+    if (unfinished) this.invalidate();
+    else this.#picture.frames.rest();
+    const shown = step && this.#picture.shows(view, this.clock?.playing ?? false);
+    this.#finish(shown ? step.settled : false);
   }
 
-  /** At the time of the order, so that what is drawn and what is alive always agree. */
-  #shot(view: View): Shot {
-    const antialiased = this.#options.antialiased ?? this.#scene.manifest?.antialiased ?? false;
-    return { ...view, time: this.#scene.orders.normalisedTime, antialiased };
+  /** Returns whether there is more to do at the next frame. */
+  #show(view: View, { shots, moving }: SceneStep, now: number): boolean {
+    const unfinished = this.#picture.update(view, shots[0] ?? null, moving, now);
+    return unfinished || (this.clock?.playing ?? false);
+  }
+
+  /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */
+  #finish(settled: boolean): void {
+    if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
+    this.#options.onFrame();
   }
 }

@@ -6,6 +6,7 @@
 import { ManifestError } from "../codec/errors";
 import { parseManifest } from "../codec/manifest";
 import type { Manifest } from "../codec/types";
+import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { OpenSource, SceneSource, SourceState } from "../source/scene_source";
 import type { DecodedSplats } from "../worker/messages";
@@ -14,10 +15,12 @@ import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
+import { depthOf } from "./depth_of_views";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
 import { LineRate } from "./line_rate";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
+import type { View } from "./view";
 
 export interface SceneOptions {
   readonly open: OpenSource;
@@ -25,6 +28,18 @@ export interface SceneOptions {
   /** Seconds from which to show and load first; null for the start. */
   readonly time: number | null;
   readonly playing: boolean;
+  /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
+  readonly antialiased: boolean | null;
+}
+
+/** What a step has come to. */
+export interface SceneStep {
+  /** What to draw for each of the views; none before the first order. */
+  readonly shots: readonly Shot[];
+  /** Whether the scene moves, and is not waiting for data. */
+  readonly moving: boolean;
+  /** Whether all that is alive at the time of the shots is in them. */
+  readonly settled: boolean;
 }
 
 export interface SceneEvents {
@@ -125,12 +140,23 @@ export class StreamedScene {
     return this.#line.rate(now);
   }
 
-  /** Whether all that is alive at the time of the shown order, or of `wanted` if the scene stands, is in that order. */
-  settled(wanted: OrderKey): boolean {
-    const { shown } = this.orders;
+  /**
+   * One frame: move the clock to `now`, milliseconds of any steady clock, ask for the order of what the views see, and tell
+   * what to draw. Whoever draws calls it: a page's loop, a headset's session, a host. Null until the manifest has arrived.
+   */
+  step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
     const playback = this.#playback;
-    if (!shown || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
-    return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
+    if (!playback) return null;
+    const wanted = { depth: depthOf(views), time: playback.tick(now / 1000), version: this.#version };
+    this.orders.want(wanted);
+    const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
+    return { shots, moving: playback.moving, settled: this.#settled(wanted) };
+  }
+
+  /** What a view shows now: at the time of the order, so that what is drawn and what is alive always agree. */
+  shot(view: View): Shot {
+    const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
+    return { ...view, time: this.orders.normalisedTime, antialiased };
   }
 
   /** The network or the page is back. */
@@ -143,6 +169,14 @@ export class StreamedScene {
     this.#source.close();
     this.#chunks.dispose();
     this.#worker.dispose();
+  }
+
+  /** Whether all that is alive at the time of the shown order, or of `wanted` if the scene stands, is in that order. */
+  #settled(wanted: OrderKey): boolean {
+    const { shown } = this.orders;
+    const playback = this.#playback;
+    if (!shown || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
+    return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
   }
 
   #begin(bytes: Uint8Array): void {

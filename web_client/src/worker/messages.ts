@@ -1,7 +1,8 @@
 /** What the page and its worker say to each other. Big arrays are transferred, never copied. */
 
 import type { Manifest } from "../codec/types";
-import type { DepthAxis, SplatOrder } from "./splat_order";
+import type { SplatDepth } from "./depth";
+import type { SplatOrder } from "./splat_order";
 
 export type ToWorker =
   /** First, once. */
@@ -9,7 +10,7 @@ export type ToWorker =
   /** A complete chunk, as it came from the server. */
   | { type: "chunk"; id: string; bytes: Uint8Array<ArrayBuffer> }
   /** Order the splats; `recycled` gives back the ids of an earlier answer. One at a time. */
-  | { type: "order"; axis: DepthAxis; time: number; recycled?: Uint32Array<ArrayBuffer> };
+  | { type: "order"; depth: SplatDepth; time: number; recycled?: Uint32Array<ArrayBuffer> };
 
 /** A chunk's splats, packed as the data textures hold them. */
 export interface DecodedSplats {

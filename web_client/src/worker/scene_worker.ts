@@ -1,8 +1,8 @@
 /** The page's end of the worker: everything that is said to it and heard from it passes here. */
 
 import type { Manifest } from "../codec/types";
+import type { SplatDepth } from "./depth";
 import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
-import type { DepthAxis } from "./splat_order";
 
 export interface SceneWorkerEvents {
   /** A chunk's splats, packed for the renderer. */
@@ -33,9 +33,9 @@ export class SceneWorker {
   }
 
   /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
-  order(axis: DepthAxis, time: number, recycled?: Uint32Array<ArrayBuffer>): void {
-    if (recycled) this.#tell({ type: "order", axis, time, recycled }, [recycled.buffer]);
-    else this.#tell({ type: "order", axis, time });
+  order(depth: SplatDepth, time: number, recycled?: Uint32Array<ArrayBuffer>): void {
+    if (recycled) this.#tell({ type: "order", depth, time, recycled }, [recycled.buffer]);
+    else this.#tell({ type: "order", depth, time });
   }
 
   dispose(): void {

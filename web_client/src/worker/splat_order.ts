@@ -6,20 +6,9 @@
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { DecodedChunk, Manifest, StaticChunk } from "../codec/types";
 import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
+import { type PlanarDepth, type RadialDepth, type SplatDepth, sameDepth } from "./depth";
 import type { Placement } from "./placement";
 import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
-
-/** Depth along the view axis, x p.x + y p.y + z p.z + offset; splats of less than `near`, above 0, are not drawn. */
-export interface DepthAxis {
-  readonly x: number;
-  readonly y: number;
-  readonly z: number;
-  readonly offset: number;
-  readonly near: number;
-}
-
-export const sameAxis = (a: DepthAxis, b: DepthAxis): boolean =>
-  a.x === b.x && a.y === b.y && a.z === b.z && a.offset === b.offset && a.near === b.near;
 
 export interface SplatOrder {
   /** Ids, farthest first, in whole rows of the order texture. */
@@ -67,7 +56,7 @@ export class SplatOrderer {
   readonly #dynamics = new Map<string, Dynamics>();
   readonly #staticList = new DepthList();
   readonly #dynamicList = new DepthList();
-  #sortedAxis: DepthAxis | null = null; // of the static list; null when it is out of date
+  #sortedBy: SplatDepth | null = null; // of the static list; null when it is out of date
 
   constructor(
     readonly manifest: Manifest,
@@ -90,9 +79,9 @@ export class SplatOrderer {
   }
 
   /** Order what is seen at `time` (seconds). `recycled` is an earlier array of ids that may be written again. */
-  order(axis: DepthAxis, time: number, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
-    this.#sortStatics(axis);
-    const normalisedTime = this.#sortDynamics(axis, time);
+  order(depth: SplatDepth, time: number, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
+    this.#sortStatics(depth);
+    const normalisedTime = this.#sortDynamics(depth, time);
     const count = this.#staticList.count + this.#dynamicList.count;
     const length = Math.ceil(count / TEXTURE_WIDTH) * TEXTURE_WIDTH;
     const ids = recycled && recycled.length >= length ? recycled : new Uint32Array(length);
@@ -103,31 +92,57 @@ export class SplatOrderer {
   #addStatics(first: number, chunk: StaticChunk): void {
     this.#statics.push({ first, means: chunk.means });
     this.#statics.sort((a, b) => a.first - b.first);
-    this.#sortedAxis = null;
+    this.#sortedBy = null;
   }
 
-  #sortStatics(axis: DepthAxis): void {
-    const last = this.#sortedAxis;
-    if (last && sameAxis(last, axis)) return;
-    this.#sortedAxis = axis;
+  #sortStatics(depth: SplatDepth): void {
+    const last = this.#sortedBy;
+    if (last && sameDepth(last, depth)) return;
+    this.#sortedBy = depth;
     const list = this.#staticList;
     list.reset(this.#statics.reduce((sum, { means }) => sum + means.length / 3, 0));
+    if (depth.kind === "planar") this.#planarStatics(depth);
+    else this.#radialStatics(depth);
+    this.#sorter.sort(list.keys, list.ids, list.count);
+  }
+
+  #planarStatics({ x, y, z, offset, near }: PlanarDepth): void {
+    const list = this.#staticList;
     const { depths, ids } = list;
     let n = 0;
     for (const { first, means } of this.#statics) {
       for (let i = 0, at = 0; at < means.length; i++, at += 3) {
-        const depth = axis.x * means[at] + axis.y * means[at + 1] + axis.z * means[at + 2] + axis.offset;
-        if (!(depth >= axis.near)) continue;
+        const depth = x * means[at] + y * means[at + 1] + z * means[at + 2] + offset;
+        if (!(depth >= near)) continue;
         depths[n] = depth;
         ids[n++] = first + i;
       }
     }
     list.count = n;
-    this.#sorter.sort(list.keys, ids, n);
+  }
+
+  /** By the square of the distance, which grows as it does. */
+  #radialStatics({ x, y, z, near }: RadialDepth): void {
+    const list = this.#staticList;
+    const { depths, ids } = list;
+    const nearest = near * near;
+    let n = 0;
+    for (const { first, means } of this.#statics) {
+      for (let i = 0, at = 0; at < means.length; i++, at += 3) {
+        const dx = means[at] - x;
+        const dy = means[at + 1] - y;
+        const dz = means[at + 2] - z;
+        const square = dx * dx + dy * dy + dz * dz;
+        if (!(square >= nearest)) continue;
+        depths[n] = square;
+        ids[n++] = first + i;
+      }
+    }
+    list.count = n;
   }
 
   /** Returns the normalised time. */
-  #sortDynamics(axis: DepthAxis, time: number): number {
+  #sortDynamics(by: SplatDepth, time: number): number {
     const list = this.#dynamicList;
     const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
     const segment = slice && this.manifest.segments[slice.segment];
@@ -142,6 +157,9 @@ export class SplatOrderer {
       .sort((a, b) => a.first - b.first);
     list.reset(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
     const { depths, ids } = list;
+    const planar = by.kind === "planar";
+    const offset = planar ? by.offset : 0;
+    const nearest = planar ? by.near : by.near * by.near;
     let n = 0;
     for (const { count, first, motion, centers, reach } of chunks) {
       const width = motion.length / count;
@@ -161,8 +179,10 @@ export class SplatOrderer {
         const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * cx));
         const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * cy));
         const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * cz));
-        const depth = axis.x * x + axis.y * y + axis.z * z + axis.offset;
-        if (!(depth >= axis.near)) continue;
+        const depth = planar
+          ? by.x * x + by.y * y + by.z * z + offset
+          : (x - by.x) * (x - by.x) + (y - by.y) * (y - by.y) + (z - by.z) * (z - by.z);
+        if (!(depth >= nearest)) continue;
         depths[n] = depth;
         ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
       }

@@ -47,9 +47,9 @@ scope.onmessage = ({ data }) => {
       break;
     case "order": {
       if (!orderer) return;
-      const { axis, time, recycled } = data;
+      const { depth, time, recycled } = data;
       const begun = performance.now();
-      const order = orderer.order(axis, time, recycled);
+      const order = orderer.order(depth, time, recycled);
       scope.postMessage({ type: "ordered", ...order, sortTime: performance.now() - begun }, [order.ids.buffer]);
       break;
     }

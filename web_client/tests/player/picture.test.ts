@@ -9,7 +9,7 @@ const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },
   camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.01 },
 });
-const shot = () => ({}) as Shot;
+const shot = {} as Shot;
 
 let device: { busy: boolean; slow: boolean; lost: boolean };
 let draw: ReturnType<typeof vi.fn>;
@@ -30,7 +30,7 @@ beforeEach(() => {
       return device.lost;
     },
   };
-  const orders = { shown: {}, count: 1, age: () => 7 };
+  const orders = { count: 1, age: () => 7 };
   picture = new Picture(renderer as unknown as CanvasRenderer, orders as unknown as OrderRequests);
 });
 

@@ -1,10 +1,11 @@
 import { describe, expect, it } from "vitest";
 import { DYNAMIC_BIT } from "../../src/renderer/layout";
+import type { SplatDepth } from "../../src/worker/depth";
 import { placeChunks } from "../../src/worker/placement";
 import { SplatOrderer } from "../../src/worker/splat_order";
 import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";
 
-const AXIS = { x: 0, y: 0, z: 1, offset: 0, near: 0.01 };
+const AXIS: SplatDepth = { kind: "planar", x: 0, y: 0, z: 1, offset: 0, near: 0.01 };
 const dynamic = (i: number) => (DYNAMIC_BIT | i) >>> 0;
 
 function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatOrderer {
@@ -15,8 +16,8 @@ function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatO
   return made;
 }
 
-const drawn = (o: SplatOrderer, time = 0, axis = AXIS) => {
-  const { ids, count } = o.order(axis, time);
+const drawn = (o: SplatOrderer, time = 0, depth: SplatDepth = AXIS) => {
+  const { ids, count } = o.order(depth, time);
   return Array.from(ids.subarray(0, count));
 };
 
@@ -29,6 +30,14 @@ describe("SplatOrderer", () => {
     const o = orderer([0, 0, 1, 0, 0, 0.009, 0, 0, -2]);
     expect(drawn(o)).toEqual([0]);
     expect(drawn(o, 0, { ...AXIS, near: 0.005 })).toEqual([0, 1]);
+  });
+
+  it("sorts by the distance from a point, with what lies behind it, and leaves out what is too close", () => {
+    const o = orderer([0, 0, 2, 0, 0, -3, 1, 0, 0, 0, 0.09, 0], dynamicChunk([2.5], [0], [0], -9));
+    const head: SplatDepth = { kind: "radial", x: 0, y: 0, z: 0, near: 0.1 };
+    expect(drawn(o, 0, head)).toEqual([1, dynamic(0), 0, 2]);
+    expect(drawn(o, 0, { ...head, near: 0.05 })).toEqual([1, dynamic(0), 0, 2, 3]);
+    expect(drawn(o, 0, { ...head, z: 2 })).toEqual([1, 2, 3, dynamic(0)]); // the splat at the head's place is too close
   });
 
   it("sorts dynamics where they have moved to, with a camera that stands still", () => {
