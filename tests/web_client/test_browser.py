@@ -124,9 +124,8 @@ def test_play_moves_the_picture_and_pause_holds_it(browser: Browser, site: Site)
 def test_lost_context_comes_back_with_the_same_picture(browser: Browser, site: Site) -> None:
     with view(browser, site, "side", 0.4) as page:
         before = canvas_pixels(page)
-        page.evaluate(
-            """async () => {
-              const canvas = document.querySelector("canvas");
+        page.locator("canvas").evaluate(
+            """async (canvas) => {
               const context = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
               const event = (name) => new Promise((resolve) => canvas.addEventListener(name, resolve, { once: true }));
               const lost = event("webglcontextlost");

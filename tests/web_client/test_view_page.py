@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -141,10 +142,9 @@ def test_a_phone_shows_the_title(browser: Browser, site: Site) -> None:
 
 def test_a_lost_context_is_told_until_it_is_back(browser: Browser, site: Site) -> None:
     with viewing(browser, site) as page:
-        page.evaluate(
-            """() => {
-              const context = document.querySelector("canvas").getContext("webgl2");
-              window.lose = context.getExtension("WEBGL_lose_context");
+        page.locator("canvas").evaluate(
+            """(canvas) => {
+              window.lose = canvas.getContext("webgl2").getExtension("WEBGL_lose_context");
               window.lose.loseContext();
             }"""
         )
@@ -159,8 +159,8 @@ def test_a_lost_context_is_told_until_it_is_back(browser: Browser, site: Site) -
 def test_a_context_that_never_comes_back_offers_to_load_again(browser: Browser, site: Site) -> None:
     with viewing(browser, site) as page:
         page.clock.install()
-        lose = "document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()"
-        page.evaluate(lose)
+        lose = "(canvas) => canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()"
+        page.locator("canvas").evaluate(lose)
         notice(page).wait_for()
         assert page.get_by_role("button", name="Load again").count() == 0
         page.clock.fast_forward(10_000)
@@ -287,7 +287,7 @@ def test_statistics_tell_rates_below_one(browser: Browser, site: Site) -> None:
         page.keyboard.press("s")
         panel = page.locator(".stats")
         value = "xpath=//dt[.='{}']/following-sibling::dd[1]"
-        page.wait_for_function("() => /Frames\\/s\\s*0\\.\\d\\d/.test(document.querySelector('.stats').innerText)")
+        page.locator(".stats", has_text=re.compile(r"Frames/s\s*0\.\d\d")).wait_for()
         dropped, total = panel.locator(value.format("Dropped frames")).inner_text().split(" of ")
         assert 0 < int(dropped) < int(total)
         for name, unit in [("Order age", " ms"), ("Sort time", " ms"), ("Line rate", "bit/s")]:

@@ -25,15 +25,20 @@ interface Point {
   y: number;
 }
 
-/**
- * Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses.
- *
- * A tap or click is told to `onTap`; a double one resets the camera and is no tap.
- */
+export interface GestureOptions {
+  /** Where keys are heard: the window of a page that is a player alone, else an element that has the focus within. */
+  readonly keys: EventTarget;
+  /** Whether the wheel zooms now; if not, it scrolls the page. */
+  readonly wheelZooms: () => boolean;
+  /** A tap or click; a double one resets the camera and is no tap. */
+  readonly onTap: () => void;
+}
+
+/** Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses. */
 export function listenForGestures(
   target: HTMLElement,
   motion: CameraMotion,
-  onTap: () => void,
+  { keys, wheelZooms, onTap }: GestureOptions,
   signal: AbortSignal,
 ): void {
   const pointers = new Map<number, Point>();
@@ -111,6 +116,7 @@ export function listenForGestures(
   target.addEventListener(
     "wheel",
     (event) => {
+      if (!wheelZooms()) return;
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : WHEEL_LINE);
       // Browsers report a pinch on a touchpad as a wheel with Ctrl held, in much smaller steps.
@@ -118,15 +124,27 @@ export function listenForGestures(
     },
     { signal, passive: false },
   );
-  addEventListener(
-    "keydown",
-    (event) => {
-      if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
+  listenForKeys(
+    keys,
+    (event, control) => {
+      if (control instanceof HTMLInputElement || control instanceof HTMLSelectElement) return;
       if (press(event, motion)) event.preventDefault();
     },
-    { signal },
+    signal,
   );
+}
+
+/** Hear keys without modifiers on `target`, and which element they are for: also one inside a shadow root. */
+export function listenForKeys(
+  target: EventTarget,
+  onKey: (event: KeyboardEvent, control: EventTarget) => void,
+  signal: AbortSignal,
+): void {
+  const heard = (event: Event): void => {
+    const { ctrlKey, metaKey, altKey } = event as KeyboardEvent;
+    if (!ctrlKey && !metaKey && !altKey) onKey(event as KeyboardEvent, event.composedPath()[0]);
+  };
+  target.addEventListener("keydown", heard, { signal });
 }
 
 /** Returns whether the key moves the camera. */

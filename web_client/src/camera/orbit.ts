@@ -4,7 +4,20 @@
  */
 
 import { eyeOf, type Pose, poseAt } from "./pinhole";
-import { add, dot, fromRows, type Mat3, normalise, rotateAbout, row, scale, subtract, type Vec3 } from "./vector";
+import {
+  add,
+  cross,
+  dot,
+  fromRows,
+  length,
+  type Mat3,
+  normalise,
+  rotateAbout,
+  row,
+  scale,
+  subtract,
+  type Vec3,
+} from "./vector";
 
 const POLE_MARGIN = 0.02; // radians; looking exactly along the up vector has no horizon
 const CLOSEST = 0.02; // share of the first distance
@@ -39,6 +52,16 @@ export class OrbitCamera {
     return subtract(this.#target, scale(row(this.#rotation, 2), this.#distance));
   }
 
+  /** What the camera looks at and turns about. */
+  get target(): Vec3 {
+    return this.#target;
+  }
+
+  /** The unit vector that points upwards in the picture. */
+  get upwards(): Vec3 {
+    return scale(row(this.#rotation, 1), -1);
+  }
+
   get distance(): number {
     return this.#distance;
   }
@@ -63,6 +86,25 @@ export class OrbitCamera {
     const y = normalise(subtract(down, scale(z, dot(down, z))));
     const x: Vec3 = [y[1] * z[2] - y[2] * z[1], y[2] * z[0] - y[0] * z[2], y[0] * z[1] - y[1] * z[0]];
     this.#rotation = fromRows(x, y, z);
+  }
+
+  /**
+   * Look from `eye` at `target`, with `up` upwards in the picture.
+   *
+   * @throws RangeError if the three do not say which way to look.
+   */
+  place(eye: Vec3, target: Vec3, up: Vec3): void {
+    const forward = subtract(target, eye);
+    const distance = length(forward);
+    const right = cross(forward, up);
+    if (!(length(right) > 1e-9 * distance * length(up))) {
+      throw new RangeError(`a camera at ${eye} that looks at ${target} with ${up} upwards has no direction`);
+    }
+    const z = normalise(forward);
+    const x = normalise(right);
+    this.#rotation = fromRows(x, cross(z, x), z);
+    this.#target = target;
+    this.#distance = distance;
   }
 
   /** Multiply the distance to the target. */

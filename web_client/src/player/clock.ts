@@ -3,6 +3,16 @@
 /** Longest step taken at once, seconds: a tab that was hidden goes on where it stopped. */
 const LONGEST_STEP = 0.25;
 
+/**
+ * A rate that a clock can run at, scene seconds per second.
+ *
+ * @throws RangeError outside (0, 16]
+ */
+export function checkedRate(rate: number): number {
+  if (!(rate > 0 && rate <= 16)) throw new RangeError(`rate ${rate} is not in (0, 16]`);
+  return rate;
+}
+
 export class PlayerClock {
   loop = true;
   #time: number;
@@ -39,8 +49,7 @@ export class PlayerClock {
   }
 
   set rate(value: number) {
-    if (!(value > 0 && value <= 16)) throw new RangeError(`rate ${value} is not in (0, 16]`);
-    this.#rate = value;
+    this.#rate = checkedRate(value);
   }
 
   /** Go on; from the start if the end has been reached. */

@@ -189,8 +189,8 @@ export class StreamedScene {
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
       this.#playback = new Playback(clock, new SceneBuffer(manifest), this.#source);
-      this.#events.manifest(manifest);
       if (this.#options.playing) this.#playback.play();
+      this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();
     } catch (error) {
       this.#source.close();

@@ -5,14 +5,17 @@ const IDLE = 3000; // ms
 export class IdleHiding {
   #timer: ReturnType<typeof setTimeout> | undefined;
 
+  /** @param keys where the player's keys are heard. */
   constructor(
     readonly root: HTMLElement,
+    keys: EventTarget,
     readonly playing: () => boolean,
     signal: AbortSignal,
   ) {
-    for (const type of ["pointermove", "pointerdown", "keydown", "focusin"]) {
-      addEventListener(type, () => this.#wake(), { signal, passive: true });
+    for (const type of ["pointermove", "pointerdown", "focusin"]) {
+      root.addEventListener(type, () => this.#wake(), { signal, passive: true });
     }
+    keys.addEventListener("keydown", () => this.#wake(), { signal, passive: true });
     signal.addEventListener("abort", () => clearTimeout(this.#timer));
     this.#wake();
   }

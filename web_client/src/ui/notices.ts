@@ -1,4 +1,4 @@
-/** What the page says over the picture: in the middle while there is none to see, else in a quiet line above the controls. */
+/** What a player says over the picture: in the middle while there is none to see, else in a quiet line above the controls. */
 
 import type { PlayerStats } from "../player/player_types";
 import { element, icon, setText } from "./element";
@@ -42,40 +42,53 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
 const DAMAGED = "A part of this scene is damaged and cannot be shown.";
 const LOST_FOR_LONG = "The picture has not come back. Loading the page again should help.";
 
-/** A button that loads the page again. */
-const reloadButton = () =>
-  element("button", { type: "button", class: "button", onclick: () => location.reload() }, "Load again");
+/** The ways out of a failure. */
+export interface WaysOut {
+  /** Load the page or the scene again. */
+  reload(): void;
+  /** Address of the page that leads to other scenes; null if there is none. */
+  readonly home: string | null;
+}
+
+const reloadButton = (onclick: () => void) =>
+  element("button", { type: "button", class: "button", onclick }, "Load again");
 
 export class Notices {
   readonly #bar = element("progress", { max: 1, "aria-label": "Loading" });
   readonly #text = element("p", { class: "notice-text", role: "status" });
-  readonly #reload = reloadButton();
-  readonly #box = element("div", { class: "notice" }, this.#bar, this.#text, this.#reload);
+  readonly #reload: HTMLElement;
+  readonly #box = element("div", { class: "notice" }, this.#bar, this.#text);
   readonly #problem = element("p");
   readonly #close = element("button", { type: "button", class: "round small", title: "Close", "aria-label": "Close" });
-  readonly #remark = element(
-    "div",
-    { class: "notice remark", role: "alert", hidden: true },
-    this.#problem,
-    element(
-      "div",
-      { class: "notice-actions" },
-      reloadButton(),
-      element("a", { class: "button", href: "/" }, "All scenes"),
-    ),
-    this.#close,
-  );
-  readonly node = element("div", { class: "notices" }, this.#remark, this.#box);
+  readonly #remark = element("div", { class: "notice remark", role: "alert", hidden: true }, this.#problem);
+  readonly node = element("div", { class: "notices", hidden: true }, this.#remark, this.#box);
   readonly #told = new Set<string>();
   #kind: NoticeKind = "loading";
   #late = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
-  constructor() {
+  constructor({ reload, home }: WaysOut) {
+    this.#reload = reloadButton(reload);
+    this.#box.append(this.#reload);
+    const link = home === null ? null : element("a", { class: "button", href: home }, "All scenes");
+    this.#remark.append(
+      element("div", { class: "notice-actions" }, reloadButton(reload), ...(link ? [link] : [])),
+      this.#close,
+    );
     this.#close.append(icon(CLOSE));
     this.#close.addEventListener("click", () => {
       this.#remark.hidden = true;
     });
+    this.#show("loading");
+  }
+
+  /** A scene is being loaded; what was said of the last one is over. */
+  begin(): void {
+    this.#told.clear();
+    this.#remark.hidden = true;
+    this.node.hidden = false;
+    setText(this.#text, "");
+    this.#bar.removeAttribute("value");
     this.#show("loading");
   }
 
@@ -88,6 +101,7 @@ export class Notices {
     this.#told.add(message);
     this.#problem.textContent = message;
     this.#remark.hidden = false;
+    this.node.hidden = false;
     this.#show(this.#kind);
   }
 

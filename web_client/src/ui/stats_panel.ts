@@ -1,6 +1,6 @@
 /** Figures of the running player, for the curious. */
 
-import type { ScenePlayer } from "../player/player";
+import type { HgsPlayer } from "../player/hgs_player";
 import type { PlayerStats } from "../player/player_types";
 import { element, setText } from "./element";
 import { formatBitRate, formatBytes, formatCount } from "./format";
@@ -34,12 +34,8 @@ export class StatsPanel {
   #timer: ReturnType<typeof setInterval> | undefined;
   readonly node = element("dl", { class: "stats", hidden: true, "aria-label": "Statistics" });
 
-  constructor(
-    readonly player: ScenePlayer,
-    readonly canvas: HTMLCanvasElement,
-    signal: AbortSignal,
-  ) {
-    signal.addEventListener("abort", () => clearInterval(this.#timer));
+  constructor(readonly player: HgsPlayer) {
+    player.disposed.addEventListener("abort", () => clearInterval(this.#timer));
   }
 
   toggle(): void {
@@ -51,7 +47,9 @@ export class StatsPanel {
   }
 
   #update(): void {
-    for (const [name, text] of Object.entries(figuresOf(this.player.stats, this.canvas))) {
+    const { statistics } = this.player;
+    if (!statistics) return;
+    for (const [name, text] of Object.entries(figuresOf(statistics, this.player))) {
       setText(this.#values.get(name) ?? this.#add(name), text);
     }
   }

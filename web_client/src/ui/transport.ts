@@ -1,7 +1,7 @@
 /** The bar below the picture: play, seek with buffered ranges, time, rate, loop. */
 
 import type { Manifest } from "../codec/types";
-import type { ScenePlayer } from "../player/player";
+import type { HgsPlayer } from "../player/hgs_player";
 import { element, icon, setAttribute, setText } from "./element";
 import { formatTime } from "./format";
 import { LOOP, PAUSE, PLAY, REPLAY } from "./icons";
@@ -9,7 +9,7 @@ import { LOOP, PAUSE, PLAY, REPLAY } from "./icons";
 const RATES = [0.25, 0.5, 1, 2];
 
 /** A CSS gradient that shows the ranges on a bar from `start` to `end`. */
-export function bufferedGradient(ranges: readonly [number, number][], start: number, end: number): string {
+export function bufferedGradient(ranges: readonly (readonly [number, number])[], start: number, end: number): string {
   const percent = (time: number) => `${((100 * (time - start)) / (end - start)).toFixed(2)}%`;
   const stops = ranges.flatMap(([from, to]) => {
     const [a, b] = [percent(from), percent(to)];
@@ -47,11 +47,11 @@ export class Transport {
   #chunks = -1; // that had come, or were lost, at the last look at the buffer
 
   constructor(
-    readonly player: ScenePlayer,
+    readonly player: HgsPlayer,
     manifest: Manifest,
   ) {
     for (const rate of RATES) {
-      this.#rate.append(element("option", { value: rate, selected: rate === 1 }, `${rate}×`));
+      this.#rate.append(element("option", { value: rate, selected: rate === player.playbackRate }, `${rate}×`));
     }
     this.#seek.min = String(manifest.start);
     this.#seek.max = String(manifest.end);
@@ -63,7 +63,9 @@ export class Transport {
       event.preventDefault();
       this.step(step);
     });
-    this.#rate.addEventListener("change", () => player.setRate(Number(this.#rate.value)));
+    this.#rate.addEventListener("change", () => {
+      player.playbackRate = Number(this.#rate.value);
+    });
     this.#loop.addEventListener("click", () => this.toggleLoop());
     this.node = element("div", { class: "transport" }, this.#play, this.#seek, this.#time, this.#rate, this.#loop);
     this.#frame = 1 / manifest.frameRate;
@@ -72,41 +74,38 @@ export class Transport {
 
   toggle(): void {
     if (this.node.hidden) return;
-    if (this.player.clock?.playing) this.player.pause();
-    else this.player.play();
+    if (this.player.paused) this.player.play();
+    else this.player.pause();
   }
 
   toggleLoop(): void {
-    const clock = this.player.clock;
-    if (clock) clock.loop = !clock.loop;
+    this.player.loop = !this.player.loop;
     this.update();
   }
 
   /** Stand still, so many frames later. */
   step(frames: number): void {
-    const clock = this.player.clock;
-    if (!clock) return;
     this.player.pause();
-    this.player.seek(clock.time + frames * this.#frame);
+    this.player.currentTime += frames * this.#frame;
   }
 
   /** Show the player's state; called at every frame of the player. */
   update(): void {
-    const { clock, buffer } = this.player;
-    if (!clock || !buffer || this.node.hidden) return;
-    const ended = !clock.playing && clock.time >= clock.end;
-    this.#showButton(clock.playing || this.#resume ? "pause" : ended ? "replay" : "play");
-    if (!this.#dragging) this.#seek.value = String(clock.time);
-    const position = formatTime(clock.time - clock.start);
-    setText(this.#time, `${position} / ${formatTime(clock.end - clock.start)}`);
+    const { player } = this;
+    const { statistics, currentTime, start, end } = player;
+    if (!statistics || this.node.hidden) return;
+    this.#showButton(!player.paused || this.#resume ? "pause" : player.ended ? "replay" : "play");
+    if (!this.#dragging) this.#seek.value = String(currentTime);
+    const position = formatTime(currentTime - start);
+    setText(this.#time, `${position} / ${formatTime(player.duration)}`);
     setAttribute(this.#seek, "aria-valuetext", position);
-    setAttribute(this.#loop, "aria-pressed", String(clock.loop));
-    const share = (clock.time - clock.start) / (clock.end - clock.start);
+    setAttribute(this.#loop, "aria-pressed", String(player.loop));
+    const share = (currentTime - start) / player.duration;
     this.#seek.style.setProperty("--played", `${(100 * share).toFixed(2)}%`);
-    const { chunks, lostChunks } = this.player.stats;
+    const { chunks, lostChunks } = statistics;
     if (chunks + lostChunks === this.#chunks) return;
     this.#chunks = chunks + lostChunks;
-    this.#seek.style.setProperty("--ranges", bufferedGradient(buffer.ranges(), clock.start, clock.end));
+    this.#seek.style.setProperty("--ranges", bufferedGradient(player.buffered, start, end));
   }
 
   #showButton(what: Button): void {
@@ -121,10 +120,10 @@ export class Transport {
   #scrub(): void {
     if (!this.#dragging) {
       this.#dragging = true;
-      this.#resume = this.player.clock?.playing ?? false;
+      this.#resume = !this.player.paused;
       this.player.pause();
     }
-    this.player.seek(Number(this.#seek.value));
+    this.player.currentTime = Number(this.#seek.value);
   }
 
   #drop(): void {

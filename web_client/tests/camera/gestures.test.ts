@@ -5,6 +5,7 @@ let abort: AbortController;
 let target: HTMLElement;
 let motion: Mocked<CameraMotion>;
 const tap = vi.fn();
+let zooms = true;
 
 function pointer(type: string, x: number, y: number, more: Record<string, unknown> = {}): void {
   const fields = { pointerId: 1, pointerType: "mouse", button: 0, clientX: x, clientY: y, shiftKey: false, ...more };
@@ -18,12 +19,12 @@ function press(more: Record<string, unknown> = {}): void {
 
 beforeEach(() => {
   vi.useFakeTimers();
-  vi.stubGlobal("addEventListener", vi.fn());
   target = Object.assign(new EventTarget(), { setPointerCapture: vi.fn() }) as unknown as HTMLElement;
   motion = { turn: vi.fn(), zoom: vi.fn(), pan: vi.fn(), reset: vi.fn() };
   tap.mockClear();
+  zooms = true;
   abort = new AbortController();
-  listenForGestures(target, motion, tap, abort.signal);
+  listenForGestures(target, motion, { keys: target, wheelZooms: () => zooms, onTap: tap }, abort.signal);
 });
 afterEach(() => {
   abort.abort();
@@ -101,4 +102,18 @@ it("zooms with two fingers, which are no tap even if one of them rests", () => {
   vi.runAllTimers();
   expect(motion.zoom).toHaveBeenCalledExactlyOnceWith(0.5);
   expect(tap).not.toHaveBeenCalled();
+});
+
+it("leaves the wheel to the page while it is not to zoom", () => {
+  const roll = () => {
+    const event = Object.assign(new Event("wheel", { cancelable: true }), { deltaY: 100, deltaMode: 0 });
+    target.dispatchEvent(event);
+    return event.defaultPrevented;
+  };
+  vi.stubGlobal("WheelEvent", { DOM_DELTA_PIXEL: 0 });
+  expect(roll()).toBe(true);
+  expect(motion.zoom).toHaveBeenCalledOnce();
+  zooms = false;
+  expect(roll()).toBe(false);
+  expect(motion.zoom).toHaveBeenCalledOnce();
 });

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { OrbitCamera } from "../../src/camera/orbit";
-import { poseAt } from "../../src/camera/pinhole";
+import { eyeOf, poseAt, project } from "../../src/camera/pinhole";
 import { cross, dot, length, row, type Vec3 } from "../../src/camera/vector";
 
 const UP: Vec3 = [0, -1, 0]; // OpenCV world: y points down
@@ -66,5 +66,36 @@ describe("OrbitCamera", () => {
     // 100 px to the right at focal 400 and distance 4 is 1 unit: the camera moves left and up.
     expect(camera.eye[0]).toBeCloseTo(-1);
     expect(camera.eye[1]).toBeCloseTo(-0.5);
+  });
+});
+
+describe("a camera that is placed", () => {
+  it("stands there, looks at the target and has up upwards", () => {
+    const camera = orbit();
+    camera.place([3, -2, 1], [0.5, 0, 0.25], [0.1, -2, 0]);
+    expect(eyeOf(camera.pose).map((x) => x.toFixed(6))).toEqual(["3.000000", "-2.000000", "1.000000"]);
+    const pinhole = { width: 200, height: 100, fx: 90, fy: 90, cx: 100, cy: 50, near: 0.1 };
+    const [x, y, depth] = project([0.5, 0, 0.25], camera.pose, pinhole);
+    expect([x, y, depth]).toEqual([expect.closeTo(100), expect.closeTo(50), expect.closeTo(Math.hypot(2.5, 2, 0.75))]);
+    const [above, higher] = project([0.6, -2, 0.25], camera.pose, pinhole);
+    expect(above).toBeCloseTo(100);
+    expect(higher).toBeLessThan(50);
+  });
+
+  it("comes back to where it was told to have been", () => {
+    const camera = orbit();
+    camera.turn(0.4, 0.3);
+    camera.pan(20, 10, 300);
+    const { pose, eye, target, upwards } = camera;
+    camera.turn(1, -0.2);
+    camera.place(eye, target, upwards);
+    for (const [i, value] of pose.rotation.entries()) expect(camera.pose.rotation[i]).toBeCloseTo(value, 12);
+    for (const [i, value] of pose.translation.entries()) expect(camera.pose.translation[i]).toBeCloseTo(value, 12);
+  });
+
+  it("needs a direction", () => {
+    const camera = orbit();
+    expect(() => camera.place([0, 0, 0], [0, 1, 0], [0, -1, 0])).toThrow(RangeError);
+    expect(() => camera.place([0, 0, 0], [0, 0, 0], [0, -1, 0])).toThrow(RangeError);
   });
 });

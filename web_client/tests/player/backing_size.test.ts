@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { backingSize } from "../../src/ui/backing_size";
+import { backingSize } from "../../src/player/backing_size";
 
 it("takes the browser's rounding of a fractional ratio", () => {
   const css = { width: 401, height: 301 };

@@ -1,0 +1,277 @@
+/** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
+
+import type { Manifest } from "../codec/types";
+import type { Pixels } from "../renderer/shot";
+import { openSource } from "../source/open_source";
+import type { OpenSource } from "../source/scene_source";
+import { checkedRate } from "./clock";
+import type { HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
+import { PlayerCamera } from "./player_camera";
+import type { PlayerStats } from "./player_types";
+import { ScreenedScene } from "./screened_scene";
+
+const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
+
+/**
+ * Plays one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
+ *
+ * @example
+ * const player = new HgsPlayer(document.querySelector("#scene"), { loop: true });
+ * await player.load("https://cdn.example/studio/manifest.json");
+ * player.play();
+ */
+export class HgsPlayer extends Target {
+  /** From where the scene is seen. */
+  readonly camera = new PlayerCamera(() => this.#scene?.viewpoint ?? null);
+  readonly #stage: HTMLElement;
+  readonly #options: HgsPlayerOptions;
+  readonly #disposed = new AbortController();
+  #src: string | OpenSource | null = null;
+  #scene: ScreenedScene | null = null;
+  // What is asked for counts for the scene that is there, and for one that is still to come.
+  #playing: boolean;
+  #rate: number;
+  #loop: boolean;
+  #time: number | null;
+
+  /**
+   * @param stage an element of the page with a size and a position of its own (not `static`); the picture fills it.
+   * @throws RangeError if `playbackRate` is not in (0, 16].
+   */
+  constructor(stage: HTMLElement, options: HgsPlayerOptions = {}) {
+    super();
+    this.#stage = stage;
+    this.#options = options;
+    this.#playing = options.autoplay ?? false;
+    this.#rate = checkedRate(options.playbackRate ?? 1);
+    this.#loop = options.loop ?? false;
+    this.#time = options.time ?? null;
+  }
+
+  /**
+   * Load a scene in place of the one that is there.
+   *
+   * @param src where it is (see `openSource`), or a source of one's own.
+   * @returns a promise that is fulfilled once everything to be seen at the first time is drawn, and rejected if the scene
+   *   cannot be shown or another one takes its place. Who listens to `error` may leave it alone.
+   */
+  load(src: string | OpenSource): Promise<void> {
+    this.#src = src;
+    const shown = this.#load(src);
+    shown.then(
+      () => this.#tell("ready", null),
+      () => {}, // told by `error`, or left on purpose
+    );
+    return shown;
+  }
+
+  /** Load the same scene again, and show it from the same place at the same time. See `load`. */
+  reload(): Promise<void> {
+    if (this.#src === null) return Promise.reject(new Error("nothing has been loaded yet"));
+    const { currentTime } = this;
+    const { view } = this.camera;
+    const turnBack = () => {
+      if (view) this.camera.view = view;
+    };
+    this.addEventListener("manifest", turnBack, { once: true });
+    const shown = this.load(this.#src);
+    this.currentTime = currentTime;
+    return shown;
+  }
+
+  /** Empty the stage. */
+  unload(): void {
+    if (!this.#scene) return;
+    this.#scene.dispose();
+    this.#scene = null;
+    this.#time = null; // another scene begins at its own start
+  }
+
+  /** Stop for good and give everything back. */
+  dispose(): void {
+    this.unload();
+    this.#disposed.abort();
+  }
+
+  /** Aborts when the player is disposed of. */
+  get disposed(): AbortSignal {
+    return this.#disposed.signal;
+  }
+
+  /** Begin to play or go on; from the start if the end has been reached. Told by `play`. */
+  play(): void {
+    this.#playing = true;
+    this.#scene?.player.play();
+  }
+
+  pause(): void {
+    this.#playing = false;
+    this.#scene?.player.pause();
+  }
+
+  /**
+   * Move the playhead, within the scene.
+   *
+   * @returns a promise that is fulfilled once all of what is to be seen then is drawn.
+   * @throws RangeError if `time` is not a finite number.
+   */
+  async seek(time: number): Promise<void> {
+    const scene = this.#scene;
+    this.#time = checkedTime(time);
+    if (!scene) return;
+    scene.player.seek(time);
+    await scene.settled();
+    this.#tell("seeked", null);
+  }
+
+  get paused(): boolean {
+    return !(this.#scene?.clock?.playing ?? this.#playing);
+  }
+
+  /** True while the playhead waits for data. */
+  get stalled(): boolean {
+    return this.#scene?.clock?.stalled ?? false;
+  }
+
+  get ended(): boolean {
+    const clock = this.#scene?.clock;
+    return clock ? !clock.playing && clock.time >= clock.end : false;
+  }
+
+  get currentTime(): number {
+    return this.#scene?.clock?.time ?? this.#time ?? 0;
+  }
+
+  set currentTime(time: number) {
+    this.seek(checkedTime(time)).catch(() => {}); // what fails is told by `error`
+  }
+
+  /** Of the scene, seconds; 0 until it is known. */
+  get start(): number {
+    return this.manifest?.start ?? 0;
+  }
+
+  /** Of the scene, seconds; NaN until it is known. */
+  get end(): number {
+    return this.manifest?.end ?? Number.NaN;
+  }
+
+  /** Seconds from start to end; NaN until it is known. */
+  get duration(): number {
+    return this.end - this.start;
+  }
+
+  /** The stretches of time that are loaded, as disjoint [start, end] in order. */
+  get buffered(): readonly (readonly [number, number])[] {
+    return this.#scene?.player.buffer?.ranges() ?? [];
+  }
+
+  /** Scene seconds per second, in (0, 16]; another number throws a RangeError. */
+  get playbackRate(): number {
+    return this.#rate;
+  }
+
+  set playbackRate(rate: number) {
+    this.#rate = checkedRate(rate);
+    this.#scene?.player.setRate(rate);
+    this.#tell("ratechange", null);
+  }
+
+  get loop(): boolean {
+    return this.#loop;
+  }
+
+  set loop(loop: boolean) {
+    this.#loop = loop;
+    const clock = this.#scene?.clock;
+    if (clock) clock.loop = loop;
+  }
+
+  /** What the scene says of itself; null until it has come. */
+  get manifest(): Manifest | null {
+    return this.#scene?.manifest ?? null;
+  }
+
+  /** Of the picture, in its own pixels; 0 without one. */
+  get width(): number {
+    return this.#scene?.canvas.width ?? 0;
+  }
+
+  get height(): number {
+    return this.#scene?.canvas.height ?? 0;
+  }
+
+  /** Figures of the scene that is there; null without one. */
+  get statistics(): PlayerStats | null {
+    return this.#scene?.player.stats ?? null;
+  }
+
+  /**
+   * The picture, RGBA from the top row: sRGB in bytes, or in floats without the canvas's rounding.
+   *
+   * @throws Error if nothing has been drawn yet.
+   */
+  readPixels({ float = false } = {}): Pixels {
+    const pixels = this.#scene?.player.readPixels(float);
+    if (!pixels) throw new Error("nothing has been drawn yet");
+    return pixels;
+  }
+
+  /**
+   * The picture as a file.
+   *
+   * @param type such as `image/png` or `image/jpeg`.
+   * @throws Error if nothing has been drawn yet.
+   */
+  async screenshot(type = "image/png"): Promise<Blob> {
+    const { width, height, data } = this.readPixels();
+    const canvas = new OffscreenCanvas(width, height);
+    const picture = new ImageData(new Uint8ClampedArray(data), width, height);
+    canvas.getContext("2d")?.putImageData(picture, 0, 0);
+    return canvas.convertToBlob({ type, quality: 0.92 });
+  }
+
+  async #load(src: string | OpenSource): Promise<void> {
+    if (this.#disposed.signal.aborted) throw new Error("this player has been disposed of");
+    this.unload();
+    this.#tell("loadstart", null);
+    try {
+      const open = typeof src === "string" ? openSource(src) : src;
+      const { antialiased = null } = this.#options;
+      const options = { open, time: this.#time, playing: this.#playing, antialiased, viewpoint: this.#viewpoint() };
+      this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
+    } catch (error) {
+      const message = error instanceof Error ? error.message : String(error);
+      this.#tell("error", { message, cause: message });
+      throw error;
+    }
+    await this.#scene.settled();
+  }
+
+  #viewpoint() {
+    const { camera = null, exact = false, size = null } = this.#options;
+    return { camera, exact, size };
+  }
+
+  #heard<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
+    const scene = this.#scene;
+    if (type === "manifest" && scene?.clock) {
+      scene.clock.loop = this.#loop;
+      scene.player.setRate(this.#rate);
+      if (this.#time !== null) scene.player.seek(this.#time);
+      if (this.#playing) scene.player.play();
+      else scene.player.pause();
+    }
+    if (type === "pause") this.#playing = false;
+    this.#tell(type, detail);
+  }
+
+  #tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+}
+
+function checkedTime(time: number): number {
+  if (!Number.isFinite(time)) throw new RangeError(`time ${time} is not a finite number`);
+  return time;
+}

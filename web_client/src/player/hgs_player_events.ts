@@ -1,0 +1,70 @@
+/** What a player tells a page, and what a page may ask of it. */
+
+import type { Manifest } from "../codec/types";
+import type { ViewpointOptions } from "./viewpoint";
+
+export interface HgsPlayerOptions extends Partial<ViewpointOptions> {
+  /** Seconds on the scene's clock at which to begin; the scene's start if left out. */
+  readonly time?: number | null;
+  /** Whether to play at once; false if left out. */
+  readonly autoplay?: boolean;
+  /** Whether to begin again at the end; false if left out. */
+  readonly loop?: boolean;
+  /** Scene seconds per second, above 0 and at most 16; 1 if left out. */
+  readonly playbackRate?: number;
+  /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
+  readonly antialiased?: boolean | null;
+}
+
+/** What goes wrong: one line for people, and the cause for whoever looks into it. Playing may go on. */
+export interface PlayerProblem {
+  readonly message: string;
+  readonly cause: string;
+}
+
+/** The events of a player; `detail` of each is what stands here. */
+export interface HgsPlayerEvents {
+  /** A scene is being loaded: nothing is known of it yet. */
+  loadstart: null;
+  /** The scene's description has come: its length, its cameras. */
+  manifest: Manifest;
+  /** The first picture of the scene has been drawn. */
+  firstpicture: null;
+  /** Everything that is to be seen at the time of loading has been drawn. */
+  ready: null;
+  play: null;
+  pause: null;
+  /** The playhead waits for data. */
+  stalled: null;
+  /** The playhead goes on after waiting. */
+  playing: null;
+  /** The playhead has moved; four times a second while it runs. */
+  timeupdate: null;
+  /** All of what is to be seen at the time that was sought has been drawn. */
+  seeked: null;
+  /** The end is reached, and the scene does not begin again. */
+  ended: null;
+  ratechange: null;
+  /** The camera has moved, or the picture has another size. */
+  viewchange: null;
+  error: PlayerProblem;
+  /** A frame has passed: anything may have changed. Only while there is something to do. */
+  frame: null;
+}
+
+/** The event of that name, as its listeners get it. */
+export type HgsPlayerEvent<K extends keyof HgsPlayerEvents> = CustomEvent<HgsPlayerEvents[K]>;
+
+/** How a listener hears of an event by its name. */
+export interface HgsPlayerListening {
+  addEventListener<K extends keyof HgsPlayerEvents>(
+    type: K,
+    listener: (event: HgsPlayerEvent<K>) => void,
+    options?: boolean | AddEventListenerOptions,
+  ): void;
+  removeEventListener<K extends keyof HgsPlayerEvents>(
+    type: K,
+    listener: (event: HgsPlayerEvent<K>) => void,
+    options?: boolean | EventListenerOptions,
+  ): void;
+}

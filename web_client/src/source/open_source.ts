@@ -1,0 +1,31 @@
+/** Which source brings the scene of an address. */
+
+import type { OpenSource } from "./scene_source";
+import { SceneStream } from "./scene_stream";
+import { streamUrl } from "./stream_url";
+
+/** A scene on a server of HGS: its page, or what the API has of it. */
+const SERVED = /^(.*)\/(?:view|v1\/scenes)\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})(?:\/|\/stream)?$/;
+
+/**
+ * Say how to open the scene of an address: a server's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream itself
+ * (`ws:` or `wss:`). Relative addresses are those of the page.
+ *
+ * @throws Error with one line for people if no scene can be at such an address.
+ */
+export function openSource(src: string, base: string = document.baseURI): OpenSource {
+  const url = parse(src, base);
+  if (/^wss?:$/.test(url.protocol)) return (events, playhead) => new SceneStream(url.href, events, playhead);
+  const served = SERVED.exec(url.pathname);
+  if (!served) throw new Error(`src ${src}: neither a scene of a server (/view/NAME) nor a stream (wss://…)`);
+  const stream = streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] });
+  return (events, playhead) => new SceneStream(stream, events, playhead);
+}
+
+function parse(src: string, base: string): URL {
+  try {
+    return new URL(src, base);
+  } catch {
+    throw new Error(`src ${src}: not an address`);
+  }
+}

@@ -1,0 +1,30 @@
+/** A player with controls in one call. */
+
+import type { HgsPlayer } from "../player/hgs_player";
+import type { OpenSource } from "../source/scene_source";
+import { PlayerView, type PlayerViewOptions } from "./player_view";
+
+export interface CreatePlayerOptions extends PlayerViewOptions {
+  /** What to load at once. See `HgsPlayer.load`. */
+  readonly src?: string | OpenSource;
+}
+
+/**
+ * Put a player with its controls into an element of the page, which it fills; `dispose()` takes it out again.
+ *
+ * @example
+ * const player = createPlayer(document.querySelector("#scene"), { src: "studio/manifest.json", autoplay: true });
+ * player.addEventListener("ended", () => player.camera.look("cam01"));
+ *
+ * @param container an element with a size of its own.
+ * @throws RangeError if `playbackRate` is not in (0, 16].
+ */
+export function createPlayer(container: HTMLElement, options: CreatePlayerOptions = {}): HgsPlayer {
+  const host = document.createElement("div");
+  Object.assign(host.style, { width: "100%", height: "100%" });
+  container.append(host);
+  const { player } = new PlayerView(host, options);
+  player.disposed.addEventListener("abort", () => host.remove());
+  if (options.src !== undefined) player.load(options.src).catch(() => {}); // what fails is told by `error`
+  return player;
+}

@@ -1,0 +1,27 @@
+/** The whole screen for a player. */
+
+/**
+ * Give `host` the screen, or give it back if it has it.
+ *
+ * @throws Error with one line for people that says why the browser refuses.
+ */
+export async function toggleFullscreen(host: HTMLElement): Promise<void> {
+  const root = host.getRootNode() as Document | ShadowRoot;
+  if (root.fullscreenElement === host) {
+    await document.exitFullscreen();
+    return;
+  }
+  if (!document.fullscreenEnabled) {
+    const framed = window.parent !== window;
+    throw new Error(
+      framed
+        ? 'The page around this frame does not let it fill the screen: its <iframe> needs allow="fullscreen".'
+        : "This browser does not let pages fill the screen.",
+    );
+  }
+  try {
+    await host.requestFullscreen();
+  } catch {
+    throw new Error("The browser did not fill the screen. It does so only right after a click or a key.");
+  }
+}

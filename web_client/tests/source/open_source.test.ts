@@ -1,0 +1,33 @@
+import { afterEach, describe, expect, it, vi } from "vitest";
+import { openSource } from "../../src/source/open_source";
+
+afterEach(() => vi.unstubAllGlobals());
+
+/** The address of the WebSocket that a source opens. */
+function opened(src: string, base: string): string {
+  const sockets: string[] = [];
+  vi.stubGlobal("WebSocket", function open(this: object, url: string) {
+    sockets.push(url);
+    Object.assign(this, { close: () => {} });
+  });
+  const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
+  openSource(src, base)(events, { time: null, rate: 0 }).close();
+  return sockets.join();
+}
+
+describe("a scene on a server", () => {
+  it.each([
+    ["wss://hgs.example/v1/scenes/a/stream", "wss://hgs.example/v1/scenes/a/stream"],
+    ["/view/studio", "ws://page.example:8000/v1/scenes/studio/stream"],
+    ["https://hgs.example/view/studio/", "wss://hgs.example/v1/scenes/studio/stream"],
+    ["https://hgs.example/v1/scenes/studio", "wss://hgs.example/v1/scenes/studio/stream"],
+    ["https://hgs.example/lab/view/studio", "wss://hgs.example/lab/v1/scenes/studio/stream"],
+  ])("is streamed from %s", (src, stream) => {
+    expect(opened(src, "http://page.example:8000/")).toBe(stream);
+  });
+});
+
+it("names an address at which no scene can be", () => {
+  expect(() => openSource("studio.ply", "http://page.example/")).toThrow(/studio\.ply/);
+  expect(() => openSource("https://", "http://page.example/")).toThrow("src https://: not an address");
+});
