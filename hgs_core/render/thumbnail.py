@@ -13,7 +13,7 @@ from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 
-__all__ = ["thumbnail"]
+__all__ = ["as_jpeg", "thumbnail", "thumbnail_size"]
 
 _WIDTH = 480  # pixels
 _QUALITY = 85  # JPEG
@@ -21,7 +21,7 @@ _QUALITY = 85  # JPEG
 
 def thumbnail(scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera: Camera) -> bytes:
     """Return a JPEG of the scene at the middle of its time, seen from `camera`, 480 pixels wide at most."""
-    camera = camera.scaled(min(1.0, _WIDTH / camera.width))
+    camera = thumbnail_size(camera)
     seconds = (scene.start + scene.end) / 2
     segment = scene.segment_at(seconds)
     render = rasterize(
@@ -33,7 +33,17 @@ def thumbnail(scene: HybridScene[np.ndarray[Any, np.dtype[np.float32]]], camera:
         background=scene.background,
         antialiased=scene.antialiased,
     )
-    pixels = (render.rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).contiguous().numpy()
+    return as_jpeg(render.rgb)
+
+
+def thumbnail_size(camera: Camera) -> Camera:
+    """Return the camera with pictures of 480 pixels' width at most."""
+    return camera.scaled(min(1.0, _WIDTH / camera.width))
+
+
+def as_jpeg(rgb: torch.Tensor) -> bytes:
+    """Return a picture [3, H, W] of sRGB in [0, 1] as a JPEG file."""
+    pixels = (rgb.clamp(0, 1) * 255).round().to(torch.uint8).permute(1, 2, 0).contiguous().cpu().numpy()
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "JPEG", quality=_QUALITY)
     return file.getvalue()

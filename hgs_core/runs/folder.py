@@ -65,7 +65,9 @@ class RunFolder:
         self.train_summary = path / "train.json"
         self.scene = path / "scene"
         self.manifest = self.scene / "manifest.json"
+        self.thumbnail = self.scene / "thumbnail.jpg"
         self.evaluation = path / "eval.json"
+        self.preview = path / "preview.jpg"  # of the training, while it runs
 
     def checkpoint(self, segment: int) -> Path:
         """Return where the training state of a segment is kept."""

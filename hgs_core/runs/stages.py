@@ -95,7 +95,9 @@ def train(run: Path, progress: ProgressCallback) -> None:
     points = PointCloud.load(folder.points)
     cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
     every = capture.frames_in(config.init_interval)
-    scene, summary = train_capture(capture, cameras, config, points, every, folder.checkpoint, progress, masks)
+    scene, summary = train_capture(
+        capture, cameras, config, points, every, folder.checkpoint, progress, masks, folder.preview
+    )
     save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps(summary | {"machine": machine_facts()}, indent=1).encode())
 

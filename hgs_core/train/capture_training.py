@@ -19,6 +19,7 @@ from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats
+from hgs_core.train.preview import Preview
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
 
@@ -34,6 +35,7 @@ def train_capture(
     checkpoint: Callable[[int], Path],
     progress: ProgressCallback,
     masks: MotionMasks | None = None,
+    preview: Path | None = None,
 ) -> tuple[HybridScene[npt.NDArray[np.float32]], dict[str, Any]]:
     """Train all segments and return the scene and the summary that train.json keeps.
 
@@ -49,12 +51,14 @@ def train_capture(
         checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
         progress: called as if all segments were one training.
         masks: what moves; needed where the config's stages are `separate`.
+        preview: a JPEG file that shows how far the training is, from the first camera; None: none is drawn.
 
     Raises:
         StageStopped: the callback asked to stop; the state was saved first.
     """
     segments = cut_into_segments(capture.times, config.segment_frames)
     total, trained, key = config.iterations * len(segments), [], None
+    drawn = None if preview is None else Preview(preview, cameras[0], config)
     for number, segment in enumerate(segments):
         start = initial_splats(
             segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels,
@@ -66,8 +70,11 @@ def train_capture(
         )  # fmt: skip
         before = number * config.iterations
 
-        def report(step: Progress, before: int = before) -> None:
-            progress(dataclasses.replace(step, done=before + step.done, total=total))
+        def report(step: Progress, before: int = before, trainer: Trainer = trainer) -> None:
+            whole = dataclasses.replace(step, done=before + step.done, total=total)
+            if drawn is not None:
+                drawn.follow(trainer.state, whole)
+            progress(whole)
 
         scene = trainer.run(report)
         trained.append((trainer.state, scene))

@@ -120,8 +120,8 @@ class Trainer:
     def figures(self) -> dict[str, float]:
         """Return what is worth watching."""
         figures = {"static": float(len(self.state.static)), "dynamic": float(len(self.state.dynamic))}
-        psnr = self.state.history.psnr
-        return figures if math.isnan(psnr) else figures | {"psnr": psnr}
+        psnr, loss = self.state.history.psnr, self.state.history.loss
+        return figures if math.isnan(psnr) else figures | {"psnr": psnr, "loss": loss}
 
     def scene(self) -> HybridScene[npt.NDArray[np.float32]]:
         """Return a copy of the splats as they are now."""
