@@ -1,7 +1,8 @@
 """The artifact store: published scenes and their chunks, in a folder or an object store such as S3.
 
 Layout: `scenes/<scene id>/manifest.json`, `scenes/<scene id>/thumbnail.jpg` and `chunks/<sha256>`, the chunks shared by
-all scenes. Nothing that was published is ever overwritten.
+all scenes. Nothing that was published is ever overwritten. A scene that was renamed has its new title beside it, in
+`scenes/<scene id>/title.txt`.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ __all__ = ["SCENE_ID", "ArtifactStore", "SceneEntry"]
 SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 """Of a scene, and of the job that makes it: they have the same."""
 
+_TITLE = "title.txt"
+
 _CHUNK_ID = re.compile(r"[0-9a-f]{64}")
 
 
@@ -38,6 +41,7 @@ class SceneEntry:
     id: str
     published: datetime  # UTC
     version: str = ""  # another one, should another scene be published under the same id
+    renamed: str = ""  # another one after every change of the title; empty while it has the first one
 
 
 class ArtifactStore:
@@ -77,22 +81,22 @@ class ArtifactStore:
 
     def list_scenes(self) -> list[SceneEntry]:
         """Return the published scenes, newest first."""
-        scenes = []
+        manifests: dict[str, ObjectMeta] = {}
+        titles: dict[str, ObjectMeta] = {}
         for page in obstore.list(self._store, prefix="scenes"):
             for item in page:
                 parts = item["path"].split("/")
-                if len(parts) == 3 and parts[2] == MANIFEST and SCENE_ID.fullmatch(parts[1]):
-                    scenes.append(_entry(parts[1], item))
+                if len(parts) == 3 and SCENE_ID.fullmatch(parts[1]) and parts[2] in (MANIFEST, _TITLE):
+                    (manifests if parts[2] == MANIFEST else titles)[parts[1]] = item
+        scenes = [_entry(scene_id, item, titles.get(scene_id)) for scene_id, item in manifests.items()]
         return sorted(scenes, key=lambda scene: (scene.published, scene.id), reverse=True)
 
     def scene_entry(self, scene_id: str) -> SceneEntry | None:
         """Return one published scene as `list_scenes` does, without a look at the others."""
         if not SCENE_ID.fullmatch(scene_id):
             return None
-        try:
-            return _entry(scene_id, obstore.head(self._store, f"scenes/{scene_id}/{MANIFEST}"))
-        except FileNotFoundError:
-            return None
+        item = self._head(f"scenes/{scene_id}/{MANIFEST}")
+        return None if item is None else _entry(scene_id, item, self._head(f"scenes/{scene_id}/{_TITLE}"))
 
     def manifest(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's manifest.json."""
@@ -102,6 +106,16 @@ class ArtifactStore:
         """Return the bytes of a scene's JPEG thumbnail."""
         return self._get(f"scenes/{scene_id}/{THUMBNAIL}") if SCENE_ID.fullmatch(scene_id) else None
 
+    def title(self, scene_id: str) -> str | None:
+        """Return the title that a scene was given after its publication, if it was."""
+        data = self._get(f"scenes/{scene_id}/{_TITLE}") if SCENE_ID.fullmatch(scene_id) else None
+        return None if data is None else data.decode("utf-8", "replace")
+
+    def rename_scene(self, scene_id: str, title: str) -> None:
+        """Give a published scene another title; its manifest stays as it is. Unknown ids are ignored."""
+        if self.scene_entry(scene_id) is not None:
+            obstore.put(self._store, f"scenes/{scene_id}/{_TITLE}", title.encode())
+
     def chunk(self, chunk_id: str) -> bytes | None:
         """Return the bytes of the chunk with this SHA-256 (64 lower-case hexadecimal digits)."""
         return self._get(f"chunks/{chunk_id}") if _CHUNK_ID.fullmatch(chunk_id) else None
@@ -109,7 +123,7 @@ class ArtifactStore:
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if SCENE_ID.fullmatch(scene_id):
-            for name in (MANIFEST, THUMBNAIL):
+            for name in (MANIFEST, THUMBNAIL, _TITLE):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")
                 except FileNotFoundError:
@@ -121,6 +135,12 @@ class ArtifactStore:
         except AlreadyExistsError:
             return
 
+    def _head(self, path: str) -> ObjectMeta | None:
+        try:
+            return obstore.head(self._store, path)
+        except FileNotFoundError:
+            return None
+
     def _get(self, path: str) -> bytes | None:
         try:
             return bytes(obstore.get(self._store, path).bytes())
@@ -128,10 +148,13 @@ class ArtifactStore:
             return None
 
 
-def _entry(scene_id: str, item: ObjectMeta) -> SceneEntry:
-    published = item["last_modified"]
+def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:
+    return SceneEntry(scene_id, manifest["last_modified"], _version(manifest), "" if title is None else _version(title))
+
+
+def _version(item: ObjectMeta) -> str:
     # Whole seconds: object stores give fractions in a listing, and none where they are asked for one object.
-    return SceneEntry(scene_id, published, f"{int(published.timestamp())} {item['size']} {item['e_tag']}")
+    return f"{int(item['last_modified'].timestamp())} {item['size']} {item['e_tag']}"
 
 
 def _read(path: Path) -> bytes:

@@ -115,6 +115,10 @@ class JobClient:
         """
         return self._table.page(limit, state, after)
 
+    def ahead_of(self, job: Job) -> int:
+        """Return how many jobs were queued before a queued job, and are still: about as many are taken before it."""
+        return self._table.ahead_of(job)
+
     def cancel(self, job_id: str) -> Job:
         """Cancel a job and return it as it then is; a finished job stays as it is.
 

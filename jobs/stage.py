@@ -5,7 +5,7 @@ started it by plain means:
 
 - stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second; before it fails `{"error"}`, or
   `{"waiting"}` if the fault is one that passes: of the store, a disk or a mount;
-- stderr: whatever the libraries print, and the traceback of a failure;
+- stderr: when it began and ended, whatever the libraries print, and the traceback of a failure;
 - stdin: nothing is read, but when it closes the worker is gone, and the process ends at once;
 - SIGTERM: the stage saves what it can resume from and stops.
 
@@ -18,6 +18,7 @@ import argparse
 import contextlib
 import importlib
 import json
+import logging
 import os
 import signal
 import sys
@@ -41,6 +42,8 @@ DONE, FAILED, BAD_INPUT, LATER, ORPHANED, STOPPED = 0, 1, 2, 69, 70, 75  # exit 
 REPORT_INTERVAL = 0.5  # seconds between two progress lines
 LOCK_WAIT = 60.0  # seconds to wait for an earlier process of the same run to end
 
+log = logging.getLogger("hgs.stage")
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the stage that the command line names and return the exit status."""
@@ -48,6 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("stage", choices=STAGES)
     parser.add_argument("run", type=Path)
     options = parser.parse_args(arguments)
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
 
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
@@ -60,8 +64,12 @@ def main(arguments: list[str] | None = None) -> int:
             except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
                 _send(report, {"waiting": str(error)})
                 return LATER
+            began = time.monotonic()
+            log.info("%s begins", options.stage)
             _run(options.stage, options.run, Home.from_environment(), _throttled(report, stop))
+            log.info("%s is complete after %.1f s", options.stage, time.monotonic() - began)
     except StageStopped:
+        log.info("%s was asked to stop, and has saved what it needs to go on", options.stage)
         return STOPPED
     except Exception as error:
         return _explain(error, report)

@@ -149,6 +149,13 @@ class JobTable:
         with self._engine.connect() as connection:
             return [_job(row) for row in connection.execute(whole)]
 
+    def ahead_of(self, job: Job) -> int:
+        """Return how many jobs were queued before a queued job, and are still: about as many are taken before it."""
+        query = sa.select(sa.func.count()).select_from(_jobs)
+        query = query.where(_jobs.c.state == JobState.QUEUED, _jobs.c.updated < job.updated, _jobs.c.id != job.id)
+        with self._engine.connect() as connection:
+            return connection.execute(query).scalar_one()
+
     def active(self) -> list[Job]:
         """Return the jobs that are queued or running."""
         query = sa.select(_jobs).where(_jobs.c.state.in_(_ACTIVE))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import functools
 import logging
 import time
 from collections.abc import Callable
@@ -17,6 +18,7 @@ from hgs_core.base.progress import Progress
 from jobs.artifacts import ArtifactStore
 from jobs.home import Home
 from jobs.home_identity import HomeIdentity
+from jobs.job_history import CourseWriter
 from jobs.stage import STAGES
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
@@ -88,13 +90,23 @@ class TrainingWorkflow:
                 self.attended.discard((job_id, attempt))
 
     async def _run_stage(self, stage: str, job_id: str, attempt: int) -> StageOutcome:
-        async def on_progress(progress: Progress) -> None:
+        course = CourseWriter(self._home.run(job_id), attempt)
+
+        def write_down(progress: Progress) -> None:
+            if self._table.progress(job_id, attempt, progress):
+                course.add(progress)
+
+        async def unless_it_fails(write: Callable[[Progress], object], progress: Progress) -> None:
             try:
-                await asyncio.to_thread(self._table.progress, job_id, attempt, progress)
+                await asyncio.to_thread(write, progress)
             except Exception as error:
                 log.warning("progress of %s was not written: %s", job_id, one_line(error))
 
-        await on_progress(Progress(stage, 0, 1))
+        async def on_progress(progress: Progress) -> None:
+            await unless_it_fails(write_down, progress)
+
+        # The course has none of this: a stage that goes on from a checkpoint does not begin anew.
+        await unless_it_fails(functools.partial(self._table.progress, job_id, attempt), Progress(stage, 0, 1))
         outcome = StageOutcome()
         for _ in range(STAGE_TRIES):
             try:

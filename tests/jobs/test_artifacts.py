@@ -154,6 +154,35 @@ def test_a_removed_scene_is_gone_and_its_chunks_stay(store: ArtifactStore, scene
     assert store.chunk(name_of(b"one")) == b"one"
 
 
+def test_a_renamed_scene_keeps_its_manifest(store: ArtifactStore, scene: Path) -> None:
+    store.put_scene(scene, "a")
+    before = store.scene_entry("a")
+    assert before is not None
+    assert (store.title("a"), before.renamed) == (None, "")
+    store.rename_scene("a", "Zoë's studio")
+    after = store.scene_entry("a")
+    assert after is not None
+    assert store.title("a") == "Zoë's studio"
+    assert (after.version, store.manifest("a")) == (before.version, (scene / "manifest.json").read_bytes())
+    assert after.renamed
+    assert [after] == store.list_scenes()
+
+
+def test_a_scene_that_is_removed_and_published_anew_has_its_first_title(store: ArtifactStore, scene: Path) -> None:
+    store.put_scene(scene, "a")
+    store.rename_scene("a", "Another")
+    store.remove_scene("a")
+    store.put_scene(scene, "a")
+    assert store.title("a") is None
+
+
+def test_a_scene_that_is_not_there_gets_no_title(store: ArtifactStore) -> None:
+    for unknown in ("b", "../b"):
+        store.rename_scene(unknown, "Another")
+        assert store.title(unknown) is None
+    assert store.list_scenes() == []
+
+
 def test_a_store_on_a_path_with_spaces_and_umlauts(tmp_path: Path, scene: Path) -> None:
     folder = tmp_path / "my störe"
     ArtifactStore(folder.as_uri()).put_scene(scene, "a")

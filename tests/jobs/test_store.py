@@ -66,6 +66,16 @@ def add(engine: sa.Engine, table: JobTable, job_id: str, state: JobState) -> Non
         table.insert(connection, Job(id=job_id, title="", capture="", config={}, state=state))
 
 
+def test_a_waiting_job_has_those_ahead_that_were_queued_before_it(engine: sa.Engine, table: JobTable) -> None:
+    add(engine, table, "running", JobState.RUNNING)
+    for job_id in ("b", "c"):
+        add(engine, table, job_id, JobState.QUEUED)
+    jobs = table.many(["a", "b", "c"])
+    assert [table.ahead_of(jobs[job_id]) for job_id in ("a", "b", "c")] == [0, 1, 2]
+    table.start("a", 1)
+    assert table.ahead_of(jobs["c"]) == 1
+
+
 def test_jobs_that_run_come_first_then_those_that_wait_however_old(engine: sa.Engine, table: JobTable) -> None:
     table.start("a", 1)
     add(engine, table, "b", JobState.QUEUED)

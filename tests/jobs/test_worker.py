@@ -12,6 +12,8 @@ import pytest
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
+from jobs.job_history import read_course
+from jobs.stage import STAGES
 from jobs.store import Job, JobState
 from jobs.worker import start_worker
 
@@ -42,6 +44,20 @@ def test_a_job_becomes_a_published_scene(
     store = ArtifactStore(client.home.store_url)
     assert [scene.id for scene in store.list_scenes()] == [job.scene_id]
     assert iterations(client, job.id) == list(range(10))
+
+
+def test_the_course_and_the_log_of_a_job_are_in_its_run_folder(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    worker()
+    run = client.home.run(submit(cycles=60))
+    wait_for(run.name, finished, "the end of the job")
+    course = [point for point in read_course(run) if point.stage == "train"]
+    assert (course[-1].attempt, course[-1].done, course[-1].total) == (1, 60, 60)
+    assert course[-1].figures == {"loss": 0.0}
+    log = (run / "stage.log").read_text()
+    assert [f"{stage} begins" in log for stage in STAGES] == [True] * len(STAGES)
+    assert "publish is complete after" in log
 
 
 def test_a_worker_runs_one_job_after_the_other(
