@@ -16,7 +16,8 @@ from server.allowed_hosts import AllowedHosts, HostCheck
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
 from server.problems import install_problem_handlers
-from server.routes import chunks, health, jobs, scenes, stream
+from server.routes import captures as capture_routes
+from server.routes import chunks, health, job_runs, jobs, scenes, stream
 from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
 from server.viewer import VIEWER, viewer_router
@@ -42,6 +43,7 @@ def create_app(
     """
     store = artifacts or ArtifactStore(home.store_url)
     service = Service(
+        home=home,
         jobs=job_client or JobClient(home),
         artifacts=store,
         chunks=ChunkCache(store.chunk),
@@ -69,7 +71,7 @@ def create_app(
         )
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
-    for module in (health, jobs, scenes, chunks, stream):
+    for module in (health, capture_routes, jobs, job_runs, scenes, chunks, stream):
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))
     return app

@@ -1,7 +1,7 @@
 """The published scenes: what the list tells of each, and the indices of those that are watched, kept in memory.
 
 A manifest never changes once it is published, so each is read once; a scene that was taken back and published anew has
-another version.
+another version. A scene that was renamed costs one read of its title.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import logging
 import threading
 from collections import OrderedDict
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from starlette.concurrency import run_in_threadpool
@@ -37,8 +37,13 @@ class _Known:
     """What is kept of a scene: its description, or why it has none."""
 
     version: str
+    renamed: str
     description: dict[str, Any]
     fault: str = ""
+
+    def describes(self, entry: SceneEntry) -> bool:
+        """Return whether nothing of the scene has changed since."""
+        return (self.version, self.renamed) == (entry.version, entry.renamed)
 
 
 class SceneCatalogue:
@@ -58,8 +63,8 @@ class SceneCatalogue:
     async def scenes(self) -> list[dict[str, Any]]:
         """Return the published scenes as JSON, newest first; those that cannot be read are left out.
 
-        Costs one listing of the store, and one read for each scene that is new to it. Callers that come during a look
-        into the store share the next one.
+        Costs one listing of the store, and one read for each scene that is new to it or has another title. Callers that
+        come during a look into the store share the next one.
         """
         if self._next_look is None or self._next_look.done():
             self._next_look = asyncio.create_task(self._look())
@@ -73,8 +78,8 @@ class SceneCatalogue:
         """
         entry = self._entry(scene_id)
         known = self._known.get(scene_id)
-        if known is None or known.version != entry.version:
-            known = self._known[scene_id] = self._learn(entry, self._titles([scene_id]))
+        if known is None or not known.describes(entry):
+            known = self._known[scene_id] = self._learn(entry, known, self._titles([scene_id]))
         if known.fault:
             raise ProblemError(500, "internal", known.fault)
         return known.description
@@ -108,13 +113,13 @@ class SceneCatalogue:
     def _refresh(self) -> list[dict[str, Any]]:
         entries = self._artifacts.list_scenes()
         before = self._known
-        fresh = [entry for entry in entries if entry.id not in before or before[entry.id].version != entry.version]
+        fresh = [entry for entry in entries if entry.id not in before or not before[entry.id].describes(entry)]
         titles = self._titles([entry.id for entry in fresh])
         read: dict[str, _Known] = {}
         unreadable: set[str] = set()
         for entry in fresh:
             try:
-                read[entry.id] = self._learn(entry, titles)
+                read[entry.id] = self._learn(entry, before.get(entry.id), titles)
             except ProblemError:
                 continue  # taken back since
             except Exception as error:  # whatever the store raises: the others are there
@@ -125,15 +130,19 @@ class SceneCatalogue:
         self._known = {entry.id: known for entry in entries if (known := read.get(entry.id) or before.get(entry.id))}
         return [known.description for known in self._known.values() if not known.fault]
 
-    def _learn(self, entry: SceneEntry, titles: dict[str, str]) -> _Known:
+    def _learn(self, entry: SceneEntry, before: _Known | None, titles: dict[str, str]) -> _Known:
+        """Read what is new of a scene: all of it, or after a change of its title that alone."""
+        given = self._artifacts.title(entry.id) if entry.renamed else None
+        if given and before is not None and before.version == entry.version:
+            return replace(before, renamed=entry.renamed, description=before.description | {"title": encodable(given)})
         try:
             scene = self._read(entry)
         except InputError as error:
             log.warning("scene %s is left out of the list: %s", entry.id, error)
-            return _Known(entry.version, {}, str(error))
+            return _Known(entry.version, entry.renamed, {}, str(error))
         description = {
             "id": scene.scene_id,
-            "title": titles.get(entry.id) or scene.title or scene.scene_id,
+            "title": given or titles.get(entry.id) or scene.title or scene.scene_id,
             "created": entry.published.timestamp(),
             "start": scene.start,
             "end": scene.end,
@@ -141,7 +150,7 @@ class SceneCatalogue:
             "splats_static": scene.splats_static,
             "splats_dynamic": scene.splats_dynamic,
         }
-        return _Known(entry.version, encodable(description))
+        return _Known(entry.version, entry.renamed, encodable(description))
 
     def _titles(self, scene_ids: Collection[str]) -> dict[str, str]:
         """Return the titles of the scenes that jobs made, which have the jobs' ids."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-__all__ = ["CONSOLE_POLICY", "EMBEDDABLE_POLICY", "SecurityHeaders"]
+__all__ = ["CONSOLE_POLICY", "EMBEDDABLE_POLICY", "REPORT_POLICY", "SecurityHeaders"]
 
 EMBEDDABLE_POLICY = "; ".join(
     (
@@ -23,6 +23,20 @@ EMBEDDABLE_POLICY = "; ".join(
 
 CONSOLE_POLICY = f"{EMBEDDABLE_POLICY}; frame-ancestors 'none'"
 """Of pages on which jobs are cancelled: in a frame, a click could be borrowed."""
+
+REPORT_POLICY = "; ".join(
+    (
+        "sandbox allow-scripts",  # of an origin of its own: whatever it holds can change nothing on this server
+        "default-src 'none'",
+        "img-src data:",
+        "style-src 'unsafe-inline'",
+        "script-src 'unsafe-inline'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+    )
+)
+"""Of a run's report, one page with all that it shows inside."""
 
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",  # what is no page of ours loads nothing

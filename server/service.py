@@ -10,13 +10,17 @@ from typing import Annotated, Protocol, cast
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from jobs.artifacts import SceneEntry
+from jobs.artifacts import SCENE_ID, SceneEntry
 from jobs.client import JobRequest
+from jobs.home import Home
 from jobs.store import Job, JobState, Place
 from server.capture_folders import CaptureFolders
+from server.capture_list import CaptureList
 from server.chunk_cache import ChunkCache
 from server.job_events import JobFollowers
+from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
+from server.scene_watchers import SceneWatchers
 
 __all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
 
@@ -28,6 +32,7 @@ class Jobs(Protocol):
     def get(self, job_id: str) -> Job | None: ...  # noqa: D102
     def many(self, job_ids: Collection[str]) -> dict[str, Job]: ...  # noqa: D102
     def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]: ...  # noqa: D102
+    def ahead_of(self, job: Job) -> int: ...  # noqa: D102
     def cancel(self, job_id: str) -> Job: ...  # noqa: D102
     def retry(self, job_id: str) -> Job: ...  # noqa: D102
     def close(self) -> None: ...  # noqa: D102
@@ -40,6 +45,9 @@ class Artifacts(Protocol):
     def scene_entry(self, scene_id: str) -> SceneEntry | None: ...  # noqa: D102
     def manifest(self, scene_id: str) -> bytes | None: ...  # noqa: D102
     def thumbnail(self, scene_id: str) -> bytes | None: ...  # noqa: D102
+    def title(self, scene_id: str) -> str | None: ...  # noqa: D102
+    def rename_scene(self, scene_id: str, title: str) -> None: ...  # noqa: D102
+    def remove_scene(self, scene_id: str) -> None: ...  # noqa: D102
     def chunk(self, chunk_id: str) -> bytes | None: ...  # noqa: D102
 
 
@@ -47,6 +55,7 @@ class Artifacts(Protocol):
 class Service:
     """One running server's state; `stopping` is set when it begins to shut down, so that endless answers end."""
 
+    home: Home
     jobs: Jobs
     artifacts: Artifacts
     chunks: ChunkCache
@@ -55,16 +64,41 @@ class Service:
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     followers: JobFollowers = field(init=False)
     catalogue: SceneCatalogue = field(init=False)
+    capture_list: CaptureList = field(init=False)
+    watchers: SceneWatchers = field(default_factory=SceneWatchers)
 
     def __post_init__(self) -> None:
         """Make what is kept in memory of the queue and the store."""
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
+        self.capture_list = CaptureList(self.captures)
+
+    def known_job(self, job_id: str) -> Job:
+        """Return a job.
+
+        Raises:
+            ProblemError: 404, there is no such job.
+        """
+        # Whatever else a client asks for, not every database can look up.
+        job = self.jobs.get(job_id) if SCENE_ID.fullmatch(job_id) else None
+        if job is None:
+            raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
+        return job
 
     def same_site(self, connection: HTTPConnection) -> bool:
         """Return whether the request comes from no page, or from a page of this server."""
         origin = connection.headers.get("Origin")
         return origin is None or origin.partition("://")[2] == connection.headers.get("Host")
+
+    def require_same_site(self, connection: HTTPConnection) -> None:
+        """Refuse what would change something on behalf of a page of another site.
+
+        Raises:
+            ProblemError: 403.
+        """
+        if not self.same_site(connection):
+            detail = f"a page of {connection.headers['Origin']} may not change anything on this server"
+            raise ProblemError(403, "origin-not-allowed", detail)
 
     def may_read(self, connection: HTTPConnection) -> bool:
         """Return whether the page that asks, if any, may read scenes: browsers do not guard WebSockets themselves."""

@@ -41,7 +41,15 @@ _CODED = {"br": ".br", "gzip": ".gz"}
 # At most one folder deep, and no name begins with a dot: what a client asks for never leads out of the folder.
 _FILE = re.compile(r"(?:[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 
-_SCENE_PAGE = re.compile(r"view/[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}/?")  # as main.ts reads it
+_NAME = r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}"
+
+# The pages by the addresses that they are at, as page_address.ts reads them, and what browsers may do with each.
+_PAGES = (
+    (re.compile("|index\\.html"), "index.html", CONSOLE_POLICY),
+    (re.compile("new/?"), "new.html", CONSOLE_POLICY),
+    (re.compile(f"job/{_NAME}/?"), "job.html", CONSOLE_POLICY),
+    (re.compile(f"view/{_NAME}/?"), "view.html", EMBEDDABLE_POLICY),
+)
 
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HGS</title>
@@ -53,24 +61,23 @@ _NOT_BUILT = """<!doctype html>
 
 
 def viewer_router(folder: Path = VIEWER) -> APIRouter:
-    """Return routes that serve the files of `folder`: pages at `/` and `/view/{scene}`, and what they load."""
+    """Return routes that serve the files of `folder`: the pages at their addresses, and what they load."""
     router = APIRouter()
 
     @router.api_route("/{path:path}", methods=["GET", "HEAD"])
     def viewer_file(request: Request, path: str) -> Response:
         if path == "v1" or path.startswith("v1/"):
             raise HTTPException(404)
-        if path == "":
-            return _page(request, folder / "index.html", CONSOLE_POLICY)
-        if _SCENE_PAGE.fullmatch(path):
-            return _page(request, folder / "view.html", EMBEDDABLE_POLICY)
+        for address, page, policy in _PAGES:
+            if address.fullmatch(path):
+                return _page(request, folder / page, policy)
         file = folder / path
         if not _FILE.fullmatch(path) or file.suffix not in _MEDIA_TYPES or not file.is_file():
             if "text/html" in request.headers.get("Accept", ""):
-                page = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
-                page.status_code = 404 if page.status_code == 200 else page.status_code
-                page.headers.append("Vary", "Accept")
-                return page
+                answer = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
+                answer.status_code = 404 if answer.status_code == 200 else answer.status_code
+                answer.headers.append("Vary", "Accept")
+                return answer
             raise HTTPException(404, headers={"Vary": "Accept"})
         return _file(request, file, CONSOLE_POLICY)
 

@@ -8,7 +8,16 @@ from pathlib import Path
 
 from hgs_core.capture.recording import Recording
 
-__all__ = ["Layout"]
+__all__ = ["Layout", "Outline"]
+
+
+@dataclass(frozen=True)
+class Outline:
+    """What can be told of a capture without decoding a picture; it is not checked as `load` checks it."""
+
+    cameras: tuple[str, ...]  # their names, in the order of the capture
+    frames: int | None = None  # None: not told without reading more
+    seconds: float | None = None  # that the frames last, as far as that is known
 
 
 @dataclass(frozen=True)
@@ -19,3 +28,4 @@ class Layout:
     files: str  # what a folder of this layout holds, for people
     recognises: Callable[[Iterable[str]], bool]  # whether a folder with files of these names is one
     load: Callable[[Path, Path | None], Recording]  # of a folder, and of masks in place of its own
+    outline: Callable[[Path], Outline]  # of a folder; it reads little, and raises InputError where that is damaged

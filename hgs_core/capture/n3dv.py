@@ -17,11 +17,11 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cache import Neighbour
-from hgs_core.capture.layout import Layout
+from hgs_core.capture.layout import Layout, Outline
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import list_folder
 from hgs_core.capture.recording import Recording
-from hgs_core.capture.video import VideoReader
+from hgs_core.capture.video import VideoReader, announced_length
 from hgs_core.scene.camera import Camera
 
 __all__ = ["N3DV", "POSES_FILE", "VIDEO_NAME", "camera_from_pose", "load_n3dv"]
@@ -49,7 +49,7 @@ def load_n3dv(path: Path, masks: Path | None) -> Recording:
             first use.
     """
     found = list_folder(path)
-    names = sorted((name for name in found if VIDEO_NAME.fullmatch(name)), key=lambda name: (int(name[3:-4]), name))
+    names = _video_names(found)
     if not names:
         raise InputError(path, f"there is a {POSES_FILE} but no camNN.mp4", "put the videos beside it")
     if POSES_FILE not in found:
@@ -136,9 +136,21 @@ def _require_agreement(path: Path, videos: list[VideoReader]) -> None:
             raise InputError(video.path, problem, "export all videos at the same rate")
 
 
+def _outline(path: Path) -> Outline:
+    """Return the cameras by the names of their videos, and the length that the first video's header announces."""
+    names = _video_names(list_folder(path))
+    frames, rate = announced_length(path / names[0]) if names else (None, None)
+    seconds = frames / rate if frames is not None and rate is not None else None
+    return Outline(tuple(name[:-4] for name in names), frames, seconds)
+
+
+def _video_names(names: Iterable[str]) -> list[str]:
+    return sorted((name for name in names if VIDEO_NAME.fullmatch(name)), key=lambda name: (int(name[3:-4]), name))
+
+
 def _is_n3dv(names: Iterable[str]) -> bool:
     """Whether some of what the layout needs is there; `load_n3dv` says what is not."""
     return any(name == POSES_FILE or VIDEO_NAME.fullmatch(name) for name in names)
 
 
-N3DV = Layout("N3DV", f"{POSES_FILE}, camNN.mp4", _is_n3dv, load_n3dv)
+N3DV = Layout("N3DV", f"{POSES_FILE}, camNN.mp4", _is_n3dv, load_n3dv, _outline)

@@ -17,7 +17,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cache import Neighbour
-from hgs_core.capture.layout import Layout
+from hgs_core.capture.layout import Layout, Outline
 from hgs_core.capture.mask_files import MaskFiles, find_masks
 from hgs_core.capture.picture import check_size, list_folder, read_picture
 from hgs_core.capture.recording import Recording
@@ -163,4 +163,13 @@ def _require(folder: Path, names: list[str], camera: Camera, kind: str) -> list[
     return found
 
 
-PANOPTIC_SPORTS = Layout("PanopticSports", f"{META_FILE}, ims/", lambda names: META_FILE in names, load_panoptic)
+def _outline(path: Path) -> Outline:
+    """Return the cameras and the length that train_meta.json lists."""
+    meta = _read_meta(path / META_FILE)
+    frames = len(meta["fn"])
+    return Outline(tuple(str(camera) for camera in meta["cam_id"][0]), frames, frames / _FRAME_RATE)
+
+
+PANOPTIC_SPORTS = Layout(
+    "PanopticSports", f"{META_FILE}, ims/", lambda names: META_FILE in names, load_panoptic, _outline
+)

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.distortion import Distortion, straight_camera, straightened
-from hgs_core.capture.layout import Layout
+from hgs_core.capture.layout import Layout, Outline
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.picture import picture_size, read_picture
 from hgs_core.capture.recording import Recording
@@ -183,6 +183,13 @@ def _number(values: dict[str, Any], name: str, where: str, default: float | None
     return float(value)
 
 
+def _outline(path: Path) -> Outline:
+    """Return the cameras of the photographs that are there; they show one moment."""
+    where = path / TRANSFORMS_FILE
+    files = [path / _picture_name(where, number, frame) for number, frame in enumerate(_read_meta(where)["frames"])]
+    return Outline(tuple(_camera_names(path, [file for file in files if file.is_file()])), 1, 0.0)
+
+
 NERFSTUDIO = Layout(
-    "nerfstudio", f"{TRANSFORMS_FILE}, images/", lambda names: TRANSFORMS_FILE in names, load_transforms
+    "nerfstudio", f"{TRANSFORMS_FILE}, images/", lambda names: TRANSFORMS_FILE in names, load_transforms, _outline
 )

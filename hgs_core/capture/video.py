@@ -18,7 +18,26 @@ from hgs_core.capture.display_matrix import quarter_turns
 if TYPE_CHECKING:
     import av
 
-__all__ = ["VideoReader"]
+__all__ = ["VideoReader", "announced_length"]
+
+
+def announced_length(path: Path) -> tuple[int | None, float | None]:
+    """Return the number of frames and the frames per second that the header of a video states; None where it does not.
+
+    Raises:
+        InputError: the file is missing or no video.
+    """
+    import av
+
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.video:
+                raise InputError(path, "the file has no video stream", "export the camera's video again")
+            stream = container.streams.video[0]
+            return stream.frames or None, float(stream.average_rate or 0) or None
+    except (av.FFmpegError, OSError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(path, f"the video is unreadable ({reason})", "copy or export it again") from error
 
 
 class VideoReader:

@@ -12,7 +12,6 @@ from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
 from hgs_core.train.config import TrainConfig
-from jobs.artifacts import SCENE_ID
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
 from server.conditional import respond_json
@@ -42,7 +41,7 @@ class Submission(BaseModel):
 @router.post("")
 async def submit(request: Request, service: ServiceDep) -> Response:
     """Queue a job."""
-    _require_same_site(request, service)
+    service.require_same_site(request)
     submission = await read_json(request, Submission)
     job = await run_in_threadpool(_submit, service, submission)
     return JSONResponse(describe_job(job), 201, {"Location": f"/v1/jobs/{job.id}"})
@@ -61,13 +60,13 @@ def list_jobs(request: Request, service: ServiceDep) -> Response:
 @router.api_route("/{job_id}", methods=["GET", "HEAD"])
 def get_job(job_id: str, service: ServiceDep) -> dict[str, Any]:
     """Describe one job."""
-    return describe_job(_known(service, job_id))
+    return describe_job(service.known_job(job_id))
 
 
 @router.get("/{job_id}/events")
 async def events(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Follow one job until it is finished."""
-    job = await run_in_threadpool(_known, service, job_id)
+    job = await run_in_threadpool(service.known_job, job_id)
     if job.state.finished and request.headers.get("Last-Event-ID") == revision(job):
         return Response(status_code=204)
     stream = job_events(service.followers, job)
@@ -77,8 +76,8 @@ async def events(request: Request, job_id: str, service: ServiceDep) -> Response
 @router.post("/{job_id}/cancel", status_code=202)
 def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
     """Cancel a job."""
-    _require_same_site(request, service)
-    _known(service, job_id)
+    service.require_same_site(request)
+    service.known_job(job_id)
     job = service.jobs.cancel(job_id)
     if job.state is not JobState.CANCELLED:
         raise ProblemError(409, "job-finished", f"job {job_id}: {job.state.value}; a finished job cannot be cancelled")
@@ -88,8 +87,8 @@ def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]
 @router.post("/{job_id}/retry", status_code=202)
 def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
     """Queue a failed or cancelled job again; it goes on from its last checkpoint."""
-    _require_same_site(request, service)
-    _known(service, job_id)
+    service.require_same_site(request)
+    service.known_job(job_id)
     try:
         return describe_job(service.jobs.retry(job_id))
     except JobConflictError as error:
@@ -106,29 +105,19 @@ def _submit(service: Service, submission: Submission) -> Job:
     try:
         config = TrainConfig.for_preset(submission.preset, **overrides)
     except InputError as error:
-        field = error.where if error.where != "config.hold_out" else "hold_out"
-        raise ProblemError(422, "config-invalid", str(error), field=field) from error
+        raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
     try:
         capture: Path = service.captures.locate(submission.capture)
         job_id = service.jobs.submit(JobRequest(capture, config, submission.title))
     except InputError as error:
         if error.where == "title":
             raise ProblemError(422, "body-invalid", str(error), field="title") from error
-        code = "config-invalid" if error.where.startswith("config") else "capture-invalid"
-        raise ProblemError(422, code, str(error)) from error
-    return _known(service, job_id)
+        if error.where.startswith("config"):  # the capture does not fit the config
+            raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
+        raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
+    return service.known_job(job_id)
 
 
-def _known(service: Service, job_id: str) -> Job:
-    # Whatever else a client asks for, not every database can look up.
-    job = service.jobs.get(job_id) if SCENE_ID.fullmatch(job_id) else None
-    if job is None:
-        raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
-    return job
-
-
-def _require_same_site(request: Request, service: Service) -> None:
-    if not service.same_site(request):
-        raise ProblemError(
-            403, "origin-not-allowed", f"a page of {request.headers['Origin']} may not change jobs on this server"
-        )
+def _field(error: InputError) -> str:
+    """Return where a client gave what the config refuses: held-out cameras stand beside the config."""
+    return error.where if error.where != "config.hold_out" else "hold_out"

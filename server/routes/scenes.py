@@ -1,20 +1,32 @@
-"""`/v1/scenes`: what has been published."""
+"""`/v1/scenes`: what has been published; scenes can be renamed and deleted."""
 
 from __future__ import annotations
 
+import unicodedata
 from typing import Any
 
 from fastapi import APIRouter, Request, Response
+from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
+from jobs.client import MAX_TITLE
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.problems import ProblemError
+from server.request_body import read_json
 from server.scene_catalogue import unknown_scene
-from server.service import ServiceDep
+from server.service import Service, ServiceDep
 
 __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/scenes")
+
+
+class Changes(BaseModel):
+    """The body of `PATCH /v1/scenes/{id}`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    title: StrictStr = Field(min_length=1, max_length=MAX_TITLE)
 
 
 @router.api_route("", methods=["GET", "HEAD"])
@@ -28,6 +40,23 @@ async def scenes(request: Request, service: ServiceDep) -> Response:
 def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
     """Describe one scene."""
     return service.catalogue.describe(scene_id)
+
+
+@router.patch("/{scene_id}")
+async def rename(request: Request, scene_id: str, service: ServiceDep) -> dict[str, Any]:
+    """Give a scene another title."""
+    service.require_same_site(request)
+    title = _one_line((await read_json(request, Changes)).title)
+    return await run_in_threadpool(_rename, service, scene_id, title)
+
+
+@router.delete("/{scene_id}", status_code=204)
+async def delete(request: Request, scene_id: str, service: ServiceDep) -> Response:
+    """Take a scene back and end its streams; chunks stay, since other scenes may name them too."""
+    service.require_same_site(request)
+    await run_in_threadpool(_delete, service, scene_id)
+    service.watchers.tell(scene_id)
+    return Response(status_code=204)
 
 
 @router.api_route("/{scene_id}/manifest", methods=["GET", "HEAD"])
@@ -46,3 +75,31 @@ def thumbnail(request: Request, scene_id: str, service: ServiceDep) -> Response:
     if body is None:
         raise ProblemError(404, "thumbnail-not-found", f"scene {scene_id}: no such scene, or it has no thumbnail")
     return respond(request, body, "image/jpeg", etag=entity_tag(body), cache_control="no-cache")
+
+
+def _rename(service: Service, scene_id: str, title: str) -> dict[str, Any]:
+    if service.artifacts.scene_entry(scene_id) is None:
+        raise unknown_scene(scene_id)
+    service.artifacts.rename_scene(scene_id, title)
+    return service.catalogue.describe(scene_id)
+
+
+def _delete(service: Service, scene_id: str) -> None:
+    if service.artifacts.scene_entry(scene_id) is None:
+        raise unknown_scene(scene_id)
+    service.artifacts.remove_scene(scene_id)
+
+
+def _one_line(title: str) -> str:
+    """Return a title without spaces around it.
+
+    Raises:
+        ProblemError: 422, it is empty or holds control characters or the ends of lines.
+    """
+    title = title.strip()
+    if not title:
+        raise ProblemError(422, "body-invalid", "title: is empty; give one line of text", field="title")
+    if any(unicodedata.category(one) in ("Cc", "Zl", "Zp") for one in title):
+        detail = f"title: {title[:80]!a} holds control characters; give one line of text"
+        raise ProblemError(422, "body-invalid", detail, field="title")
+    return title

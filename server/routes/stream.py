@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
+from typing import NoReturn
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
@@ -36,8 +37,9 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
         return
     await socket.accept()
     try:
-        scene = await run_in_threadpool(service.catalogue.scene, scene_id)
-        await _converse(socket, StreamSession(scene), service.chunks)
+        with service.watchers.join(scene_id) as gone:  # before the look: what is deleted after it is told
+            scene = await run_in_threadpool(service.catalogue.scene, scene_id)
+            await _converse(socket, StreamSession(scene), service.chunks, gone)
     except WebSocketDisconnect:
         return
     except ProtocolError as error:
@@ -49,13 +51,14 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
         await _refuse(socket, 1011, "internal", "a fault of the server; its log says more")
 
 
-async def _converse(socket: WebSocket, session: StreamSession, chunks: ChunkCache) -> None:
-    """Read and write at once; whichever side fails first ends both."""
+async def _converse(socket: WebSocket, session: StreamSession, chunks: ChunkCache, gone: asyncio.Event) -> None:
+    """Read and write at once, until the scene is `gone`; whichever side fails first ends all."""
     news = asyncio.Event()
     budget = TokenBucket(MESSAGE_RATE, MESSAGE_BURST)
     sides = {
         asyncio.create_task(_listen(socket, session, budget, news)),
         asyncio.create_task(_speak(socket, session, chunks, budget, news)),
+        asyncio.create_task(_await_deletion(gone)),
     }
     try:
         done, _ = await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
@@ -102,6 +105,11 @@ async def _speak(
             await socket.send_bytes(_frame(item, data))
             budget.earn(1)
         await asyncio.sleep(0)  # sending does not wait while the socket has room, and others want to be served too
+
+
+async def _await_deletion(gone: asyncio.Event) -> NoReturn:
+    await gone.wait()
+    raise ProtocolError(4004, "scene-not-found", "the scene was deleted")
 
 
 def _frame(part: ChunkPart, data: bytes) -> bytes:

@@ -93,6 +93,9 @@ class FakeJobs:
     def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:
         return [job for job in reversed(self.jobs.values()) if state in (None, job.state)][:limit]
 
+    def ahead_of(self, job: Job) -> int:
+        return sum(other.state is JobState.QUEUED and other.id < job.id for other in self.jobs.values())
+
     def cancel(self, job_id: str) -> Job:
         if not self.jobs[job_id].state.finished:
             self.change(job_id, state=JobState.CANCELLED)
@@ -121,11 +124,17 @@ class FakeArtifacts:
     chunks: dict[str, bytes] = dataclasses.field(default_factory=dict)
     manifests: dict[str, bytes] = dataclasses.field(default_factory=dict)
     thumbnails: dict[str, bytes] = dataclasses.field(default_factory=dict)
+    titles: dict[str, str] = dataclasses.field(default_factory=dict)
     reads: int = 0
 
     def list_scenes(self) -> list[SceneEntry]:
         return [
-            SceneEntry(scene_id, datetime.fromtimestamp(1000, UTC), hashlib.sha256(manifest).hexdigest())
+            SceneEntry(
+                scene_id,
+                datetime.fromtimestamp(1000, UTC),
+                hashlib.sha256(manifest).hexdigest(),
+                self.titles.get(scene_id, ""),
+            )
             for scene_id, manifest in sorted(self.manifests.items())
         ]
 
@@ -137,6 +146,16 @@ class FakeArtifacts:
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         return self.thumbnails.get(scene_id)
+
+    def title(self, scene_id: str) -> str | None:
+        return self.titles.get(scene_id)
+
+    def rename_scene(self, scene_id: str, title: str) -> None:
+        self.titles[scene_id] = title
+
+    def remove_scene(self, scene_id: str) -> None:
+        for kept in (self.manifests, self.thumbnails, self.titles):
+            kept.pop(scene_id, None)
 
     def chunk(self, chunk_id: str) -> bytes | None:
         self.reads += 1
@@ -157,6 +176,7 @@ class Server:
     jobs: FakeJobs
     artifacts: FakeArtifacts
     captures: Path
+    home: Home
 
     def request(self, method: str, path: str, **arguments: Any) -> httpx.Response:
         """Send one request without a socket."""
@@ -247,11 +267,12 @@ def server(tmp_path: Path) -> Server:
     captures = tmp_path / "captures"
     (captures / "studio").mkdir(parents=True)
     jobs, artifacts = FakeJobs(), FakeArtifacts()
+    home = Home.at(tmp_path / "home")
     app = create_app(
-        Home.at(tmp_path / "home"),
+        home,
         captures=CaptureFolders((captures.resolve(),)),
         job_client=jobs,
         artifacts=artifacts,
         viewer=tmp_path / "viewer",
     )
-    return Server(app, jobs, artifacts, captures)
+    return Server(app, jobs, artifacts, captures, home)

@@ -25,11 +25,16 @@ class CountingStore(ArtifactStore):
         super().__init__(folder.as_uri())
         self.listings = 0
         self.reads: list[str] = []
+        self.titles: list[str] = []
         self.unreadable: set[str] = set()
 
     def list_scenes(self) -> list[SceneEntry]:
         self.listings += 1
         return super().list_scenes()
+
+    def title(self, scene_id: str) -> str | None:
+        self.titles.append(scene_id)
+        return super().title(scene_id)
 
     def manifest(self, scene_id: str) -> bytes | None:
         self.reads.append(scene_id)
@@ -81,6 +86,17 @@ def test_manifests_are_read_once_and_a_look_costs_one_listing(
     for looks in (1, 2, 3):
         assert listed(catalogue) == ALL
         assert (store.listings, sorted(store.reads), jobs.questions) == (looks, ALL, 1)
+
+
+def test_a_new_title_costs_one_read_of_the_title_alone(catalogue: SceneCatalogue, store: CountingStore) -> None:
+    listed(catalogue)
+    for title in ("First", "Second"):
+        store.reads, store.titles = [], []
+        store.rename_scene("scene-3", title)
+        scenes = [asyncio.run(catalogue.scenes()) for _ in range(3)][-1]
+        assert [scene["title"] for scene in scenes if scene["id"] == "scene-3"] == [title]
+        assert catalogue.describe("scene-3")["title"] == title
+        assert (store.reads, store.titles) == ([], ["scene-3"])
 
 
 def test_one_scene_is_described_without_a_look_at_the_others(catalogue: SceneCatalogue, store: CountingStore) -> None:

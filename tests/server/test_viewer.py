@@ -13,7 +13,8 @@ def viewer(tmp_path: Path, server: Any) -> Path:
     folder = tmp_path / "viewer"
     (folder / "assets").mkdir(parents=True)
     (folder / "index.html").write_text("<title>index</title>")
-    (folder / "view.html").write_text("<title>view</title>")
+    for page in ("view", "job", "new"):
+        (folder / f"{page}.html").write_text(f"<title>{page}</title>")
     (folder / ".built-1a2b").write_text("")
     script = folder / "assets" / "main-1a2b.js"
     script.write_text("1;" * 1000)
@@ -49,8 +50,21 @@ def test_every_scene_has_a_page(server: Any, viewer: Path, path: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("path", "page"),
+    [("/", "index"), ("/new", "new"), ("/new/", "new"), ("/job/studio-1f9c03ab", "job"), ("/job/a_b/", "job")],
+)
+def test_pages_of_the_console_are_at_their_addresses_and_in_no_frame(
+    server: Any, viewer: Path, path: str, page: str
+) -> None:
+    answer = server.get(path)
+    assert (answer.status_code, page in answer.text) == (200, True)
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+
+
+@pytest.mark.parametrize(
     "path",
-    ["/metrics", "/docs", "/view", "/view/", "/view/a/b", "/view/-%00", "/assets/other.js", "/assets/%00", "/assets/",
+    ["/metrics", "/docs", "/view", "/view/", "/job", "/job/", "/job/a/b", "/new/a",
+     "/view/a/b", "/view/-%00", "/assets/other.js", "/assets/%00", "/assets/",
      "/assets", "/.built-1a2b", "/assets/main-1a2b.js.br", "/index.html/", "/" + "a" * 300, "/a" * 3000],
 )  # fmt: skip
 def test_what_is_no_page_is_404_for_programs_and_people(server: Any, viewer: Path, path: str) -> None:

@@ -113,3 +113,65 @@ def test_pages_of_other_hosts_get_no_permission_by_default(server: Any) -> None:
 def test_health_names_the_protocol(server: Any) -> None:
     health = server.get("/v1/health").json()
     assert (health["status"], health["protocol"]) == ("ok", 1)
+
+
+def test_scene_is_renamed_in_the_list_and_the_manifest_stays(server: Any, manifest: bytes) -> None:
+    server.get("/v1/scenes")
+    answer = server.request("PATCH", "/v1/scenes/studio", json={"title": "  Zoë's studio "})
+    assert (answer.status_code, answer.json()["title"]) == (200, "Zoë's studio")
+    assert answer.json() == server.get("/v1/scenes/studio").json() == server.get("/v1/scenes").json()["scenes"][0]
+    assert server.get("/v1/scenes/studio/manifest").content == manifest
+
+
+def test_new_title_counts_more_than_that_of_the_job(server: Any, manifest: bytes) -> None:
+    job = server.request("POST", "/v1/jobs", json={"capture": "studio", "title": "My studio"}).json()
+    server.artifacts.manifests[job["id"]] = manifest
+    server.request("PATCH", f"/v1/scenes/{job['id']}", json={"title": "Ours"})
+    assert server.get(f"/v1/scenes/{job['id']}").json()["title"] == "Ours"
+
+
+@pytest.mark.parametrize(
+    ("body", "field"),
+    [
+        ({}, "title"),
+        ({"title": ""}, "title"),
+        ({"title": "   "}, "title"),
+        ({"title": "x" * 201}, "title"),
+        ({"title": "two\nlines"}, "title"),
+        ({"title": 3}, "title"),
+        ({"title": None}, "title"),
+        ({"title": "fine", "start": 0}, "start"),
+    ],
+)
+def test_bad_titles_are_422_and_change_nothing(server: Any, body: dict[str, Any], field: str) -> None:
+    answer = server.request("PATCH", "/v1/scenes/studio", json=body)
+    assert (answer.status_code, answer.json()["code"], answer.json()["field"]) == (422, "body-invalid", field)
+    assert server.get("/v1/scenes/studio").json()["title"] == "Studio"
+
+
+def test_deleted_scene_is_gone_and_its_chunks_stay(server: Any, chunks: list[bytes]) -> None:
+    chunk = server.artifacts.add_chunk(chunks[0])
+    assert server.request("DELETE", "/v1/scenes/studio").status_code == 204
+    for path in ("", "/manifest", "/thumbnail"):
+        assert server.get(f"/v1/scenes/studio{path}").status_code == 404
+    assert server.get("/v1/scenes").json() == {"scenes": []}
+    assert server.get(f"/v1/chunks/{chunk}").content == chunks[0]
+
+
+@pytest.mark.parametrize("scene_id", ["no", "..", "A"])
+@pytest.mark.parametrize(("method", "arguments"), [("PATCH", {"json": {"title": "New"}}), ("DELETE", {})])
+def test_scenes_that_are_not_there_cannot_be_changed(
+    server: Any, scene_id: str, method: str, arguments: dict[str, Any]
+) -> None:
+    answer = server.request(method, f"/v1/scenes/{scene_id}", **arguments)
+    assert answer.status_code in (404, 405)
+    assert server.artifacts.titles == {}
+
+
+@pytest.mark.parametrize(("method", "arguments"), [("PATCH", {"json": {"title": "New"}}), ("DELETE", {})])
+def test_pages_of_other_origins_may_not_change_scenes(server: Any, method: str, arguments: dict[str, Any]) -> None:
+    before = server.get("/v1/scenes").json()
+    headers = {"Origin": "https://elsewhere.example"}
+    answer = server.request(method, "/v1/scenes/studio", headers=headers, **arguments)
+    assert (answer.status_code, answer.json()["code"]) == (403, "origin-not-allowed")
+    assert server.get("/v1/scenes").json() == before

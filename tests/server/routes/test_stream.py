@@ -10,6 +10,7 @@ import socket
 import sys
 from typing import Any
 
+import httpx
 import pytest
 import websockets
 from websockets.asyncio.client import ClientConnection
@@ -149,5 +150,23 @@ def test_grants_for_every_frame_are_no_flood(
         await socket.send(encode(Hello(1, 4144)))
         received, _ = await receive_all(socket, 4144)
         assert len(received) == len(chunks)
+
+    with_stream(server, manifest, chunks, talk)
+
+
+def test_viewers_are_told_when_their_scene_is_deleted(server: Any, manifest: bytes, chunks: list[bytes]) -> None:
+    async def talk(socket: ClientConnection) -> None:
+        await socket.send(encode(Hello(1, 0)))  # it waits for credit, as a paused viewer does
+        welcome = await receive(socket)
+        assert isinstance(welcome, dict)
+        address = f"http://127.0.0.1:{socket.remote_address[1]}/v1/scenes/studio"
+        async with httpx.AsyncClient() as client:
+            assert (await client.delete(address)).status_code == 204
+            assert (await client.delete(address)).status_code == 404
+        error = await receive(socket)
+        assert isinstance(error, dict)
+        assert (error["type"], error["code"]) == ("error", "scene-not-found")
+        await socket.wait_closed()
+        assert socket.close_code == 4004
 
     with_stream(server, manifest, chunks, talk)

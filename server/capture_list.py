@@ -1,0 +1,138 @@
+"""The captures that lie in the folders which the server may read, for people to choose from.
+
+A look is bounded in folders, files and depth, decodes no picture, and asks again only about captures that have changed.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import is_storable
+from hgs_core.capture.layout import Layout
+from hgs_core.capture.open import LAYOUTS
+from server.capture_folders import CaptureFolders
+from server.encodable import encodable
+
+__all__ = ["CaptureList"]
+
+_DEEPEST = 3  # folders below one that the server may read
+_MOST_FOLDERS = 2000  # that one look goes into
+_MOST_CAPTURES = 300
+_MOST_FILES = 20_000  # of one folder; its name alone says what a capture is
+_LARGEST_TABLE = 64 << 20  # bytes of a JSON file that is read for its cameras
+
+log = logging.getLogger("hgs.server")
+
+
+@dataclass(frozen=True)
+class _Folder:
+    """What a look finds in one folder."""
+
+    files: dict[str, tuple[int, int]]  # size in bytes and time of change in ns, by name
+    folders: list[str]
+
+
+@dataclass
+class CaptureList:
+    """Finds the captures; safe to use from several threads, which look one after the other."""
+
+    folders: CaptureFolders
+    _known: dict[Path, tuple[int, dict[str, Any]]] = field(default_factory=dict)  # with a mark of their files
+    _one_look: threading.Lock = field(default_factory=threading.Lock)
+
+    def describe(self) -> dict[str, Any]:
+        """Return the answer of `GET /v1/captures`."""
+        with self._one_look:
+            known, complete = dict[Path, tuple[int, dict[str, Any]]](), True
+            captures: list[dict[str, Any]] = []
+            for name, path, layout, found in self._candidates():
+                if found is None or len(captures) == _MOST_CAPTURES:
+                    complete = False
+                    break
+                mark = hash(tuple(sorted(found.files.items())))
+                before, described = self._known.get(path, (0, {}))
+                if not described or before != mark:
+                    described = _described(path, layout, found)
+                known[path] = mark, described
+                captures.append({"capture": str(path), "name": name} | described)
+            self._known = known
+        roots = [{"path": str(folder), "exists": folder.is_dir()} for folder in self.folders.folders]
+        answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": complete})
+        return answer
+
+    def _candidates(self) -> Iterator[tuple[str, Path, Layout, _Folder | None]]:
+        """Yield the captures in order, with the layouts of which they seem to be; None last where a bound is met."""
+        seen: set[Path] = set()
+        for root in self.folders.folders:
+            waiting = [(root, 0)]
+            while waiting:
+                path, depth = waiting.pop()
+                if path in seen:
+                    continue
+                seen.add(path)
+                if len(seen) > _MOST_FOLDERS:
+                    yield "", path, LAYOUTS[0], None
+                    return
+                found = _look(path)
+                if found is None:
+                    continue
+                layout = next((layout for layout in LAYOUTS if layout.recognises(found.files)), None)
+                if layout is not None:
+                    yield path.relative_to(root).as_posix() if path != root else root.name, path, layout, found
+                elif depth < _DEEPEST:
+                    inside = (self._inside(path / name) for name in sorted(found.folders, reverse=True))
+                    waiting += [(below, depth + 1) for below in inside if below is not None]
+
+    def _inside(self, path: Path) -> Path | None:
+        """Return a folder as a job would name it, or None if a link leads out of what the server may read."""
+        try:
+            resolved = path.resolve()
+        except (OSError, RuntimeError):
+            return None
+        allowed = any(resolved.is_relative_to(folder) for folder in self.folders.folders)
+        return path if allowed and is_storable(str(path)) else None
+
+
+def _look(path: Path) -> _Folder | None:
+    """Return what is in a folder, as far as the bound; None where it cannot be read."""
+    files: dict[str, tuple[int, int]] = {}
+    folders: list[str] = []
+    try:
+        with os.scandir(path) as entries:
+            for number, entry in enumerate(entries):
+                if number == _MOST_FILES:
+                    break
+                if entry.name.startswith(".") or not is_storable(entry.name):
+                    continue
+                if entry.is_dir():
+                    folders.append(entry.name)
+                elif entry.is_file():
+                    status = entry.stat()
+                    files[entry.name] = status.st_size, status.st_mtime_ns
+    except OSError:
+        return None
+    return _Folder(files, folders)
+
+
+def _described(path: Path, layout: Layout, found: _Folder) -> dict[str, Any]:
+    description: dict[str, Any] = {"layout": layout.name, "cameras": [], "frames": None, "seconds": None}
+    try:
+        tables = [name for name, (size, _) in found.files.items() if name.endswith(".json") and size > _LARGEST_TABLE]
+        if tables:
+            raise InputError(path / tables[0], f"is larger than {_LARGEST_TABLE >> 20} MiB", "it is too large to list")
+        outline = layout.outline(path)
+    except InputError as error:
+        return description | {"problem": " ".join(str(error).split())}
+    except Exception:  # whatever a damaged file brings about: the others are there
+        log.exception("capture %s cannot be described", path)
+        return description | {"problem": "the capture cannot be read; the server's log says more"}
+    return description | {
+        "cameras": list(outline.cameras), "frames": outline.frames, "seconds": outline.seconds, "problem": None,
+    }  # fmt: skip

@@ -1,0 +1,18 @@
+"""`/v1/captures`: what there is to train."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Request, Response
+
+from server.conditional import respond_json
+from server.service import ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/captures")
+
+
+@router.api_route("", methods=["GET", "HEAD"])
+def captures(request: Request, service: ServiceDep) -> Response:
+    """List the captures in the folders that jobs may read."""
+    return respond_json(request, service.capture_list.describe())

@@ -1,0 +1,137 @@
+"""`/v1/jobs/{id}/…`: what lies in a job's run folder: its course, its log, its last picture, its report."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+
+from hgs_core.base.tail import last_lines
+from hgs_core.runs.folder import RunFolder
+from jobs.job_history import read_course, thinned
+from jobs.store import Job, JobState
+from server.conditional import entity_tag, respond, respond_compressed, respond_json
+from server.encodable import encodable
+from server.problems import ProblemError
+from server.security_headers import REPORT_POLICY
+from server.service import Service, ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/jobs/{job_id}")
+
+_MILESTONES = 1000
+_LINES, _MOST_LINES = 100, 1000  # of the log
+_MOST_LOG_BYTES = 256 << 10
+_LONGEST_LINE = 2000  # characters
+_LARGEST_PICTURE = 4 << 20  # bytes; a picture of 480 pixels' width has some ten thousand
+_LARGEST_REPORT = 64 << 20
+
+# What a terminal would show of a line: colours are left out, and a progress bar is what it was last drawn as.
+_ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f]")
+
+
+@router.api_route("/run", methods=["GET", "HEAD"])
+def run(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Tell what else there is of a job."""
+    job = service.known_job(job_id)
+    folder = service.home.run(job_id)
+    picture = _picture(folder)
+    answer = {
+        "ahead": service.jobs.ahead_of(job) if job.state is JobState.QUEUED else None,
+        "picture": None if picture is None else str(picture.stat().st_mtime_ns),
+        "report": (folder / "report.html").is_file(),
+        "scene": job.scene_id if _published(service, job) else None,
+    }
+    return respond_json(request, answer)
+
+
+@router.api_route("/history", methods=["GET", "HEAD"])
+def history(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Tell the course of a job: what its stages reported."""
+    service.known_job(job_id)
+    course = thinned(read_course(service.home.run(job_id)), _MILESTONES)
+    points = [
+        {
+            "attempt": one.attempt, "stage": one.stage, "done": one.done, "total": one.total, "time": one.time,
+            "figures": dict(one.figures),
+        }
+        for one in course
+    ]  # fmt: skip
+    return respond_json(request, encodable({"points": points}))
+
+
+@router.api_route("/log", methods=["GET", "HEAD"])
+def log(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Show the end of what the stages of a job have written."""
+    service.known_job(job_id)
+    count = _line_count(request.query_params.multi_items())
+    tail = last_lines(service.home.run(job_id) / "stage.log", count, _MOST_LOG_BYTES)
+    lines = [_shown(line) for line in tail.lines]
+    return respond_json(request, {"lines": lines, "complete": tail.whole})
+
+
+@router.api_route("/picture", methods=["GET", "HEAD"])
+def picture(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Serve the last picture of a job."""
+    service.known_job(job_id)
+    file = _picture(service.home.run(job_id))
+    body = None if file is None else _whole(file, _LARGEST_PICTURE)
+    if body is None:
+        raise ProblemError(404, "picture-not-found", f"job {job_id}: has no picture yet")
+    return respond(request, body, "image/jpeg", etag=entity_tag(body), cache_control="no-cache")
+
+
+@router.api_route("/report", methods=["GET", "HEAD"])
+def report(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Serve the report of a job's run; it may show its own pictures and run its own script, and nothing else."""
+    service.known_job(job_id)
+    body = _whole(service.home.run(job_id) / "report.html", _LARGEST_REPORT)
+    if body is None:
+        detail = f"job {job_id}: has no report; write one with hgs report {service.home.run(job_id)}"
+        raise ProblemError(404, "report-not-found", detail)
+    response = respond_compressed(request, body, "text/html; charset=utf-8")
+    response.headers["Content-Security-Policy"] = REPORT_POLICY
+    return response
+
+
+def _picture(run: Path) -> Path | None:
+    """Return the thumbnail of a scene that is encoded, else the last picture of its training, else None."""
+    folder = RunFolder(run)
+    return next((file for file in (folder.thumbnail, folder.preview) if file.is_file()), None)
+
+
+def _published(service: Service, job: Job) -> bool:
+    return job.scene_id != "" and service.artifacts.scene_entry(job.scene_id) is not None
+
+
+def _whole(file: Path, most_bytes: int) -> bytes | None:
+    """Return a file's bytes, or None if it is not there."""
+    try:
+        with file.open("rb") as opened:
+            body = opened.read(most_bytes + 1)
+    except FileNotFoundError:
+        return None
+    if len(body) > most_bytes:
+        raise ProblemError(500, "internal", f"{file.name} is larger than {most_bytes >> 20} MiB")
+    return body
+
+
+def _line_count(parameters: list[tuple[str, str]]) -> int:
+    for name, _ in parameters:
+        if name != "lines":
+            raise ProblemError(422, "query-invalid", f"unknown parameter {name[:40]!a}; known is lines", field=name)
+    if len(parameters) > 1:
+        raise ProblemError(422, "query-invalid", "lines: given twice", field="lines")
+    text = parameters[0][1] if parameters else str(_LINES)
+    if not re.fullmatch("[1-9][0-9]{0,3}", text) or int(text) > _MOST_LINES:
+        detail = f"lines: {text[:40]!a} is not a number of lines; give 1 to {_MOST_LINES}"
+        raise ProblemError(422, "query-invalid", detail, field="lines")
+    return int(text)
+
+
+def _shown(line: str) -> Any:
+    drawn = line.rstrip("\r").rpartition("\r")[2]
+    return encodable(_ESCAPES.sub("", drawn)[:_LONGEST_LINE])

@@ -1,0 +1,36 @@
+"""Who watches which scene: a stream must end when its scene is deleted."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Iterator
+
+__all__ = ["SceneWatchers"]
+
+
+class SceneWatchers:
+    """The streams of this process by scene; for one event loop."""
+
+    def __init__(self) -> None:
+        """Begin with nobody."""
+        self._watching: dict[str, set[asyncio.Event]] = {}
+
+    @contextlib.contextmanager
+    def join(self, scene_id: str) -> Iterator[asyncio.Event]:
+        """Watch a scene inside the `with` block; the event is set when the scene is deleted."""
+        gone = asyncio.Event()
+        self._watching.setdefault(scene_id, set()).add(gone)
+        try:
+            yield gone
+        finally:
+            watching = self._watching.get(scene_id)
+            if watching is not None:
+                watching.discard(gone)
+                if not watching:
+                    del self._watching[scene_id]
+
+    def tell(self, scene_id: str) -> None:
+        """Tell everybody who watches a scene that it is gone."""
+        for gone in self._watching.get(scene_id, ()):
+            gone.set()
