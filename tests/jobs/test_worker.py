@@ -50,7 +50,7 @@ def test_the_course_and_the_log_of_a_job_are_in_its_run_folder(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
     worker()
-    run = client.home.run(submit(cycles=60))
+    run = client.home.run(submit(iterations=60))
     wait_for(run.name, finished, "the end of the job")
     course = [point for point in read_course(run) if point.stage == "train"]
     assert (course[-1].attempt, course[-1].done, course[-1].total) == (1, 60, 60)
