@@ -221,7 +221,53 @@ def manifest() -> dict[str, object]:
         ],
         "totals": {"splats_static": 30, "splats_dynamic": 70, "bytes_static": 300, "bytes_dynamic": 700},
         "thumbnail": True, "training": {"psnr": 31.5}, "antialiased": True, "later": "ignored",
+        "captured_space": {
+            "front": [0, 0, -1], "azimuth": 0.7, "elevation": [-0.25, 0.3], "distance": [1.0, 2.5],
+        },
     }  # fmt: skip
+
+
+def captured_spaces() -> list[dict[str, object]]:
+    """Spaces with places in them and out of them, whose numbers follow from how they are put there."""
+    worlds = (  # center, up, front, and what points to azimuth 90 degrees
+        ((1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+        ((0.0, 0.5, -2.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),
+        ((-4.0, 0.0, 1.0), (0.6, 0.8, 0.0), (-0.8, 0.6, 0.0), (0.0, 0.0, 1.0)),
+    )
+    arc = {"azimuth": 0.7, "elevation": [-0.25, 0.3], "distance": [1.0, 2.5]}
+    dome = {"elevation": [-0.5, 1.2], "distance": [0.5, 4.0]}
+    places = (  # azimuth, elevation, distance, inside the arc, inside the dome
+        (0.0, 0.0, 2.0, True, True),
+        (0.65, 0.29, 1.01, True, True),
+        (-0.69, -0.24, 2.49, True, True),
+        (0.75, 0.0, 2.0, False, True),
+        (-0.75, 0.0, 2.0, False, True),
+        (3.0, 0.1, 2.0, False, True),
+        (-3.0, 0.1, 2.0, False, True),
+        (0.1, 0.35, 2.0, False, True),
+        (0.1, -0.3, 2.0, False, True),
+        (0.1, -0.6, 2.0, False, False),
+        (0.1, 1.25, 2.0, False, False),
+        (0.1, 0.1, 0.9, False, True),
+        (0.1, 0.1, 2.6, False, True),
+        (0.1, 0.1, 0.4, False, False),
+        (0.1, 0.1, 5.0, False, False),
+    )
+    found: list[dict[str, object]] = []
+    for center, up, front, side in worlds:
+        for space, column in ((arc, 3), (dome, 4)):
+            rows = []
+            for place in places:
+                azimuth, elevation, distance = place[:3]
+                ahead, aside = np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth)
+                direction = ahead * np.array(front) + aside * np.array(side) + np.sin(elevation) * np.array(up)
+                eye = np.array(center) + distance * direction
+                rows.append(
+                    {"eye": eye.tolist(), "azimuth": azimuth, "elevation": elevation, "distance": distance,
+                     "inside": place[column]}
+                )  # fmt: skip
+            found.append({"center": center, "up": up, "captured_space": {"front": front} | space, "places": rows})
+    return found
 
 
 # What is put where in that manifest, and the field that the error must name. A value of None removes the field.
@@ -252,6 +298,15 @@ WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["thumbnail"], "yes", "manifest.thumbnail"),
     (["training"], [], "manifest.training"),
     (["antialiased"], 1, "manifest.antialiased"),
+    (["captured_space"], [], "manifest.captured_space"),
+    (["captured_space", "front"], None, "manifest.captured_space.front"),
+    (["captured_space", "front", 2], "ahead", "manifest.captured_space.front[2]"),
+    (["captured_space", "azimuth"], 0, "manifest.captured_space.azimuth"),
+    (["captured_space", "azimuth"], 3.1416, "manifest.captured_space.azimuth"),
+    (["captured_space", "elevation"], [0.2, 0.1], "manifest.captured_space.elevation"),
+    (["captured_space", "elevation"], None, "manifest.captured_space.elevation"),
+    (["captured_space", "distance"], [0, 1], "manifest.captured_space.distance"),
+    (["captured_space", "distance"], [2.0], "manifest.captured_space.distance"),
 ]
 
 
@@ -280,6 +335,7 @@ def main() -> None:
         errors[name] = error_of(data)
     (OUT / "invalid.json").write_text(json.dumps(errors, indent=1) + "\n")
     (OUT / "manifest.json").write_text(json.dumps(manifest(), indent=1) + "\n")
+    (OUT / "captured_space.json").write_text(json.dumps(captured_spaces(), indent=1) + "\n")
     wrong = [{"at": at, "value": value, "field": field} for at, value, field in WRONG_FIELDS]
     (OUT / "invalid_manifest.json").write_text(json.dumps(wrong, indent=1) + "\n")
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Floats
 from hgs_core.base.atomic import write_bytes
+from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
 from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
 from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
@@ -53,14 +54,16 @@ def encode_scene(
     training: Mapping[str, Any] | None = None,
     utility: Utility | None = None,
     closer: Sequence[Camera] = (),
+    trained: Sequence[Camera] = (),
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
-    names the former. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier
-    scene in the same folder are removed after that.
+    names the former. `trained` are the cameras whose pictures made the scene: they tell the manifest's captured space,
+    which it lacks without them. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of
+    an earlier scene in the same folder are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -109,6 +112,7 @@ def encode_scene(
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=scene.antialiased,
+        captured_space=find_captured_space(trained, view.center, view.up) if trained else None,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
     _write(out, manifest, coded, thumbnail)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
 from hgs_core.codec.format.json_fields import Field, field_of
 from hgs_core.scene.camera import Camera
@@ -93,6 +94,7 @@ class Manifest:
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
+    captured_space: CapturedSpace | None = None  # from where it can be looked at with trust; None: not known
     version: int = VERSIONS[0]  # of the format: the latest of any chunk
 
     @property
@@ -113,7 +115,7 @@ class Manifest:
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form that manifest.json holds."""
-        return {
+        document: dict[str, Any] = {
             "format": FORMAT,
             "version": self.version,
             "title": self.title,
@@ -142,6 +144,9 @@ class Manifest:
             "training": dict(self.training),
             "antialiased": self.antialiased,
         }
+        if self.captured_space is not None:
+            document["captured_space"] = self.captured_space.to_json()
+        return document
 
     @classmethod
     def from_json(cls, value: Any, where: object = "manifest") -> Manifest:
@@ -176,6 +181,7 @@ class Manifest:
             thumbnail=root["thumbnail"].flag(),
             training=root["training"].mapping(),
             antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
+            captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
             version=version,
         )
         _check_references(manifest, root)

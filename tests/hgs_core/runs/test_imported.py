@@ -65,7 +65,9 @@ def check(file: Path, run: Path, budget: str) -> None:
     for camera in views:
         for before, after in zip(on_black_and_white(source, camera), on_black_and_white(coded, camera), strict=True):
             assert -10 * math.log10(float(((before - after) ** 2).mean()) + 1e-12) >= LEAST
-    start = load_manifest(run / "scene").cameras[0]
+    manifest = load_manifest(run / "scene")
+    assert manifest.captured_space is None  # nobody knows from where it was taken
+    start = manifest.cameras[0]
     pixels, depth = start.project(source.means[source.opacity_logits > -2])
     assert (depth > start.near).all()
     assert ((pixels > 0) & (pixels < (start.width, start.height))).all()

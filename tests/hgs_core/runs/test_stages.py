@@ -15,6 +15,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.base.version import software_version
 from hgs_core.codec import decode_scene, load_manifest
+from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import STAGES, create_run
@@ -61,6 +62,14 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
     assert len(decoded.static) <= len(scene.static)
     assert [camera.name for camera in manifest.cameras] == ["0", "1", "2", "3", "4"]
     assert manifest.training["iterations"] == 60
+
+
+def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) -> None:
+    manifest = load_manifest(finished / "scene" / "manifest.json")
+    trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.hold_out]
+    assert len(trained) == len(manifest.cameras) - 1
+    assert manifest.captured_space == find_captured_space(trained, manifest.center, manifest.up)
+    assert manifest.captured_space != find_captured_space(manifest.cameras, manifest.center, manifest.up)
 
 
 def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:

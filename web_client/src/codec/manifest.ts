@@ -2,7 +2,7 @@
 
 import { VERSIONS } from "./chunk";
 import { ManifestError } from "./errors";
-import type { Box, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
+import type { Box, CapturedSpace, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
 
 /** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
 class Field {
@@ -76,6 +76,13 @@ class Field {
     return this.number();
   }
 
+  /** Two numbers, the first no greater than the second. */
+  range(): [number, number] {
+    const [low, high] = this.items(2).map((entry) => entry.number());
+    if (low > high) throw this.error("ascending numbers");
+    return [low, high];
+  }
+
   triple(): [number, number, number] {
     return this.items(3).map((entry) => entry.number()) as [number, number, number];
   }
@@ -114,6 +121,7 @@ export function parseManifest(json: unknown): Manifest {
     thumbnail: root.get("thumbnail").flag(),
     training: root.get("training").object(),
     antialiased: root.has("antialiased") && root.get("antialiased").flag(),
+    capturedSpace: root.has("captured_space") ? readCapturedSpace(root.get("captured_space")) : null,
   };
   checkReferences(manifest, root);
   return manifest;
@@ -139,6 +147,15 @@ function readCamera(field: Field): ManifestCamera {
       .items(4)
       .map((row) => row.items(4).map((entry) => entry.number())),
   };
+}
+
+function readCapturedSpace(field: Field): CapturedSpace {
+  const front = field.get("front").triple();
+  const azimuth = field.has("azimuth") ? field.get("azimuth").positive() : null;
+  if (azimuth !== null && azimuth >= Math.PI) throw field.get("azimuth").error("below pi");
+  const distance = field.get("distance").range();
+  if (distance[0] <= 0) throw field.get("distance").error("numbers above 0");
+  return { front, azimuth, elevation: field.get("elevation").range(), distance };
 }
 
 function readChunk(field: Field): ChunkEntry {

@@ -83,6 +83,18 @@ export interface ChunkEntry {
   readonly box: Box;
 }
 
+/** The part of space around a scene's centre from which it can be looked at with trust. Angles are radians. */
+export interface CapturedSpace {
+  /** Unit vector at right angles to the manifest's `up`: the middle of the azimuths. */
+  readonly front: readonly [number, number, number];
+  /** Half of the range of azimuths, in (0, pi); null: all round. */
+  readonly azimuth: number | null;
+  /** Lowest and highest. */
+  readonly elevation: readonly [number, number];
+  /** Nearest and farthest, world units, above 0. */
+  readonly distance: readonly [number, number];
+}
+
 export interface SegmentEntry {
   /** Seconds. */
   readonly start: number;
@@ -136,4 +148,6 @@ export interface Manifest {
   readonly training: Readonly<Record<string, unknown>>;
   /** True if the splats were trained to be drawn with antialiasing; false where the document does not say. */
   readonly antialiased: boolean;
+  /** From where the pictures were taken; null where the document does not say. */
+  readonly capturedSpace: CapturedSpace | null;
 }

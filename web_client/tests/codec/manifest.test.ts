@@ -20,12 +20,26 @@ describe("parseManifest", () => {
     expect(manifest.totals).toEqual({ splatsStatic: 30, splatsDynamic: 70, bytesStatic: 300, bytesDynamic: 700 });
     expect(manifest.training).toEqual({ psnr: 31.5 });
     expect(manifest.antialiased).toBe(true);
+    expect(manifest.capturedSpace).toEqual({
+      front: [0, 0, -1],
+      azimuth: 0.7,
+      elevation: [-0.25, 0.3],
+      distance: [1, 2.5],
+    });
   });
 
   it("takes a document without the optional field for one of a scene that is not antialiased", () => {
     const { antialiased, ...document } = json("manifest.json");
     expect(antialiased).toBe(true);
     expect(parseManifest(document).antialiased).toBe(false);
+  });
+
+  it("leaves the captured space unknown where the document does not tell", () => {
+    const { captured_space, ...document } = json("manifest.json");
+    expect(parseManifest(document).capturedSpace).toBeNull();
+    const { azimuth, ...dome } = captured_space;
+    expect(azimuth).toBe(0.7);
+    expect(parseManifest({ ...document, captured_space: dome }).capturedSpace?.azimuth).toBeNull();
   });
 
   it.each(json("invalid_manifest.json") as { at: (string | number)[]; value: unknown; field: string }[])(

@@ -28,6 +28,19 @@ def test_a_manifest_without_the_optional_field_is_one_of_a_scene_that_is_not_ant
     assert Manifest.from_json(older).antialiased is False
 
 
+def test_a_manifest_may_leave_the_captured_space_unknown_or_open_all_round() -> None:
+    older = document()
+    space = older.pop("captured_space")
+    read = Manifest.from_json(older)
+    assert read.captured_space is None
+    assert "captured_space" not in read.to_json()
+    del space["azimuth"]
+    dome = Manifest.from_json(older | {"captured_space": space})
+    assert dome.captured_space is not None
+    assert dome.captured_space.azimuth is None
+    assert dome.to_json()["captured_space"] == space
+
+
 @pytest.mark.parametrize("case", json.loads((VECTORS / "invalid_manifest.json").read_text()), ids=str)
 def test_the_wrong_field_is_named(case: dict[str, Any]) -> None:
     changed: Any = document()

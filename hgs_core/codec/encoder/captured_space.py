@@ -1,0 +1,91 @@
+"""From where the pictures of a scene were taken: an arc, a dome, a window, found from the cameras."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from hgs_core.base.arrays import Doubles
+from hgs_core.codec.format.captured_space import CapturedSpace
+from hgs_core.scene.camera import Camera
+
+__all__ = ["find_captured_space"]
+
+Triple = tuple[float, float, float]
+
+MARGIN = (math.radians(5), math.radians(15))
+"""How far beyond the outermost camera one may look, at least and at most. In between it is the typical angle from a
+camera to the next: what is right from two cameras is about right between them, and about as far beyond them."""
+
+WIDEST_GAP = math.radians(90)  # between neighbours of a circle that is closed
+STEEPEST = math.radians(75)  # elevation from which on an azimuth says nothing
+CLOSER, FARTHER = 0.5, 1.25
+"""Of the nearest and of the farthest camera's distance. At half the distance the capture's pixels are two pixels wide;
+from farther away one sees what stood at the rims of the pictures, and what was behind the cameras."""
+
+
+def find_captured_space(cameras: Sequence[Camera], center: Triple, up: Triple) -> CapturedSpace | None:
+    """Return the space around `center` from which `cameras` look, with a margin; `up` is a unit vector.
+
+    None if most of them do not look towards the centre: they stand in the middle and look around, and to turn about
+    the centre is of no use there.
+    """
+    offsets = np.array([camera.position for camera in cameras]).reshape(-1, 3) - center
+    axes = np.array([camera.world_to_camera[2, :3] for camera in cameras]).reshape(-1, 3)
+    inward = (offsets * axes).sum(axis=1) < 0
+    if inward.sum() * 2 <= len(cameras):
+        return None
+    offsets = offsets[inward]
+    distances = np.linalg.norm(offsets, axis=1)
+    directions = offsets / distances[:, None]
+    elevations = np.arcsin(np.clip(directions @ up, -1, 1))
+    margin = _margin(directions)
+    front, azimuth = _azimuths(directions[np.abs(elevations) < STEEPEST], np.asarray(up), margin)
+    low, high = float(elevations.min()) - margin, float(elevations.max()) + margin
+    return CapturedSpace(
+        front,
+        azimuth,
+        (max(low, -math.pi / 2), min(high, math.pi / 2)),
+        (float(distances.min()) * CLOSER, float(distances.max()) * FARTHER),
+    )
+
+
+def _margin(directions: Doubles) -> float:
+    """Return the median angle from a direction [N, 3] to the nearest other one, within `MARGIN`."""
+    if len(directions) < 2:
+        return MARGIN[0]
+    cosines = directions @ directions.T
+    np.fill_diagonal(cosines, -1)
+    angles = np.arccos(np.clip(cosines.max(axis=1), -1, 1))
+    return float(np.clip(np.median(angles), *MARGIN))
+
+
+def _azimuths(directions: Doubles, up: Doubles, margin: float) -> tuple[Triple, float | None]:
+    """Return the middle of the arc that holds all directions [N, 3], a unit vector, and half its width with the margin.
+
+    The arc is what is left of the circle without its widest gap. All round, the middle is the first direction.
+    """
+    first = _horizontal(directions[0] if len(directions) else np.eye(3)[np.abs(up).argmin()], up)
+    side = np.cross(up, first)
+    angles = np.sort(np.arctan2(directions @ side, directions @ first))
+    if not len(angles):
+        return _triple(first), None
+    gaps = np.diff(angles, append=angles[0] + 2 * math.pi)
+    widest = int(gaps.argmax())
+    if gaps[widest] <= WIDEST_GAP:
+        return _triple(first), None
+    width = 2 * math.pi - gaps[widest]
+    middle = angles[widest] - width / 2  # the arc ends where the gap begins
+    return _triple(first * math.cos(middle) + side * math.sin(middle)), float(width / 2 + margin)
+
+
+def _horizontal(direction: Doubles, up: Doubles) -> Doubles:
+    flat = direction - up * (direction @ up)
+    return np.asarray(flat / np.linalg.norm(flat))
+
+
+def _triple(vector: Doubles) -> Triple:
+    x, y, z = (float(v) for v in vector)
+    return x, y, z
