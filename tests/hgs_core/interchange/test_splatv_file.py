@@ -12,6 +12,7 @@ import numpy as np
 from hgs_core.interchange import export_scene
 from hgs_core.scene import HybridScene, evaluate
 from hgs_core.scene.camera import Camera
+from tests.hgs_core.interchange.scenes import counted
 
 POSE = np.array([[0, 0, -1, 0.5], [0, 1, 0, 0], [1, 0, 0, 2], [0, 0, 0, 1]], float)
 CAMERA = Camera("cam07", 640, 480, 500.0, 510.0, 320.0, 240.0, POSE)
@@ -65,3 +66,16 @@ def test_the_camera_is_the_captures(scene: HybridScene[np.ndarray], tmp_path: Pa
     to_camera = np.array(camera["rotation"]).T
     np.testing.assert_allclose(to_camera, POSE[:3, :3])
     np.testing.assert_allclose(-to_camera @ camera["position"], POSE[:3, 3])
+
+
+def test_what_halves_and_bytes_change_is_counted(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:
+    dynamic = scene.segments[0].dynamic
+    dynamic.motion[0, 1] = 1e6
+    dynamic.time_log_precisions[:2] = 30.0
+    scene.static.log_scales[:4] = 12.0
+    found = counted(export_scene(scene, tmp_path / "x.splatv", cameras=[CAMERA]))
+    assert found[("limited", "motion")] == 1
+    assert found[("limited", "life")] == 2
+    assert found[("limited", "scale")] == 4
+    assert found[("rounded", "colour")] == found[("rounded", "rotation")] == 80
+    assert found[("rounded", "motion")] == found[("rounded", "turning")] == 30
