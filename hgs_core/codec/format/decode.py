@@ -101,7 +101,7 @@ def dynamic_splats(arrays: Mapping[str, Floats]) -> DynamicSplats[Floats]:
 
 
 def logits(opacities: NDArray[np.floating[Any]]) -> Floats:
-    """Return the logits [N] of opacities; those of 0 and 1 are about -14 and 17."""
+    """Return the logits [N] of opacities; those of 0 and 1 are about -14 and 14."""
     clipped = np.clip(opacities.astype(np.float64), 1e-6, LARGEST_OPACITY)
     return np.log(clipped / (1 - clipped)).astype(np.float32)
 
