@@ -292,14 +292,6 @@ def test_client_that_leaves_in_the_middle_of_a_body_is_no_fault(server: Any, cap
     assert caplog.records == []
 
 
-@pytest.mark.parametrize(("files", "total", "each"), [(256, 192, 48), (1024, 768, 192), (1 << 20, 8192, 2048)])
-def test_some_files_are_left_for_the_store_and_the_database(files: int, total: int, each: int) -> None:
-    limits = ConnectionLimits.for_files(files)
-    assert (limits.total, limits.per_address) == (total, each)
-    assert limits.total + limits.batch < files
-    assert ConnectionLimits.for_files(files, 7).per_address == 7
-
-
 TOO_FEW_FILES = """
 import asyncio, resource, sys
 from pathlib import Path

@@ -1,14 +1,10 @@
 from __future__ import annotations
 
-import errno
 import json
-import os
-from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
-from sqlalchemy.exc import OperationalError
 
 from hgs_core.base.errors import InputError
 from jobs.store import JobState
@@ -68,10 +64,6 @@ def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: 
     assert not server.jobs.jobs
 
 
-def test_body_that_is_no_object_is_422(server: Any) -> None:
-    assert_problem(server.request("POST", "/v1/jobs", json=[1]), 422, "body-invalid")
-
-
 @pytest.mark.parametrize(
     ("body", "field"),
     [
@@ -91,42 +83,12 @@ def test_bad_configs_are_422_and_named(server: Any, body: dict[str, Any], field:
     assert problem["field"] == field
 
 
-def test_body_that_is_not_json_is_400(server: Any) -> None:
-    response = server.request("POST", "/v1/jobs", content=b"{", headers={"Content-Type": "application/json"})
-    assert_problem(response, 400, "body-not-json")
+def test_captures_outside_the_folders_are_403(server: Any) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "/etc"}), 403, "capture-outside")
 
 
-def test_deeply_nested_body_is_400(server: Any) -> None:
-    response = server.request("POST", "/v1/jobs", content=b"[" * 60_000, headers={"Content-Type": "application/json"})
-    assert_problem(response, 400, "body-not-json")
-
-
-def test_other_media_types_are_415(server: Any) -> None:
-    assert_problem(server.request("POST", "/v1/jobs", data={"capture": "studio"}), 415, "body-not-json")
-
-
-def test_large_bodies_are_413(server: Any) -> None:
-    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "x" * 70_000}), 413, "body-too-large")
-
-
-@pytest.mark.parametrize("capture", ["/etc", "../other", "studio/../../other", "~"])
-def test_captures_outside_the_folders_are_403_with_the_setting(server: Any, capture: str) -> None:
-    (server.captures.parent / "other").mkdir()
-    response = server.request("POST", "/v1/jobs", json={"capture": capture})
-    if capture == "~":  # a plain name, not a home folder
-        assert_problem(response, 422, "capture-invalid")
-    else:
-        assert_problem(response, 403, "capture-outside", "HGS_CAPTURES")
-
-
-def test_symbolic_link_out_of_the_folders_is_403(server: Any) -> None:
-    (server.captures / "link").symlink_to(Path(os.sep))
-    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "link"}), 403, "capture-outside")
-
-
-@pytest.mark.parametrize("capture", ["missing", "x" * 4000])
-def test_captures_that_are_not_there_are_422(server: Any, capture: str) -> None:
-    assert_problem(server.request("POST", "/v1/jobs", json={"capture": capture}), 422, "capture-invalid", "capture")
+def test_captures_that_are_not_there_are_422(server: Any) -> None:
+    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "missing"}), 422, "capture-invalid", "missing")
 
 
 def test_captures_that_cannot_be_read_are_422(server: Any) -> None:
@@ -147,32 +109,6 @@ def test_pages_of_other_origins_may_not_submit(server: Any) -> None:
     assert not server.jobs.jobs
 
 
-def test_pages_of_the_server_may_submit(server: Any) -> None:
-    headers = {"Origin": "http://localhost"}
-    assert server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers=headers).status_code == 201
-
-
-def test_database_that_does_not_answer_is_503(server: Any) -> None:
-    server.jobs.refuse = OperationalError("SELECT", {}, Exception("connection refused"))
-    response = server.get("/v1/jobs/job-0")
-    assert_problem(response, 503, "queue-unavailable")
-    assert response.headers["retry-after"] == "5"
-
-
-def test_a_full_disk_is_507(server: Any) -> None:
-    server.jobs.refuse = OSError(errno.ENOSPC, "No space left on device", "/home/runs/studio-1/run.json")
-    response = server.request("POST", "/v1/jobs", json={"capture": "studio"})
-    problem = assert_problem(response, 507, "storage-full", "disk is full")
-    assert "/home" not in problem["detail"]
-    assert response.headers["retry-after"] == "30"
-
-
-def test_faults_are_500_and_tell_nothing(server: Any) -> None:
-    server.jobs.refuse = RuntimeError("secret")
-    problem = assert_problem(server.get("/v1/jobs/job-0"), 500, "internal")
-    assert "secret" not in json.dumps(problem)
-
-
 def submit(server: Any) -> str:
     job_id: str = server.request("POST", "/v1/jobs", json={"capture": "studio"}).json()["id"]
     return job_id
@@ -190,17 +126,9 @@ def test_a_list_can_be_asked_for_one_state(server: Any) -> None:
     assert [job["id"] for job in server.get("/v1/jobs?state=queued").json()["jobs"]] == [second]
 
 
-@pytest.mark.parametrize(
-    ("query", "field"),
-    [
-        ("limit=0", "limit"), ("limit=1001", "limit"), ("limit=1e2", "limit"), ("limit=", "limit"),
-        ("limit=1&limit=2", "limit"), ("state=done", "state"), ("state=Running", "state"), ("after=zzz", "after"),
-        ("after=0/1e999/a", "after"), ("after=0/1.2.3/a", "after"), ("after=%00", "after"), ("before=a", "before"),
-        ("page=2", "page"),
-    ],
-)  # fmt: skip
-def test_queries_are_honoured_or_refused_by_name(server: Any, query: str, field: str) -> None:
-    assert assert_problem(server.get(f"/v1/jobs?{query}"), 422, "query-invalid", field)["field"] == field
+def test_queries_that_are_not_understood_are_422(server: Any) -> None:
+    problem = assert_problem(server.get("/v1/jobs?state=done"), 422, "query-invalid", "state")
+    assert problem["field"] == "state"
 
 
 def test_job_that_waits_says_why(server: Any) -> None:
@@ -267,16 +195,6 @@ def test_events_that_the_client_has_seen_to_the_end_are_204(server: Any) -> None
     server.jobs.change(job_id, state=JobState.FAILED, error="no")
     seen = server.get(f"/v1/jobs/{job_id}/events").text.split("\n")[1].removeprefix("id: ")
     assert server.get(f"/v1/jobs/{job_id}/events", Last_Event_ID=seen).status_code == 204
-
-
-def test_wrong_methods_are_405(server: Any) -> None:
-    response = server.request("DELETE", "/v1/jobs")
-    assert_problem(response, 405, "method-not-allowed", "DELETE")
-    assert "POST" in response.headers["allow"] or "GET" in response.headers["allow"]
-
-
-def test_unknown_addresses_of_the_api_are_404(server: Any) -> None:
-    assert_problem(server.get("/v1/nonsense"), 404, "not-found", "/v1/nonsense")
 
 
 @pytest.mark.parametrize("job_id", ["%00", "A", "-a", "a" * 65, "%ed%a0%80", "a%20b"])

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from server.capture_folders import CaptureFolders
+from server.problems import ProblemError
+from tests.conftest import REPOSITORY
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> CaptureFolders:
+    """Two folders, `first` and `second`, each with captures, beside one that is not among them."""
+    for name in ("first/studio", "first/both", "second/garden", "second/both", "other"):
+        (tmp_path / name).mkdir(parents=True)
+    return CaptureFolders((tmp_path.resolve() / "first", tmp_path.resolve() / "second"))
+
+
+@pytest.mark.parametrize(
+    ("capture", "found"),
+    [("studio", "first/studio"), ("garden", "second/garden"), ("both", "first/both"), ("garden/../both", "first/both")],
+)
+def test_names_are_looked_up_in_the_folders_in_order(
+    folders: CaptureFolders, tmp_path: Path, capture: str, found: str
+) -> None:
+    assert folders.locate(capture) == tmp_path.resolve() / found
+
+
+def test_absolute_paths_inside_a_folder_are_taken(folders: CaptureFolders) -> None:
+    garden = folders.folders[1] / "garden"
+    assert folders.locate(str(garden)) == garden
+
+
+@pytest.mark.parametrize("capture", ["/etc", "../other", "studio/../../other"])
+def test_what_lies_outside_is_403_with_the_setting(folders: CaptureFolders, capture: str) -> None:
+    with pytest.raises(ProblemError, match="HGS_CAPTURES") as caught:
+        folders.locate(capture)
+    assert (caught.value.status, caught.value.code) == (403, "capture-outside")
+
+
+def test_a_symbolic_link_leads_out_no_more_than_dots_do(folders: CaptureFolders) -> None:
+    for folder in folders.folders:
+        (folder / "link").symlink_to(os.sep)
+    with pytest.raises(ProblemError, match="outside"):
+        folders.locate("link")
+
+
+@pytest.mark.parametrize("capture", ["missing", "~", "file"])
+def test_what_is_no_folder_is_bad_input(folders: CaptureFolders, capture: str) -> None:
+    (folders.folders[0] / "file").write_text("")
+    with pytest.raises(InputError, match="is not a folder; give the folder of a capture"):
+        folders.locate(capture)
+
+
+@pytest.mark.parametrize("capture", ["x" * 4000, "a\0b", "\ud800"])
+def test_what_no_path_can_be_is_bad_input(folders: CaptureFolders, capture: str) -> None:
+    with pytest.raises(InputError, match="capture"):
+        folders.locate(capture)
+
+
+def test_a_list_that_is_given_counts_before_the_variable(tmp_path: Path) -> None:
+    given, variable = f"{tmp_path}/a{os.pathsep}{tmp_path}/b", {"HGS_CAPTURES": f"{tmp_path}/c"}
+    assert CaptureFolders.configured(tmp_path, given, variable).folders == (tmp_path / "a", tmp_path / "b")
+    assert CaptureFolders.configured(tmp_path, environment=variable).folders == (tmp_path / "c",)
+
+
+def test_the_default_is_the_home_and_the_samples_of_a_checkout(tmp_path: Path) -> None:
+    assert CaptureFolders.configured(tmp_path, environment={}).folders == (
+        tmp_path / "captures",
+        REPOSITORY / "samples",
+    )
+
+
+def test_links_in_the_setting_are_resolved(tmp_path: Path) -> None:
+    (tmp_path / "real" / "studio").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "real")
+    configured = CaptureFolders.configured(tmp_path, str(tmp_path / "link"))
+    assert configured.locate("studio") == tmp_path.resolve() / "real" / "studio"

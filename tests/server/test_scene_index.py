@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from server.scene_index import SceneIndex, read_scene
+from tests.server.conftest import SliceSpec
+
+MakeScene = Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]
+
+
+def test_a_manifest_is_read_with_the_chunks_that_each_slice_needs(manifest: bytes, chunks: list[bytes]) -> None:
+    scene = read_scene("studio", manifest)
+    ids = [hashlib.sha256(chunk).digest() for chunk in chunks]
+    assert [chunk.id for chunk in scene.static] == ids[:2]
+    assert [(piece.start, piece.end) for piece in scene.slices] == [(0.0, 1.0), (1.0, 2.0), (2.0, 3.0)]
+    # Each slice after the first needs the chunk of the one before, which has to come first.
+    assert [[chunk.id for chunk in piece.chunks] for piece in scene.slices] == [[ids[2]], ids[2:4], ids[3:5]]
+    assert scene.sizes == dict(zip(ids, map(len, chunks), strict=True))
+    assert (scene.title, scene.start, scene.end) == ("Studio", 0.0, 3.0)
+    assert (scene.splats_static, scene.splats_dynamic) == (10, 15)
+
+
+def test_sizes_are_of_every_chunk_once_and_of_the_manifest(manifest: bytes, chunks: list[bytes]) -> None:
+    scene = read_scene("studio", manifest)
+    assert scene.chunk_bytes == sum(map(len, chunks))
+    assert scene.bytes_total == sum(map(len, chunks)) + len(manifest)
+
+
+def test_the_manifest_is_named_by_the_hash_of_its_bytes(manifest: bytes) -> None:
+    scene = read_scene("studio", manifest)
+    assert (scene.manifest, scene.manifest_id) == (manifest, hashlib.sha256(manifest).digest())
+
+
+@pytest.mark.parametrize("manifest", [b"", b"{}", b"[" * 100_000, b"\xff"], ids=["empty", "bare", "deep", "not UTF-8"])
+def test_what_is_no_manifest_is_refused_with_the_scene(manifest: bytes) -> None:
+    with pytest.raises(InputError, match="manifest of scene studio"):
+        read_scene("studio", manifest)
+
+
+@pytest.mark.parametrize(
+    ("time", "alive"), [(0.0, [0]), (0.5, [0]), (1.0, [0, 1]), (2.0, [1]), (2.5, [1, 2]), (3.0, [1, 2]), (-1.0, [])]
+)
+def test_slices_are_shown_from_their_start_to_before_their_end(
+    make_scene: MakeScene, time: float, alive: list[int]
+) -> None:
+    """And the last one at its very end, as in a still picture of the last moment."""
+    scene = make_scene([], [(0.0, 2.0, [1]), (1.0, 4.0, [1]), (2.5, 3.0, [1])])
+    assert scene.alive(time) == alive
