@@ -67,15 +67,6 @@ def test_interrupt_stops_the_stage_in_order_and_is_130(
     assert "run the same command again to resume" in capsys.readouterr().err
 
 
-def test_second_interrupt_does_not_wait_for_the_stage(run_stages: Callable[..., int]) -> None:
-    def stage(folder: Path, progress: ProgressCallback) -> None:
-        os.kill(os.getpid(), signal.SIGINT)
-        os.kill(os.getpid(), signal.SIGINT)
-        raise AssertionError("the second interrupt did nothing")
-
-    assert run_stages(train=stage) == 130
-
-
 def test_faults_are_not_hidden(run_stages: Callable[..., int]) -> None:
     def stage(folder: Path, progress: ProgressCallback) -> None:
         raise ZeroDivisionError

@@ -1,0 +1,39 @@
+"""`hgs encode`, on a run that was imported."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hgs_core.codec import load_manifest
+from server.cli import main
+
+
+def test_encode_tells_what_it_dropped_and_takes_the_place_of_the_scene(
+    run: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = load_manifest(run / "scene").totals
+    assert main(["encode", str(run), "--budget", "low"]) == 0
+    static, dynamic, coarseness, folder = capsys.readouterr().out.splitlines()
+    after = load_manifest(run / "scene").totals
+    assert after.bytes_static < before.bytes_static
+    assert static.startswith(f"{after.splats_static} static splats in {after.bytes_static:,} bytes")
+    assert static.endswith(f"{150 - after.splats_static} dropped")
+    assert dynamic.startswith(f"{after.splats_dynamic} dynamic splats in")
+    assert coarseness.startswith("coarseness ")
+    assert folder == str(run / "scene")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [([], "run: is not a run"), (["--fine-tune", "-1"], "--fine-tune: -1 is below 0")],
+)
+def test_bad_input_is_one_line_and_status_2(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str],
+    problem: str,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    assert main(["encode", "run", *arguments]) == 2
+    assert f"hgs: {problem}" in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())

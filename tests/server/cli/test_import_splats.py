@@ -1,0 +1,99 @@
+"""`hgs import`, on a scene that was never trained."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.codec import load_manifest
+from hgs_core.interchange import export_scene, import_scene
+from hgs_core.scene import DynamicSplats, HybridScene, Segment
+from server.cli import main
+
+
+def test_an_imported_run_is_scored_on_its_capture(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["eval", str(run), "--json"]) == 0
+    scores = json.loads(capsys.readouterr().out)
+    assert scores["psnr"] > 30  # the scene is the capture's own
+    assert scores["cameras"] == ["2"]
+    assert load_manifest(run / "scene").antialiased is False
+
+
+def test_without_a_capture_a_run_can_be_encoded_but_not_scored(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = tmp_path / "run"
+    assert main(["import", str(splats), "--out", str(run), "--duration", "0.1"]) == 0
+    manifest = load_manifest(run / "scene")
+    assert (manifest.cameras[0].name, manifest.end) == ("front", pytest.approx(0.1))
+    assert main(["encode", str(run), "--budget", "low"]) == 0
+    assert load_manifest(run / "scene").totals.bytes_static < manifest.totals.bytes_static
+    capsys.readouterr()
+    assert main(["eval", str(run)]) == 2
+    assert "was imported without a capture; import it again with --capture" in capsys.readouterr().err
+
+
+def test_an_import_of_which_nothing_shows_leaves_no_run(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two faint points far apart: they can be seen, but no picture misses them."""
+    given = import_scene(splats, 0.1).scene.static.take(slice(0, 2))
+    given.opacity_logits[:] = -4.8
+    given.log_scales[:] = -20
+    still = HybridScene(given, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    export_scene(still, tmp_path / "x.ply", cameras=[])
+    assert main(["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run")]) == 2
+    assert "x.ply: holds 2 splats, none of which shows in any picture" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+def test_cameras_cannot_be_held_out_without_a_capture(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["import", str(splats), "--out", str(tmp_path / "run"), "--hold-out", "2"]) == 2
+    assert "--hold-out: needs the capture's cameras" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "problem"),
+    [([], "x.ply: cannot be read"), (["--duration", "0"], "--duration: 0.0 is not positive")],
+)
+def test_bad_input_is_one_line_and_leaves_no_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], more: list[str], problem: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["import", "x.ply", "--out", "run", *more]) == 2
+    assert f"hgs: {problem}" in capsys.readouterr().err
+    assert not any(tmp_path.iterdir())
+
+
+def test_it_tells_what_it_left_out(splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = import_scene(splats, 0.1).scene
+    given.static.means[:3] = np.nan
+    given.static.opacity_logits[3:5] = -6  # below 1/255
+    export_scene(given, tmp_path / "x.ply", cameras=[])
+    capsys.readouterr()
+    arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", "0.03"]
+    assert main([*arguments, "--json", "-"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    before, kept = found["splats"], found["kept"]
+    totals = load_manifest(tmp_path / "run" / "scene").totals
+    assert (before, kept) == (153, totals.splats_static + totals.splats_dynamic)
+    assert [(c["action"], c["count"], c["of"], c["reason"]) for c in found["changes"]] == [
+        ("left out", 3, 153, "position is no finite number"),
+        ("left out", 150 - kept, 150, "no picture misses them"),
+    ]
+    assert 150 - kept >= 2
+    assert f"x.ply: {150 - kept} of 150 splats left out: no picture misses them" in told.err
+
+
+def test_splats_that_were_trained_antialiased_are_drawn_so(splats: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    assert main(["import", str(splats), "--out", str(out), "--duration", "0.03", "--antialiased"]) == 0
+    assert load_manifest(out / "scene").antialiased is True
