@@ -1,0 +1,80 @@
+"""`hgs submit`, on the real queue."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from hgs_core.runs.folder import RunFolder
+from jobs.client import JobClient
+from jobs.store import Job, JobState
+from server.cli import main, submit
+from tests.server.cli.conftest import FRAMES
+
+
+def test_submit_queues_a_job(n3dv: Path, home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["submit", str(n3dv), "--preset", "preview", "--title", "Three"]) == 0
+    job_id = capsys.readouterr().out.strip()
+    assert (home / "runs" / job_id / "run.json").is_file()
+
+
+def test_a_submitted_run_keeps_its_masks(
+    n3dv: Path, home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "given" / "cam00"
+    folder.mkdir(parents=True)
+    for frame in range(FRAMES):
+        Image.fromarray(np.full((48, 64), 255, np.uint8)).save(folder / f"{frame:04d}.png")
+    assert main(["submit", str(n3dv), "--masks", str(folder.parent)]) == 0
+    job_id = capsys.readouterr().out.strip()
+    assert RunFolder(home / "runs" / job_id).read_spec().masks == folder.parent.resolve()
+
+
+@pytest.fixture
+def ending(monkeypatch: pytest.MonkeyPatch, home: Path) -> Callable[[JobState, str], None]:
+    """Return a function after which every job that is waited for trains a little and then ends in a state."""
+
+    def prepare(state: JobState, error: str = "") -> None:
+        whole = JobClient.get
+        looks = iter(range(100))
+
+        def get(client: JobClient, job_id: str) -> Job:
+            job = whole(client, job_id)
+            assert job is not None
+            if next(looks) == 0:
+                return replace(job, state=JobState.RUNNING, stage="train", done=3, total=9, figures={"psnr": 20.5})
+            return replace(job, state=state, error=error)
+
+        monkeypatch.setattr(JobClient, "get", get)
+        monkeypatch.setattr(submit, "POLL_SECONDS", 0.0)
+
+    return prepare
+
+
+def test_waiting_follows_a_job_to_its_success(
+    n3dv: Path, ending: Callable[..., None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    ending(JobState.SUCCEEDED)
+    assert main(["submit", str(n3dv), "--wait"]) == 0
+    told = capsys.readouterr()
+    assert len(told.out.split()) == 1  # the id
+    for words in ("train", "3/9", "psnr=20.5"):
+        assert words in told.err
+
+
+@pytest.mark.parametrize(
+    ("state", "error", "words"),
+    [(JobState.FAILED, "out of memory", "failed: out of memory"), (JobState.CANCELLED, "", "cancelled")],
+)
+def test_a_job_that_does_not_succeed_says_so_in_its_exit_status(
+    n3dv: Path, ending: Callable[..., None], capsys: pytest.CaptureFixture[str], state: JobState, error: str, words: str
+) -> None:
+    ending(state, error)
+    assert main(["submit", str(n3dv), "--wait"]) == 1
+    told = capsys.readouterr()
+    assert told.err.splitlines()[-1] == f"hgs: job {told.out.strip()}: {words}"
