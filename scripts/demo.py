@@ -135,10 +135,10 @@ def check(scene_folder: Path, page: str, seconds: float) -> int:
     import numpy as np
     import torch
 
+    from hgs_core.bench.browser import capture_canvas, find_chromium, psnr
     from hgs_core.codec import decode_scene, load_manifest
     from hgs_core.render import rasterize
     from hgs_core.scene.camera import Camera
-    from scripts.browser_check import capture_canvas, find_chromium, psnr
 
     manifest = load_manifest(scene_folder / "manifest.json")
     scene = decode_scene(scene_folder).map(torch.from_numpy)

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING
 from PIL import Image
 
 from hgs_core import TrainConfig, load_manifest, train_scene
-from scripts.browser_check import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
+from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
 from scripts.demo import HOLD_OUT, REPOSITORY, stop
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["DEFAULT_SIZES", "Size", "parse_sizes"]
+__all__ = ["DEFAULT_SIZES", "Size", "parse_picture_size", "parse_sizes"]
 
 MOST_SPLATS = 10_000_000
 MOST_PIXELS = 1 << 26
@@ -62,3 +62,18 @@ def parse_sizes(where: str, text: str) -> tuple[Size, ...]:
             raise InputError(where, f"{part.strip()} has {size.width * size.height} pixels", f"at most {MOST_PIXELS}")
         sizes[size] = None
     return tuple(sizes)
+
+
+def parse_picture_size(where: str, text: str) -> tuple[int, int]:
+    """Read the width and height of a picture, like 640x480.
+
+    Raises:
+        InputError: a text that is no size, or one of nothing or of too much.
+    """
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text.strip().lower(), re.ASCII)
+    if match is None:
+        raise InputError(where, f"{text.strip()!r} is not WIDTHxHEIGHT", "write for example 640x480")
+    width, height = int(match[1]), int(match[2])
+    if not 1 <= width * height <= MOST_PIXELS:
+        raise InputError(where, f"{text.strip()} has {width * height} pixels", f"ask for 1 to {MOST_PIXELS}")
+    return width, height

@@ -1,4 +1,4 @@
-"""`hgs bench raster`, `codec` and `train`: speed and error of rasterizers, codec and trainings on this machine."""
+"""`hgs bench`: speed and error of rasterizers, codec, trainings and viewers on this machine."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
-from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
+from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_training_options, training_config
@@ -69,6 +69,21 @@ def add_parser(commands: Any) -> None:
     train.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     add_training_options(train)
     train.set_defaults(run=_run_training)
+    viewer: argparse.ArgumentParser = parts.add_parser(
+        "viewer",
+        help="the browser viewer beside others",
+        description="Draw a scene with our viewer and others in headless Chromium: processor time of a frame, PSNR. "
+        "Needs a checkout, npm, Chromium and the dev extra.",
+    )
+    viewer.add_argument(
+        "source", metavar="RUN|FILE", type=Path, help="a finished run, a scene folder or a file of splats"
+    )
+    viewer.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
+    viewer.add_argument("--viewers", metavar="LIST", help="like hgs,playcanvas; default: all")
+    viewer.add_argument("--size", metavar="WxH", default="640x480", help="pixels (default: 640x480)")
+    viewer.add_argument("--rounds", metavar="N", default="3", help="of all viewers in turn (default: 3)")
+    viewer.add_argument("--frames", metavar="N", default="20", help="of each measurement (default: 20)")
+    viewer.set_defaults(run=_run_viewers)
 
 
 def _run(options: argparse.Namespace) -> int:
@@ -131,6 +146,22 @@ def _run_training(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_training(options.capture, config, options.device, bars)
     output.show(report.to_json(), training_report_text(report))
+    return 0
+
+
+def _run_viewers(options: argparse.Namespace) -> int:
+    rounds, frames = _whole("--rounds", options.rounds), _whole("--frames", options.frames)
+    output = JsonOutput(options.json)
+    from hgs_core.bench.viewers import VIEWERS, bench_viewers
+    from hgs_core.bench.viewers_table import viewers_text
+
+    with ProgressBars() as bars:
+        report = bench_viewers(
+            options.source, bars,
+            viewers=VIEWERS if options.viewers is None else options.viewers.split(","),
+            size=parse_picture_size("--size", options.size), rounds=max(1, rounds), frames=max(1, frames),
+        )  # fmt: skip
+    output.show(report.to_json(), viewers_text(report))
     return 0
 
 

@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
-from scripts.browser_check import CHROMIUM_HINT, find_chromium, open_browser
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

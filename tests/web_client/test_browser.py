@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from scripts.browser_check import canvas_floats, canvas_pixels, open_viewer, psnr
+from hgs_core.bench.browser import canvas_floats, canvas_pixels, open_viewer, psnr
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.bench.browser import open_viewer
 from scripts import record_viewer
-from scripts.browser_check import open_viewer
 from scripts.record_viewer import film, write_webp
 
 if TYPE_CHECKING:

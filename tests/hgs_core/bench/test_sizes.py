@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_sizes
+from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
 
 
 def test_sizes_are_read_in_order_and_once() -> None:
@@ -27,3 +27,13 @@ def test_what_is_no_size_is_refused(text: str) -> None:
 
 def test_float64_is_not_afforded_beyond_the_second_default_size() -> None:
     assert [str(size) for size in DEFAULT_SIZES if size.affordable] == ["20k@338x253", "20k@676x507"]
+
+
+def test_size_of_a_picture_is_read() -> None:
+    assert parse_picture_size("--size", " 640X480 ") == (640, 480)
+
+
+@pytest.mark.parametrize("text", ["", "640", "0x480", "640x-1", "9999x9999", "6 x 4", "640x480x3"])
+def test_what_is_no_size_of_a_picture_is_refused(text: str) -> None:
+    with pytest.raises(InputError, match="--size: "):
+        parse_picture_size("--size", text)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from scripts.browser_check import CHROMIUM_HINT, find_chromium, open_browser
+from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page

@@ -1,0 +1,108 @@
+/** Our own player, as a page has it; a still camera costs it nothing, so that every frame here is asked for. */
+
+import { eyeOf } from "../../../src/camera/pinhole";
+import type { Mat3, Vec3 as Vector } from "../../../src/camera/vector";
+import { ScenePlayer } from "../../../src/player/player";
+import { CanvasRenderer } from "../../../src/renderer/canvas_renderer";
+import type { OpenSource } from "../../../src/source/scene_source";
+import { type BenchCamera, canvasOf, type OpenViewer } from "./viewer";
+
+/** The bench waits for the device itself, and measures fine pictures alone. */
+Object.defineProperties(CanvasRenderer.prototype, {
+  busy: { value: () => false },
+  slow: { get: () => false },
+});
+
+/** All chunks at once: how they come is not what is measured. */
+const folder =
+  (files: URL): OpenSource =>
+  (events) => {
+    const bytes = async (name: string) =>
+      new Uint8Array(await (await fetch(new URL(`scene/${name}`, files))).arrayBuffer());
+    void (async () => {
+      const manifest = await bytes("manifest.json");
+      events.manifest(manifest);
+      const { slices, static: statics } = JSON.parse(new TextDecoder().decode(manifest));
+      const chunks = [...statics, ...slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks)];
+      for (const { id } of chunks) events.chunk(id, await bytes(`chunks/${id}`));
+    })();
+    const nothing = () => {};
+    return {
+      play: nothing,
+      pause: nothing,
+      seek: nothing,
+      playheadAt: nothing,
+      consumed: nothing,
+      wake: nothing,
+      close: nothing,
+      fetchAgain: (id) => bytes(`chunks/${id}`),
+    };
+  };
+
+function viewOf({ eye, target, up, fovY, near }: BenchCamera, width: number, height: number) {
+  const minus = (a: Vector, b: Vector): Vector => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+  const unit = (a: Vector): Vector => {
+    const length = Math.hypot(...a);
+    return [a[0] / length, a[1] / length, a[2] / length];
+  };
+  const cross = (a: Vector, b: Vector): Vector => [
+    a[1] * b[2] - a[2] * b[1],
+    a[2] * b[0] - a[0] * b[2],
+    a[0] * b[1] - a[1] * b[0],
+  ];
+  const forward = unit(minus(target, eye));
+  const right = unit(cross(forward, up));
+  const rotation: Mat3 = [...right, ...cross(forward, right), ...forward];
+  const towards = eyeOf({ rotation: transposed(rotation), translation: eye });
+  const focal = (0.5 * height) / Math.tan((fovY * Math.PI) / 360);
+  const camera = { width, height, fx: focal, fy: focal, cx: width / 2, cy: height / 2, near };
+  return { pose: { rotation, translation: towards }, camera };
+}
+
+const transposed = (m: Mat3): Mat3 => [m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]];
+
+/** @param float whether splats are blended in half floats where the device can */
+export const openHgs =
+  (float: boolean): OpenViewer =>
+  async (request) => {
+    if (!float) {
+      const getExtension = WebGL2RenderingContext.prototype.getExtension as (name: string) => unknown;
+      WebGL2RenderingContext.prototype.getExtension = function (this: WebGL2RenderingContext, name: string) {
+        return name.includes("color_buffer") ? null : getExtension.call(this, name);
+      } as typeof WebGL2RenderingContext.prototype.getExtension;
+    }
+    const canvas = canvasOf(request);
+    let { camera } = request;
+    let nudge = 0;
+    const player = new ScenePlayer({
+      canvas,
+      source: folder(request.files),
+      time: null,
+      playing: false,
+      antialiased: null,
+      view: () => {
+        const view = viewOf(camera, request.width, request.height);
+        return { ...view, camera: { ...view.camera, fx: view.camera.fx + nudge } };
+      },
+      onManifest: () => {
+        if (player.clock) player.clock.loop = true;
+      },
+      onFrame: () => {},
+      onError: (_, cause) => {
+        throw new Error(cause);
+      },
+    });
+    return {
+      gl: canvas.getContext("webgl2") as WebGL2RenderingContext,
+      look: (next) => {
+        camera = next;
+        player.invalidate();
+      },
+      draw: () => {
+        nudge = nudge === 0 ? 5e-7 : 0; // a billionth of a pixel: another view, the same picture
+        player.invalidate();
+      },
+      busy: () => !player.stats.complete || player.stats.firstFrame === null,
+      play: (playing) => (playing ? player.play() : player.pause()),
+    };
+  };

@@ -1,0 +1,10 @@
+import { fileURLToPath } from "node:url";
+import { defineConfig } from "vite";
+
+// Run by `hgs bench viewer` in web_client/, with this folder as the root.
+export default defineConfig({
+  root: fileURLToPath(new URL(".", import.meta.url)),
+  base: "./",
+  worker: { format: "es" },
+  build: { outDir: "node_modules/.bench", emptyOutDir: true, target: "es2022", chunkSizeWarningLimit: 1e5 },
+});
