@@ -4,6 +4,7 @@ export type { Vec3 } from "./camera/vector";
 export type { Manifest, ManifestCamera } from "./codec/types";
 export { HgsPlayer } from "./player/hgs_player";
 export type {
+  Beginning,
   HgsPlayerEvent,
   HgsPlayerEvents,
   HgsPlayerListening,

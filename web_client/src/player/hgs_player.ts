@@ -5,7 +5,7 @@ import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import { checkedRate } from "./clock";
-import type { HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
+import type { Beginning, HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
 import { PlayerCamera } from "./player_camera";
 import type { PlayerStats } from "./player_types";
 import { ScreenedScene } from "./screened_scene";
@@ -27,6 +27,7 @@ export class HgsPlayer extends Target {
   readonly #options: HgsPlayerOptions;
   readonly #disposed = new AbortController();
   #src: string | OpenSource | null = null;
+  #beginning: Beginning = {};
   #scene: ScreenedScene | null = null;
   // What is asked for counts for the scene that is there, and for one that is still to come.
   #playing: boolean;
@@ -52,11 +53,13 @@ export class HgsPlayer extends Target {
    * Load a scene in place of the one that is there.
    *
    * @param src where it is (see `openSource`), or a source of one's own.
+   * @param beginning what to see first, in place of what the player was made with.
    * @returns a promise that is fulfilled once everything to be seen at the first time is drawn, and rejected if the scene
    *   cannot be shown or another one takes its place. Who listens to `error` may leave it alone.
    */
-  load(src: string | OpenSource): Promise<void> {
+  load(src: string | OpenSource, beginning: Beginning = {}): Promise<void> {
     this.#src = src;
+    this.#beginning = beginning;
     const shown = this.#load(src);
     shown.then(
       () => this.#tell("ready", null),
@@ -74,7 +77,7 @@ export class HgsPlayer extends Target {
       if (view) this.camera.view = view;
     };
     this.addEventListener("manifest", turnBack, { once: true });
-    const shown = this.load(this.#src);
+    const shown = this.load(this.#src, this.#beginning);
     this.currentTime = currentTime;
     return shown;
   }
@@ -234,6 +237,7 @@ export class HgsPlayer extends Target {
   async #load(src: string | OpenSource): Promise<void> {
     if (this.#disposed.signal.aborted) throw new Error("this player has been disposed of");
     this.unload();
+    this.#time = this.#beginning.time ?? this.#time;
     this.#tell("loadstart", null);
     try {
       const open = typeof src === "string" ? openSource(src) : src;
@@ -249,7 +253,7 @@ export class HgsPlayer extends Target {
   }
 
   #viewpoint() {
-    const { camera = null, exact = false, size = null } = this.#options;
+    const { camera = null, exact = false, size = null } = { ...this.#options, ...this.#beginning };
     return { camera, exact, size };
   }
 

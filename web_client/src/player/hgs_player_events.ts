@@ -3,9 +3,15 @@
 import type { Manifest } from "../codec/types";
 import type { ViewpointOptions } from "./viewpoint";
 
-export interface HgsPlayerOptions extends Partial<ViewpointOptions> {
-  /** Seconds on the scene's clock at which to begin; the scene's start if left out. */
+/** What of a scene is seen first. */
+export interface Beginning {
+  /** Seconds on the scene's clock; the scene's start if left out. */
   readonly time?: number | null;
+  /** Name of the capture camera; the first if left out. */
+  readonly camera?: string | null;
+}
+
+export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptions, "camera">> {
   /** Whether to play at once; false if left out. */
   readonly autoplay?: boolean;
   /** Whether to begin again at the end; false if left out. */

@@ -1,0 +1,196 @@
+/**
+ * `<hgs-player>`: a scene in a page, as `<video>` is a film. Its attributes, properties, methods and events have the names and
+ * the meaning of HTMLMediaElement where that has them; a scene has no sound.
+ */
+
+import type { HgsPlayer } from "../player/hgs_player";
+import type { HgsPlayerEvents } from "../player/hgs_player_events";
+import { PlayerView } from "../ui/player_view";
+
+/** The player's events, which the element repeats under the same names. */
+const EVENTS: readonly (keyof HgsPlayerEvents)[] = [
+  "loadstart",
+  "manifest",
+  "firstpicture",
+  "ready",
+  "play",
+  "pause",
+  "stalled",
+  "playing",
+  "timeupdate",
+  "seeked",
+  "ended",
+  "ratechange",
+  "viewchange",
+  "error",
+];
+
+/** Properties that a page may have set before the element was defined. */
+const PROPERTIES = ["src", "poster", "autoplay", "controls", "loop", "currentTime", "playbackRate"] as const;
+
+export class HgsPlayerElement extends HTMLElement {
+  static readonly observedAttributes = ["src", "poster", "controls", "loop"];
+
+  readonly #view = new PlayerView(this, { controls: false });
+  #shown: string | null = null; // the address that is loaded
+  #loads = false; // soon
+
+  constructor() {
+    super();
+    for (const type of EVENTS) {
+      this.player.addEventListener(type, (event: Event) => {
+        this.dispatchEvent(new CustomEvent(type, { detail: (event as CustomEvent).detail }));
+      });
+    }
+  }
+
+  /** All that the player can do: its camera, its statistics, pictures. */
+  get player(): HgsPlayer {
+    return this.#view.player;
+  }
+
+  /** Address of the scene: a manifest.json or its folder, a server's page of it, or a stream. Reflects the attribute. */
+  get src(): string {
+    return this.getAttribute("src") ?? "";
+  }
+
+  set src(src: string) {
+    this.setAttribute("src", src);
+  }
+
+  /** Address of the picture that is shown until the scene has one. Reflects the attribute. */
+  get poster(): string {
+    return this.getAttribute("poster") ?? "";
+  }
+
+  set poster(poster: string) {
+    this.setAttribute("poster", poster);
+  }
+
+  /** Whether the scene plays as soon as it is there, unless the visitor's system asks for less motion. Reflects the attribute. */
+  get autoplay(): boolean {
+    return this.hasAttribute("autoplay");
+  }
+
+  set autoplay(autoplay: boolean) {
+    this.toggleAttribute("autoplay", autoplay);
+  }
+
+  /** Whether controls are shown. Reflects the attribute. */
+  get controls(): boolean {
+    return this.hasAttribute("controls");
+  }
+
+  set controls(controls: boolean) {
+    this.toggleAttribute("controls", controls);
+  }
+
+  /** Whether the scene begins again at its end. Reflects the attribute. */
+  get loop(): boolean {
+    return this.hasAttribute("loop");
+  }
+
+  set loop(loop: boolean) {
+    this.toggleAttribute("loop", loop);
+  }
+
+  /** Seconds on the scene's clock. */
+  get currentTime(): number {
+    return this.player.currentTime;
+  }
+
+  set currentTime(time: number) {
+    this.player.currentTime = time;
+  }
+
+  /** Seconds; NaN until it is known. */
+  get duration(): number {
+    return this.player.duration;
+  }
+
+  get paused(): boolean {
+    return this.player.paused;
+  }
+
+  get ended(): boolean {
+    return this.player.ended;
+  }
+
+  /** Scene seconds per second, in (0, 16]. */
+  get playbackRate(): number {
+    return this.player.playbackRate;
+  }
+
+  set playbackRate(rate: number) {
+    this.player.playbackRate = rate;
+  }
+
+  play(): void {
+    this.player.play();
+  }
+
+  pause(): void {
+    this.player.pause();
+  }
+
+  /** Load `src` anew, from the attributes `time` (seconds) and `camera` (a name) where they are given. */
+  load(): void {
+    this.#loads = false;
+    this.#shown = this.getAttribute("src");
+    if (this.#shown === null) {
+      this.player.unload();
+      return;
+    }
+    if (this.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
+    const beginning = { time: this.#seconds("time"), camera: this.getAttribute("camera") };
+    this.player.load(this.#shown, beginning).catch(() => {}); // told by `error`
+  }
+
+  connectedCallback(): void {
+    for (const name of PROPERTIES) this.#adopt(name);
+    if (this.#shown !== this.getAttribute("src")) this.#loadSoon();
+  }
+
+  /** Taken out of the page, it gives everything back; put in again, it loads again. */
+  disconnectedCallback(): void {
+    queueMicrotask(() => {
+      if (this.isConnected) return; // it was moved
+      this.player.unload();
+      this.#shown = null;
+    });
+  }
+
+  attributeChangedCallback(name: string, _: string | null, value: string | null): void {
+    if (name === "src") this.#loadSoon();
+    else if (name === "poster") this.#view.poster = value;
+    else if (name === "controls") this.#view.controls = value !== null;
+    else this.player.loop = value !== null;
+  }
+
+  /** Once all attributes are there. */
+  #loadSoon(): void {
+    if (this.#loads || !this.isConnected) return;
+    this.#loads = true;
+    queueMicrotask(() => {
+      if (this.#loads && this.isConnected) this.load();
+      this.#loads = false;
+    });
+  }
+
+  #seconds(attribute: string): number | null {
+    const text = this.getAttribute(attribute);
+    if (text === null) return null;
+    const seconds = Number(text);
+    if (text.trim() !== "" && Number.isFinite(seconds)) return seconds;
+    this.#view.fail(`${attribute}="${text}" is not a number of seconds`);
+    return null;
+  }
+
+  /** Hand a value that lies on the element itself to the property that hides under it. */
+  #adopt(name: (typeof PROPERTIES)[number]): void {
+    if (!Object.hasOwn(this, name)) return;
+    const value = this[name];
+    delete (this as Partial<Record<typeof name, unknown>>)[name];
+    Object.assign(this, { [name]: value });
+  }
+}
