@@ -1,5 +1,6 @@
 /** Which source brings the scene of an address. */
 
+import { HttpSource } from "./http_source";
 import type { OpenSource } from "./scene_source";
 import { SceneStream } from "./scene_stream";
 import { streamUrl } from "./stream_url";
@@ -7,9 +8,13 @@ import { streamUrl } from "./stream_url";
 /** A scene on a server of HGS: its page, or what the API has of it. */
 const SERVED = /^(.*)\/(?:view|v1\/scenes)\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})(?:\/|\/stream)?$/;
 
+/** A scene in a folder of any web server: its manifest, or the folder itself. */
+const FOLDER = /\/(?:[^/]*\.json)?$/;
+
 /**
- * Say how to open the scene of an address: a server's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream itself
- * (`ws:` or `wss:`). Relative addresses are those of the page.
+ * Say how to open the scene of an address. On a web server: a manifest (`….json`) or its folder (`…/`). On a server of HGS:
+ * the scene's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream itself (`ws:` or `wss:`). Relative addresses are
+ * those of the page.
  *
  * @throws Error with one line for people if no scene can be at such an address.
  */
@@ -17,7 +22,15 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
   const url = parse(src, base);
   if (/^wss?:$/.test(url.protocol)) return (events, playhead) => new SceneStream(url.href, events, playhead);
   const served = SERVED.exec(url.pathname);
-  if (!served) throw new Error(`src ${src}: neither a scene of a server (/view/NAME) nor a stream (wss://…)`);
+  if (!served) {
+    if (!/^https?:$/.test(url.protocol) || !FOLDER.test(url.pathname)) {
+      throw new Error(
+        `src ${src}: not a manifest.json, a folder (…/), a scene of a server (/view/NAME) or a stream (wss:)`,
+      );
+    }
+    const manifest = url.pathname.endsWith("/") ? new URL("manifest.json", url) : url;
+    return (events, playhead) => new HttpSource(manifest.href, events, playhead);
+  }
   const stream = streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] });
   return (events, playhead) => new SceneStream(stream, events, playhead);
 }

@@ -31,3 +31,21 @@ it("names an address at which no scene can be", () => {
   expect(() => openSource("studio.ply", "http://page.example/")).toThrow(/studio\.ply/);
   expect(() => openSource("https://", "http://page.example/")).toThrow("src https://: not an address");
 });
+
+describe("a scene in a folder", () => {
+  it.each([
+    ["studio/", "https://page.example/a/studio/manifest.json"],
+    ["https://cdn.example/studio/manifest.json?v=2", "https://cdn.example/studio/manifest.json?v=2"],
+    ["manifest.json", "https://page.example/a/manifest.json"],
+  ])("is fetched from %s", (src, manifest) => {
+    const fetched: string[] = [];
+    vi.stubGlobal("fetch", (url: string) => {
+      fetched.push(url);
+      return new Promise(() => {});
+    });
+    vi.stubGlobal("document", { hidden: false });
+    const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
+    openSource(src, "https://page.example/a/b.html")(events, { time: null, rate: 0 }).close();
+    expect(fetched).toEqual([manifest]);
+  });
+});

@@ -1,0 +1,76 @@
+/** A file over HTTP, given up when nothing more of it comes. */
+
+const SILENCE = 10_000; // ms without a byte, after which a download is given up
+
+/** The server has answered, but not with the file. */
+export class StatusError extends Error {
+  constructor(
+    readonly status: number,
+    url: string,
+  ) {
+    super(`${url}: the server answered ${status}`);
+  }
+
+  /** Whether the server says that there is no such file. */
+  get missing(): boolean {
+    return this.status === 404 || this.status === 410;
+  }
+}
+
+/** The server has answered with something else than the file. */
+export class LengthError extends Error {
+  constructor(url: string, length: number, expected: number) {
+    super(`${url}: ${length} bytes instead of ${expected}`);
+  }
+}
+
+export interface Download {
+  /** Where the file was found, after redirects. */
+  readonly url: string;
+  readonly bytes: Uint8Array<ArrayBuffer>;
+}
+
+/**
+ * Fetch a file, of `length` bytes if that is known.
+ *
+ * @throws StatusError if the server answers anything but 200, LengthError if with another file, and another error if it
+ *   cannot be reached or falls silent.
+ */
+export async function download(
+  url: string,
+  signal: AbortSignal,
+  cache: RequestCache,
+  length?: number,
+): Promise<Download> {
+  const silence = new AbortController();
+  let timer = setTimeout(() => silence.abort(), SILENCE);
+  try {
+    const response = await fetch(url, { signal: AbortSignal.any([signal, silence.signal]), cache });
+    if (response.status !== 200) {
+      void response.body?.cancel();
+      throw new StatusError(response.status, url);
+    }
+    const parts: Uint8Array[] = [];
+    const reader = response.body?.getReader();
+    for (let part = await reader?.read(); part?.value; part = await reader?.read()) {
+      parts.push(part.value);
+      clearTimeout(timer);
+      timer = setTimeout(() => silence.abort(), SILENCE);
+    }
+    const bytes = joined(parts);
+    if (length !== undefined && bytes.length !== length) throw new LengthError(url, bytes.length, length);
+    return { url: response.url || url, bytes };
+  } finally {
+    clearTimeout(timer);
+  }
+}
+
+function joined(parts: readonly Uint8Array[]): Uint8Array<ArrayBuffer> {
+  const bytes = new Uint8Array(parts.reduce((sum, part) => sum + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    bytes.set(part, at);
+    at += part.length;
+  }
+  return bytes;
+}

@@ -1,0 +1,197 @@
+/**
+ * A scene in a folder of any web server (docs/static.md): fetches the manifest, and then the chunks that the playhead needs
+ * first, a few at a time.
+ */
+
+import { parseManifest } from "../codec/manifest";
+import type { ChunkEntry, Manifest } from "../codec/types";
+import { chunkOrder } from "./chunk_order";
+import { download, LengthError, StatusError } from "./download";
+import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
+import { Throughput } from "./throughput";
+
+/** Downloads at once: enough to fill a long line, and few enough to be of use after a seek. */
+const PARALLEL = 4;
+/** Complete chunks that may wait for their decoding before no more are fetched, bytes. */
+const UNDECODED = 16 << 20;
+/** Longest wait before the first retry, ms; doubled at each failure. */
+const FIRST_RETRY = 500;
+const LAST_RETRY = 8000; // ms
+/** How often a server may answer something else in place of a chunk before it is shown without. */
+const MOST_REFUSALS = 3;
+
+export class HttpSource implements SceneSource {
+  readonly #abort = new AbortController();
+  readonly #fetching = new Map<string, AbortController>();
+  readonly #settled = new Set<string>(); // chunks that have come, or cannot be had
+  readonly #refusals = new Map<string, number>();
+  readonly #throughput = new Throughput();
+  #url: string; // of the manifest
+  #manifest: Manifest | null = null;
+  #playhead: Playhead;
+  #undecoded = 0; // bytes
+  #failures = 0; // since something has come
+  #retry: ReturnType<typeof setTimeout> | undefined; // while nothing is asked for
+
+  /**
+   * @param url of the manifest.
+   * @param hidden whether nobody sees the page: then nothing more is fetched until `wake`.
+   */
+  constructor(
+    url: string,
+    readonly events: SourceEvents,
+    playhead: Playhead,
+    readonly hidden: () => boolean = () => document.hidden,
+  ) {
+    this.#url = url;
+    this.#playhead = playhead;
+    events.state("connecting");
+    void this.#fetchManifest();
+  }
+
+  play(time: number, rate: number): void {
+    this.#playhead = { time, rate };
+    this.#fetchMore();
+  }
+
+  pause(time: number): void {
+    this.#playhead = { time, rate: 0 };
+    this.#fetchMore();
+  }
+
+  /** What is under way and not needed soon gives way to what is. */
+  seek(time: number): void {
+    this.#playhead = { ...this.#playhead, time };
+    const needed = new Set(this.#next(PARALLEL).map((chunk) => chunk.id));
+    for (const [id, abort] of this.#fetching) if (!needed.has(id)) abort.abort();
+    this.#fetchMore();
+  }
+
+  playheadAt(time: number): void {
+    this.#playhead = { ...this.#playhead, time };
+  }
+
+  consumed(bytes: number): void {
+    this.#undecoded -= bytes;
+    this.#fetchMore();
+  }
+
+  async fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+    const entry = this.#entries().find((chunk) => chunk.id === id);
+    return (await download(this.#chunkUrl(id), signal, "reload", entry?.bytes)).bytes;
+  }
+
+  wake(): void {
+    const waiting = this.#retry !== undefined;
+    clearTimeout(this.#retry);
+    this.#retry = undefined;
+    if (this.#manifest) this.#fetchMore();
+    else if (waiting) void this.#fetchManifest();
+  }
+
+  close(): void {
+    if (this.#abort.signal.aborted) return;
+    this.#abort.abort();
+    clearTimeout(this.#retry);
+    for (const abort of this.#fetching.values()) abort.abort();
+    this.events.state("closed");
+  }
+
+  async #fetchManifest(): Promise<void> {
+    const { signal } = this.#abort;
+    try {
+      const { url, bytes } = await download(this.#url, signal, "no-cache");
+      if (signal.aborted) return;
+      this.#url = url;
+      this.#failures = 0;
+      this.events.state("open");
+      this.events.manifest(bytes.slice());
+      if (signal.aborted) return; // the player cannot read it
+      this.#manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
+      this.#fetchMore();
+    } catch (error) {
+      if (signal.aborted) return;
+      if (error instanceof StatusError && (error.missing || error.status === 403)) {
+        this.close();
+        this.events.failed("no-scene", error.message);
+      } else {
+        this.#retryLater(() => void this.#fetchManifest());
+      }
+    }
+  }
+
+  #fetchMore(): void {
+    if (this.#retry !== undefined || this.#undecoded > UNDECODED || this.hidden()) return;
+    for (const chunk of this.#next(PARALLEL)) {
+      if (this.#fetching.size >= PARALLEL) return;
+      if (!this.#fetching.has(chunk.id)) void this.#fetchChunk(chunk);
+    }
+  }
+
+  /** The chunks that are needed first, at most so many, also those under way. */
+  #next(count: number): ChunkEntry[] {
+    if (!this.#manifest || this.#abort.signal.aborted) return [];
+    const { bytesPerSecond } = this.#throughput;
+    const order = chunkOrder(this.#manifest, this.#playhead, bytesPerSecond, (id) => this.#settled.has(id));
+    const chunks: ChunkEntry[] = [];
+    for (const chunk of order) if (chunks.push(chunk) === count) break;
+    return chunks;
+  }
+
+  async #fetchChunk(chunk: ChunkEntry): Promise<void> {
+    const { id } = chunk;
+    const abort = new AbortController();
+    this.#fetching.set(id, abort);
+    const begun = performance.now();
+    try {
+      const cache = this.#refusals.has(id) ? "reload" : "default"; // what was wrong may lie in a cache
+      const { bytes } = await download(this.#chunkUrl(id), abort.signal, cache, chunk.bytes);
+      if (abort.signal.aborted) return;
+      this.#throughput.arrived(bytes.length, begun, performance.now());
+      this.#settled.add(id);
+      if (this.#failures > 0) this.events.state("open");
+      this.#failures = 0;
+      this.#undecoded += bytes.length;
+      this.events.progress(bytes.length);
+      this.events.chunk(id, bytes);
+    } catch (error) {
+      if (!abort.signal.aborted) this.#failed(chunk, error);
+    } finally {
+      if (this.#fetching.get(id) === abort) this.#fetching.delete(id);
+      this.#fetchMore();
+    }
+  }
+
+  #failed({ id }: ChunkEntry, error: unknown): void {
+    const missing = error instanceof StatusError && error.missing;
+    const refused = error instanceof StatusError || error instanceof LengthError; // else nothing has answered
+    const refusals = (this.#refusals.get(id) ?? 0) + 1;
+    if (refused) this.#refusals.set(id, refusals);
+    if (missing || (refused && refusals >= MOST_REFUSALS)) {
+      this.#settled.add(id);
+      this.events.missing(id);
+    } else {
+      this.#retryLater(() => this.#fetchMore());
+    }
+  }
+
+  /** Anywhere in a span, so that all players of a server that has come back do not come at once. */
+  #retryLater(again: () => void): void {
+    if (this.#retry !== undefined) return;
+    this.events.state("retrying");
+    const longest = Math.min(LAST_RETRY, FIRST_RETRY * 2 ** this.#failures++);
+    this.#retry = setTimeout(() => {
+      this.#retry = undefined;
+      again();
+    }, longest * Math.random());
+  }
+
+  #entries(): ChunkEntry[] {
+    const manifest = this.#manifest;
+    return manifest ? [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)] : [];
+  }
+
+  #chunkUrl(id: string): string {
+    return new URL(`chunks/${id}`, this.#url).href;
+  }
+}

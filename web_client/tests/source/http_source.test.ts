@@ -1,0 +1,303 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { HttpSource } from "../../src/source/http_source";
+import type { SourceEvents } from "../../src/source/scene_source";
+
+const id = (letter: string) => letter.repeat(64);
+const chunk = (letter: string) => ({
+  id: id(letter),
+  bytes: 100,
+  splats: 1,
+  box: [
+    [0, 0, 0],
+    [1, 1, 1],
+  ],
+});
+const slice = (start: number, letters: string) => ({
+  segment: 0,
+  start,
+  end: start + 10,
+  chunks: Array.from(letters, chunk),
+  needs: [],
+});
+/** Two static chunks, and slices of ten seconds with a chunk each. */
+const MANIFEST = JSON.stringify({
+  format: "hgs-scene",
+  version: 2,
+  title: "test",
+  start: 0,
+  end: 40,
+  frame_rate: 30,
+  background: [0, 0, 0],
+  up: [0, -1, 0],
+  center: [0, 0, 0],
+  extent: 1,
+  cameras: [
+    {
+      name: "cam",
+      width: 10,
+      height: 10,
+      fx: 10,
+      fy: 10,
+      cx: 5,
+      cy: 5,
+      near: 0.1,
+      world_to_camera: [
+        [1, 0, 0, 0],
+        [0, 1, 0, 0],
+        [0, 0, 1, 0],
+        [0, 0, 0, 1],
+      ],
+    },
+  ],
+  segments: [{ start: 0, end: 40 }],
+  static: [chunk("1"), chunk("2")],
+  slices: [slice(0, "a"), slice(10, "b"), slice(20, "c"), slice(30, "d")],
+  totals: { splats_static: 2, splats_dynamic: 4, bytes_static: 200, bytes_dynamic: 400 },
+  thumbnail: false,
+  training: {},
+});
+
+interface Request {
+  readonly url: string;
+  readonly cache: string;
+  readonly signal: AbortSignal;
+  answer(body: Uint8Array | string, status?: number): Promise<void>;
+  /** The line breaks. */
+  fail(): Promise<void>;
+}
+
+const requests: Request[] = [];
+let hidden: boolean;
+let source: HttpSource | null = null;
+
+const passed = async () => {
+  await vi.advanceTimersByTimeAsync(0);
+};
+/** The chunks that are being fetched, by their letter. */
+const asked = () => requests.map(({ url }) => url.at(-1)).join("");
+const whole = () => new Uint8Array(100);
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.spyOn(Math, "random").mockReturnValue(0.999);
+  requests.length = 0;
+  hidden = false;
+  vi.stubGlobal("fetch", (url: string, { cache, signal }: { cache: string; signal: AbortSignal }) => {
+    return new Promise<Response>((resolve, reject) => {
+      signal.addEventListener("abort", () => reject(signal.reason));
+      const forget = () => {
+        if (requests.includes(request)) requests.splice(requests.indexOf(request), 1);
+      };
+      const settle = (done: () => void) => {
+        forget();
+        done();
+        return passed();
+      };
+      const request: Request = {
+        url,
+        cache,
+        signal,
+        answer: (body, status = 200) => settle(() => resolve(new Response(body as BodyInit, { status }))),
+        fail: () => settle(() => reject(new TypeError("Failed to fetch"))),
+      };
+      signal.addEventListener("abort", forget);
+      requests.push(request);
+    });
+  });
+});
+afterEach(() => {
+  source?.close();
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+  vi.restoreAllMocks();
+});
+
+const events = {
+  manifest: vi.fn<SourceEvents["manifest"]>(),
+  chunk: vi.fn<SourceEvents["chunk"]>(),
+  missing: vi.fn<SourceEvents["missing"]>(),
+  progress: vi.fn<SourceEvents["progress"]>(),
+  state: vi.fn<SourceEvents["state"]>(),
+  failed: vi.fn<SourceEvents["failed"]>(),
+};
+
+function open(url = "https://cdn.example/studio/manifest.json?v=2"): HttpSource {
+  for (const event of Object.values(events)) event.mockClear();
+  source = new HttpSource(url, events, { time: 0, rate: 1 }, () => hidden);
+  return source;
+}
+
+/** A source that has its manifest, and asks for chunks. */
+async function begun(): Promise<HttpSource> {
+  const opened = open();
+  await requests[0].answer(MANIFEST);
+  return opened;
+}
+
+const request = (letter: string) => requests.find(({ url }) => url.endsWith(id(letter))) as Request;
+
+describe("the manifest", () => {
+  it("comes first, is asked for anew, and is handed on", async () => {
+    open();
+    expect(requests.map(({ url, cache }) => [url, cache])).toEqual([
+      ["https://cdn.example/studio/manifest.json?v=2", "no-cache"],
+    ]);
+    await requests[0].answer(MANIFEST);
+    expect(new TextDecoder().decode(events.manifest.mock.calls[0][0])).toBe(MANIFEST);
+    expect(events.state.mock.calls.flat()).toEqual(["connecting", "open"]);
+  });
+
+  it.each([404, 410, 403])("that is not there (%i) is no scene", async (status) => {
+    open();
+    await requests[0].answer("", status);
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("no-scene", expect.stringContaining(String(status)));
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(requests).toEqual([]);
+  });
+
+  it("is asked for again later, and ever later, if the server cannot be reached", async () => {
+    open();
+    await requests[0].fail();
+    expect(events.state).toHaveBeenLastCalledWith("retrying");
+    await vi.advanceTimersByTimeAsync(500);
+    await requests[0].answer("", 503);
+    await vi.advanceTimersByTimeAsync(900);
+    expect(requests).toEqual([]);
+    await vi.advanceTimersByTimeAsync(100);
+    await requests[0].answer(MANIFEST);
+    expect(events.manifest).toHaveBeenCalledOnce();
+  });
+
+  it("is asked for at once when the network is back", async () => {
+    const opened = open();
+    await requests[0].fail();
+    opened.wake();
+    expect(requests).toHaveLength(1);
+  });
+});
+
+describe("chunks", () => {
+  it("lie beside the manifest, and come four at a time, those first that are needed first", async () => {
+    await begun();
+    expect(requests.map(({ url }) => url)).toEqual([
+      `https://cdn.example/studio/chunks/${id("1")}`,
+      `https://cdn.example/studio/chunks/${id("a")}`,
+      `https://cdn.example/studio/chunks/${id("2")}`,
+      `https://cdn.example/studio/chunks/${id("b")}`,
+    ]);
+    await request("1").answer(whole());
+    expect(asked()).toBe("a2bc");
+    expect(events.chunk).toHaveBeenCalledExactlyOnceWith(id("1"), whole());
+    expect(events.progress).toHaveBeenCalledExactlyOnceWith(100);
+  });
+
+  it("are all fetched once", async () => {
+    await begun();
+    while (requests.length > 0) await requests[0].answer(whole());
+    expect(events.chunk.mock.calls.map(([name]) => name).sort()).toEqual(Array.from("12abcd", id));
+    expect(events.missing).not.toHaveBeenCalled();
+  });
+
+  it("wait for a decoder that cannot keep up", async () => {
+    const opened = await begun();
+    opened.consumed(-(17 << 20)); // as if so much had come
+    await request("1").answer(whole());
+    expect(asked()).toBe("a2b");
+    opened.consumed(17 << 20);
+    expect(asked()).toBe("a2bc");
+  });
+
+  it("that a seek makes useless give way to those that it needs", async () => {
+    const opened = await begun();
+    const given = request("b");
+    opened.seek(35);
+    await passed();
+    expect(given.signal.aborted).toBe(true);
+    expect(asked()).toBe("1a2d");
+    expect(events.missing).not.toHaveBeenCalled();
+    expect(events.state).toHaveBeenLastCalledWith("open");
+  });
+
+  it("are left where they are while nobody sees the page", async () => {
+    const opened = await begun();
+    hidden = true;
+    while (requests.length > 0) await requests[0].answer(whole());
+    expect(events.chunk).toHaveBeenCalledTimes(4);
+    hidden = false;
+    opened.wake();
+    expect(asked()).toBe("cd");
+  });
+});
+
+describe("a chunk that does not come", () => {
+  it.each([404, 410])("because it is not there (%i) is missing, and not asked for again", async (status) => {
+    await begun();
+    await request("a").answer("", status);
+    expect(events.missing).toHaveBeenCalledExactlyOnceWith(id("a"));
+    while (requests.length > 0) await requests[0].answer(whole());
+    expect(events.chunk).toHaveBeenCalledTimes(5);
+  });
+
+  it("is asked for again later, and then told to be there", async () => {
+    await begun();
+    await request("a").fail();
+    expect(events.state).toHaveBeenLastCalledWith("retrying");
+    expect(asked()).toBe("12b");
+    await vi.advanceTimersByTimeAsync(500);
+    expect(asked()).toBe("12ba");
+    await request("a").answer(whole());
+    expect(events.state).toHaveBeenLastCalledWith("open");
+  });
+
+  it("within ten seconds of silence is asked for again", async () => {
+    await begun();
+    const silent = request("a");
+    await vi.advanceTimersByTimeAsync(10_000);
+    expect(silent.signal.aborted).toBe(true);
+    await vi.advanceTimersByTimeAsync(500);
+    expect(asked()).toContain("a");
+    expect(events.missing).not.toHaveBeenCalled();
+  });
+
+  it("because the server refuses three times is missing", async () => {
+    await begun();
+    for (let i = 0; i < 3; i++) {
+      expect(events.missing).not.toHaveBeenCalled();
+      await request("a").answer("", 500);
+      await vi.advanceTimersByTimeAsync(8000);
+    }
+    expect(events.missing).toHaveBeenCalledExactlyOnceWith(id("a"));
+  });
+
+  it("whole is fetched past the caches, and taken only if it is whole", async () => {
+    await begun();
+    await request("a").answer(new Uint8Array(99));
+    expect(events.chunk).not.toHaveBeenCalled();
+    await vi.advanceTimersByTimeAsync(500);
+    expect(request("a").cache).toBe("reload");
+    await request("a").answer(whole());
+    expect(events.chunk).toHaveBeenCalledOnce();
+  });
+});
+
+it("brings a damaged chunk once more, past the caches", async () => {
+  const opened = await begun();
+  while (requests.length > 0) await requests[0].answer(whole());
+  const again = opened.fetchAgain(id("a"), new AbortController().signal);
+  expect(request("a").cache).toBe("reload");
+  await request("a").answer(whole());
+  expect(await again).toEqual(whole());
+  const other = opened.fetchAgain(id("a"), new AbortController().signal);
+  const refused = expect(other).rejects.toThrow("50 bytes instead of 100");
+  await request("a").answer(new Uint8Array(50));
+  await refused;
+});
+
+it("asks for nothing after it is closed", async () => {
+  const opened = await begun();
+  opened.close();
+  await passed();
+  opened.wake();
+  expect(requests).toEqual([]);
+  expect(events.state).toHaveBeenLastCalledWith("closed");
+});
