@@ -14,7 +14,7 @@ EMBEDDABLE_POLICY = "; ".join(
         "worker-src 'self'",
         "style-src 'self'",
         "img-src 'self' data:",  # the build puts small pictures into the style sheet
-        "connect-src 'self' data:",  # the decompressor's code comes as a data URL
+        "connect-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
     )

@@ -1,12 +1,16 @@
 import { defineConfig } from "vitest/config";
+import { leanShaders } from "./plugins/lean_shaders.ts";
 import { precompressed } from "./plugins/precompressed.ts";
 import { preloadedPages } from "./plugins/preloaded_pages.ts";
+import { zstdWasmFile } from "./plugins/zstd_wasm.ts";
 
 // `npm run dev` serves the pages itself and forwards the API to a running `hgs serve`.
 const server = process.env.HGS_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
   plugins: [
+    zstdWasmFile(),
+    leanShaders(),
     preloadedPages({ "view.html": "/src/ui/view_page.ts", "index.html": "/src/ui/list_page.ts" }),
     precompressed(),
   ],
@@ -18,5 +22,5 @@ export default defineConfig({
   },
   worker: { format: "es" },
   server: { proxy: { "/v1": { target: server, ws: true } } },
-  test: { include: ["tests/**/*.test.ts"], environment: "node" },
+  test: { include: ["tests/**/*.test.ts"], environment: "node", setupFiles: "tests/decompressor.ts" },
 });

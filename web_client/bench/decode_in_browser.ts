@@ -9,6 +9,7 @@ import { createServer } from "node:http";
 import type { AddressInfo } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { zstdWasm } from "../plugins/zstd_wasm.ts";
 
 const REPEATS = 200;
 const LIMIT = 600_000; // milliseconds
@@ -36,6 +37,7 @@ const rates = new Promise<string>((resolve, reject) => {
       resolve(body);
     } else if (url === "/") answer("text/html", page);
     else if (url === "/worker.js") answer("text/javascript", readFileSync(new URL("worker.js", import.meta.url)));
+    else if (url === "/zstd.wasm") answer("application/wasm", Buffer.from(zstdWasm()));
     else if (files.includes(file)) answer("application/octet-stream", readFileSync(join(folder, file)));
     else response.writeHead(404).end();
   });

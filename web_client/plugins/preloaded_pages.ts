@@ -1,8 +1,8 @@
 import type { Plugin, Rollup } from "vite";
 
 /**
- * Write pages that name every script they need, so that a browser asks for all of them at once: by itself it would
- * find each only when it runs the one before.
+ * Write pages that name every script that they need, and what these fetch, so that a browser asks for all of it at once: by
+ * itself it would find each only when it runs the one before.
  *
  * @param pages for each page to write, e.g. `view.html`, the module that index.html imports for it
  */
@@ -33,8 +33,8 @@ export function preloadedPages(pages: Readonly<Record<string, string>>): Plugin 
 }
 
 /**
- * Links to the scripts that a page runs and the workers that it starts, but for those that the page names already.
- * Workers are said to be modules of the page: Chromium knows no other kind, and the worker finds them in the cache.
+ * Links to the scripts that a page runs, the workers that it starts and what it fetches for them, but for the scripts that the
+ * page names already. Workers are said to be modules of the page: Chromium knows no other kind, and the worker finds them in the cache.
  */
 function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: string, base: string): string {
   const scripts = new Set([chunk.fileName]);
@@ -42,12 +42,12 @@ function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: str
     const imported = bundle[name];
     if (imported?.type === "chunk") for (const next of imported.imports) scripts.add(next); // the loop goes on to these
   }
-  const workers = Object.keys(bundle).filter(
-    (name) => bundle[name].type === "asset" && name.endsWith(".js") && chunk.code.includes(name),
-  );
-  return [...scripts, ...workers]
-    .map((name) => base + name)
-    .filter((address) => !html.includes(address))
-    .map((address) => `    <link rel="modulepreload" crossorigin href="${address}" />\n`)
-    .join("");
+  const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && chunk.code.includes(name));
+  const workers = assets.filter((name) => name.endsWith(".js"));
+  const fetched = assets.filter((name) => name.endsWith(".wasm"));
+  const link = (how: string) => (name: string) => `    <link ${how} crossorigin href="${base}${name}" />\n`;
+  return [
+    ...[...scripts, ...workers].filter((name) => !html.includes(base + name)).map(link('rel="modulepreload"')),
+    ...fetched.map(link('rel="preload" as="fetch"')),
+  ].join("");
 }

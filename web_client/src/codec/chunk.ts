@@ -3,6 +3,7 @@
 import { crc32 } from "./crc32";
 import { ChunkError } from "./errors";
 import type { Bounds, Box } from "./types";
+import { VERSIONS } from "./versions";
 
 const MAGIC = 0x43534748; // "HGSC"
 const MAX_SPLATS = 2 ** 20;
@@ -11,9 +12,6 @@ const MAX_ZERO = 2 ** 28;
 const ENTRY = 9; // bytes, before its whole numbers of variable length
 const CHECKSUM = 4;
 const VARINT_BYTES = 5;
-
-/** Versions of the format that are read; the second has motions of the fifth order. */
-export const VERSIONS: readonly number[] = [2, 3];
 
 /** Byte at which the attribute table begins. */
 export const TABLE = 80;

@@ -1,8 +1,8 @@
 /** The manifest of a scene, checked field by field (docs/format.md, "Manifest"). */
 
-import { VERSIONS } from "./chunk";
 import { ManifestError } from "./errors";
 import type { Box, CapturedSpace, ChunkEntry, Manifest, ManifestCamera, SegmentEntry, SliceEntry } from "./types";
+import { VERSIONS } from "./versions";
 
 /** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
 class Field {

@@ -1,14 +1,33 @@
 /** The zstd frames of an attribute, decompressed together through WebAssembly. */
 
-import { ZSTDDecoder } from "zstddec";
-
 const MAGIC = 0xfd2fb528;
 const LAST = 1; // bit of a block's header
 const RLE = 1; // types of blocks
 const RESERVED = 3;
 
-const decoder = new ZSTDDecoder();
-const ready = decoder.init();
+/** What the WebAssembly of the package zstddec offers. Addresses and sizes are in bytes of its memory. */
+interface Zstd {
+  readonly memory: WebAssembly.Memory;
+  malloc(size: number): number;
+  free(address: number): void;
+  /** Returns how much came out, or more than `capacity` for an error. */
+  ZSTD_decompress(to: number, capacity: number, from: number, size: number): number;
+}
+
+let zstd: Zstd | undefined;
+let nowReady: () => void;
+const ready = new Promise<void>((resolve) => {
+  nowReady = resolve;
+});
+
+/** Give this module the decompressor, compiled from what the build writes as zstd.wasm; before anything is decompressed. */
+export async function provideZstd(module: WebAssembly.Module): Promise<void> {
+  // It tells when its memory has grown; here the memory is looked at anew for every call.
+  const imports = { env: { emscripten_notify_memory_growth: () => {} } };
+  const { exports } = await WebAssembly.instantiate(module, imports);
+  zstd = exports as unknown as Zstd;
+  nowReady();
+}
 
 /** Resolves when `decompress` may be called. */
 export function zstdReady(): Promise<void> {
@@ -38,8 +57,17 @@ function firstDamaged(frames: readonly Uint8Array[], length: number): number | u
 }
 
 function contentOf(frames: Uint8Array, length: number): Uint8Array | undefined {
-  const raw = decoder.decode(frames, length);
-  return raw.length === length ? raw : undefined;
+  if (!zstd) throw new Error("the decompressor has not been provided yet");
+  const from = zstd.malloc(frames.length);
+  const to = zstd.malloc(length);
+  try {
+    new Uint8Array(zstd.memory.buffer).set(frames, from);
+    const size = zstd.ZSTD_decompress(to, length, from, frames.length);
+    return size === length ? new Uint8Array(zstd.memory.buffer).slice(to, to + length) : undefined;
+  } finally {
+    zstd.free(from);
+    zstd.free(to);
+  }
 }
 
 /** Whether the bytes are one frame (RFC 8878, section 3.1.1) that states `length` and ends with the bytes; content unread. */

@@ -1,6 +1,6 @@
 /** The messages of docs/protocol.md, version 1: one encoder, one decoder, and the chunk frame. */
 
-import { decode, encode } from "@msgpack/msgpack";
+import { pack, unpack } from "./msgpack";
 
 export const PROTOCOL = 1;
 export const CHUNK_FRAME = 0x01;
@@ -58,7 +58,7 @@ export interface ChunkFrame {
 export class ProtocolError extends Error {}
 
 export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
-  return encode(message) as Uint8Array<ArrayBuffer>;
+  return pack(message);
 }
 
 const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "number" | "string" | "bytes">>>> = {
@@ -78,7 +78,7 @@ const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "nu
 export function decodeMessage(bytes: Uint8Array): ServerMessage | null {
   let value: unknown;
   try {
-    value = decode(bytes);
+    value = unpack(bytes);
   } catch (error) {
     throw new ProtocolError(`a message is not msgpack: ${error instanceof Error ? error.message : error}`);
   }

@@ -5,7 +5,9 @@ import type { SplatDepth } from "./depth";
 import type { SplatOrder } from "./splat_order";
 
 export type ToWorker =
-  /** First, once. */
+  /** Once; chunks wait for it. */
+  | { type: "decompressor"; module: WebAssembly.Module }
+  /** Before its chunks, once. */
   | { type: "scene"; manifest: Manifest }
   /** A complete chunk, as it came from the server. */
   | { type: "chunk"; id: string; bytes: Uint8Array<ArrayBuffer> }

@@ -1,8 +1,10 @@
 /** The page's end of the worker: everything that is said to it and heard from it passes here. */
 
 import type { Manifest } from "../codec/types";
+import { decompressor } from "./decompressor";
 import type { SplatDepth } from "./depth";
 import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
+import { startWorker } from "./start_worker";
 
 export interface SceneWorkerEvents {
   /** A chunk's splats, packed for the renderer. */
@@ -15,11 +17,15 @@ export interface SceneWorkerEvents {
 }
 
 export class SceneWorker {
-  readonly #worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+  readonly #worker = startWorker();
 
   constructor(readonly events: SceneWorkerEvents) {
     this.#worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.#receive(data);
     this.#worker.onerror = ({ message }) => events.stopped(message);
+    decompressor().then(
+      (module) => this.#tell({ type: "decompressor", module }),
+      (error) => events.stopped(`zstd.wasm: ${error instanceof Error ? error.message : error}`),
+    );
   }
 
   /** Say which scene the chunks are of; first, and once. */

@@ -1,6 +1,7 @@
 /** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never waits for either. */
 
 import { decodeChunk } from "../codec/decode";
+import { provideZstd } from "../codec/zstd";
 import { toHex } from "../protocol/messages";
 import type { FromWorker, ToWorker } from "./messages";
 import { packDynamics, packFifth, packStatics } from "./pack";
@@ -39,6 +40,9 @@ async function addChunk(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<voi
 
 scope.onmessage = ({ data }) => {
   switch (data.type) {
+    case "decompressor":
+      void provideZstd(data.module);
+      break;
     case "scene":
       orderer = new SplatOrderer(data.manifest, placeChunks(data.manifest));
       break;

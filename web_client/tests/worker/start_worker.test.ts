@@ -1,0 +1,31 @@
+import { afterEach, expect, it, vi } from "vitest";
+
+vi.mock("../../src/worker/worker.ts?worker&url", () => ({ default: "https://cdn.example/hgs/worker.js" }));
+
+afterEach(() => vi.unstubAllGlobals());
+
+/** The addresses of the workers that are started on a page of that origin, and what the blobs hold. */
+async function started(origin: string): Promise<{ addresses: string[]; blobs: Blob[] }> {
+  vi.resetModules();
+  const addresses: string[] = [];
+  const blobs: Blob[] = [];
+  vi.stubGlobal("location", { origin });
+  vi.stubGlobal("Worker", function start(address: string | URL) {
+    addresses.push(String(address));
+  });
+  vi.spyOn(URL, "createObjectURL").mockImplementation((blob) => `blob:${blobs.push(blob as Blob)}`);
+  const { startWorker } = await import("../../src/worker/start_worker");
+  startWorker();
+  startWorker();
+  return { addresses, blobs };
+}
+
+it("starts the script itself on a page of its origin", async () => {
+  expect((await started("https://cdn.example")).addresses[0]).toBe("https://cdn.example/hgs/worker.js");
+});
+
+it("starts a script of the page that imports it elsewhere, the same for all players", async () => {
+  const { addresses, blobs } = await started("https://page.example");
+  expect(addresses).toEqual(["blob:1", "blob:1"]);
+  expect(await blobs[0].text()).toBe('import "https://cdn.example/hgs/worker.js";');
+});

@@ -1,0 +1,29 @@
+import { defineConfig } from "vite";
+import { leanShaders } from "./plugins/lean_shaders.ts";
+import { precompressed } from "./plugins/precompressed.ts";
+import { zstdWasmFile } from "./plugins/zstd_wasm.ts";
+
+/**
+ * The player without a page around it. `vite build -c vite.package.config.ts` makes the npm package in dist/, with an entry for
+ * each of its exports; with `--mode site` what a static web server needs beside a scene: player/hgs-player.js, which registers
+ * the element, and what it loads.
+ */
+export default defineConfig(({ mode }) => {
+  const site = mode === "site";
+  const entry: Record<string, string> = site
+    ? { "hgs-player": "src/element/define.ts" }
+    : { index: "src/index.ts", element: "src/element/define.ts" };
+  return {
+    base: "./", // addresses relative to the script that has them
+    publicDir: false,
+    plugins: [zstdWasmFile(), leanShaders(), ...(site ? [precompressed()] : [])],
+    build: {
+      outDir: site ? "../server/viewer/player" : "dist",
+      emptyOutDir: true,
+      target: "es2022",
+      lib: { entry, formats: ["es"] },
+      rolldownOptions: { output: { chunkFileNames: "[name].js", assetFileNames: "[name][extname]", minify: true } },
+    },
+    worker: { format: "es", rolldownOptions: { output: { entryFileNames: "worker.js" } } },
+  };
+});
