@@ -18,6 +18,8 @@ export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
   framesDropped: 10,
   sortTime: 1.25,
   orderAge: 16.4,
+  orderAgeFrames: 1,
+  pictureTime: 0.5,
   contextLost: false,
   firstFrame: 800,
   ...fields,

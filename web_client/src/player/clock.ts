@@ -81,17 +81,19 @@ export class PlayerClock {
     const step = this.#last === null ? 0 : Math.min(LONGEST_STEP, Math.max(0, now - this.#last));
     this.#last = now;
     if (!this.#playing) return this.#time;
-    let next = this.#time + step * this.#rate;
-    let ended = false;
-    if (next >= this.end) {
-      const duration = this.end - this.start;
-      ended = !this.loop || duration <= 0;
-      next = ended ? this.end : this.start + ((next - this.start) % duration);
-    }
+    const next = this.after(step);
     this.#stalled = !ready(next);
     if (this.#stalled) return this.#time;
     this.#time = next;
-    if (ended) this.#playing = false;
+    if (next === this.end) this.#playing = false;
     return this.#time;
+  }
+
+  /** Where the playhead is after so many seconds if it plays on: `end` itself only where it stops there. */
+  after(seconds: number): number {
+    const next = this.#time + seconds * this.#rate;
+    if (next < this.end) return next;
+    const duration = this.end - this.start;
+    return !this.loop || duration <= 0 ? this.end : this.start + ((next - this.start) % duration);
   }
 }

@@ -4,24 +4,32 @@ import type { SplatSink } from "../renderer/splat_drawer";
 import { type SplatDepth, sameDepth } from "../worker/depth";
 import type { OrderedSplats } from "../worker/messages";
 import type { SceneWorker } from "../worker/scene_worker";
+import type { Moment } from "./moment";
+import { OrderLead } from "./order_lead";
 
 /** What an order is of. */
-export interface OrderKey {
+export interface OrderKey extends Moment {
   readonly depth: SplatDepth;
-  /** Seconds. */
-  readonly time: number;
   /** Counts what the worker has decoded. */
   readonly version: number;
 }
 
+/** An order, and when it was asked for. */
+interface Asked {
+  readonly key: OrderKey;
+  readonly at: number; // ms
+  readonly frame: number;
+}
+
 export class OrderRequests {
-  #asked: OrderKey | null = null;
-  #askedAt = 0; // ms
-  #shown: OrderKey | null = null;
-  #shownAskedAt = 0; // ms
+  readonly #lead = new OrderLead();
+  #frame = 0;
+  #now = 0; // ms
+  #asked: Asked | null = null;
+  #shown: Asked | null = null;
+  #fresh = false; // no frame has seen the shown order yet
   #ids: Uint32Array<ArrayBuffer> | undefined; // of the order that is shown, until the next one comes
   #spare: Uint32Array<ArrayBuffer> | undefined;
-  #normalisedTime = 0;
   #count = 0;
   #dynamicSplats = 0;
   #sortTime = 0;
@@ -33,12 +41,7 @@ export class OrderRequests {
 
   /** What the order that is drawn now is of; null before the first. */
   get shown(): OrderKey | null {
-    return this.#shown;
-  }
-
-  /** The segment's time at which the shown order's dynamics are to be drawn. */
-  get normalisedTime(): number {
-    return this.#normalisedTime;
+    return this.#shown?.key ?? null;
   }
 
   /** Splats in the shown order. */
@@ -56,38 +59,53 @@ export class OrderRequests {
     return this.#sortTime;
   }
 
-  /** How long before `now` the shown order was asked for, milliseconds of `performance.now()`. */
-  age(now: number): number {
-    return now - this.#shownAskedAt;
+  /** How long before the last frame the shown order was asked for, milliseconds. */
+  get age(): number {
+    return this.#shown ? this.#now - this.#shown.at : 0;
+  }
+
+  /** The same in frames: 1 if the frame before asked for it. */
+  get ageInFrames(): number {
+    return this.#shown ? this.#frame - this.#shown.frame : 0;
+  }
+
+  /** How long after it has been asked for an order is likely to be shown, milliseconds. */
+  get lead(): number {
+    return this.#lead.duration;
+  }
+
+  /** A frame begins, at `now`, milliseconds of the clock of all frames; it shows the order that there is. */
+  frame(now: number): void {
+    this.#frame++;
+    this.#now = now;
+    if (this.#fresh) this.#lead.note(this.age);
+    this.#fresh = false;
   }
 
   /** Ask for an order unless it is there already or the worker is busy with one; call again at the next frame. */
   want(key: OrderKey): void {
     if (this.#asked || this.shows(key)) return;
-    this.#asked = key;
-    this.#askedAt = performance.now();
-    const { depth, time } = key;
+    this.#asked = { key, at: this.#now, frame: this.#frame };
     const recycled = this.#spare;
     this.#spare = undefined;
-    this.worker.order(depth, time, recycled);
+    this.worker.order(key, recycled);
   }
 
   /** Take the worker's answer. */
   receive(order: OrderedSplats): void {
     this.#spare = this.#ids;
     this.#ids = order.ids;
-    this.#normalisedTime = order.normalisedTime;
     this.#count = order.count;
     this.#dynamicSplats = order.dynamic;
     this.#sortTime = order.sortTime;
     this.#shown = this.#asked;
-    this.#shownAskedAt = this.#askedAt;
     this.#asked = null;
+    this.#fresh = true;
     this.sink.setOrder(order.ids, order.count);
   }
 
   shows(key: OrderKey): boolean {
-    const shown = this.#shown;
+    const shown = this.shown;
     return (
       shown !== null && shown.version === key.version && shown.time === key.time && sameDepth(shown.depth, key.depth)
     );

@@ -8,15 +8,14 @@ import type { Shot } from "../renderer/shot";
 import { FrameRate } from "./frame_rate";
 import type { OrderRequests } from "./order_requests";
 import { Stillness } from "./stillness";
-import { sameView, type View } from "./view";
+import { sameView } from "./view";
 
 export class Picture {
   readonly frames = new FrameRate();
   readonly #stillness = new Stillness();
-  #drawn: View | null = null; // null when the picture is out of date
+  #drawn: Shot | null = null; // null when the picture is out of date
   #quick = false; // how it was drawn
   #first: number | null = null;
-  #orderAge = 0;
 
   constructor(
     readonly renderer: CanvasRenderer,
@@ -28,30 +27,24 @@ export class Picture {
     return this.#first;
   }
 
-  /** How long before it was drawn the picture's order had been asked for, milliseconds. */
-  get orderAge(): number {
-    return this.#orderAge;
-  }
-
   /** The order has changed, or the canvas was lost. */
   outdate(): void {
     this.#drawn = null;
   }
 
-  /** Whether `view` is drawn as well as it can be; while the scene moves, as well as it is drawn in motion. */
-  shows(view: View, moving: boolean): boolean {
-    return !this.renderer.lost && sameView(this.#drawn, view) && (moving || !this.#quick);
+  /** Whether `shot` is drawn as well as it can be; while the scene moves, as well as it is drawn in motion. */
+  shows(shot: Shot, moving: boolean): boolean {
+    return !this.renderer.lost && this.#current(shot) && (moving || !this.#quick);
   }
 
   /**
-   * Draw if it is time to; called once per frame of the browser. `shot` is what the view shows, null before the first order;
-   * `moving`: the scene moves. `now` in milliseconds.
+   * Draw if it is time to; called once per frame of the browser. `moving`: the scene moves. `now` in milliseconds.
    *
    * Returns whether the next frame may draw more although nothing has changed until then.
    */
-  update(view: View, shot: Shot | null, moving: boolean, now: number): boolean {
-    const still = this.#stillness.update(view, moving, now);
-    const drawn = this.#draw(view, shot, this.renderer.slow && !still, now);
+  update(shot: Shot, moving: boolean, now: number): boolean {
+    const still = this.#stillness.update(shot, moving, now);
+    const drawn = this.#draw(shot, this.renderer.slow && !still, now);
     if (moving && !drawn) this.frames.drop();
     // Also until the device is done, because only then its pace is known.
     return !this.renderer.lost && (this.renderer.busy(now) || (this.#quick && !moving));
@@ -60,17 +53,20 @@ export class Picture {
   /** Note a frame drawn at `now`, milliseconds, on the canvas or elsewhere. */
   countFrame(now: number): void {
     this.frames.count(now);
-    this.#orderAge = this.orders.age(performance.now());
     if (this.#first === null && this.orders.count > 0) this.#first = performance.now();
   }
 
-  #draw(view: View, shot: Shot | null, quick: boolean, now: number): boolean {
-    const current = sameView(this.#drawn, view) && (quick || !this.#quick);
-    if (current || !shot || this.renderer.lost || this.renderer.busy(now)) return false;
+  #draw(shot: Shot, quick: boolean, now: number): boolean {
+    const current = this.#current(shot) && (quick || !this.#quick);
+    if (current || this.renderer.lost || this.renderer.busy(now)) return false;
     this.renderer.draw(shot, quick);
-    this.#drawn = view;
+    this.#drawn = shot;
     this.#quick = quick;
     this.countFrame(now);
     return true;
+  }
+
+  #current(shot: Shot): boolean {
+    return sameView(this.#drawn, shot) && this.#drawn?.time === shot.time;
   }
 }

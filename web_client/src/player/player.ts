@@ -62,7 +62,7 @@ export class ScenePlayer {
     const { manifest, orders, state: stream, bytes, version: chunks } = this.#scene;
     const totals = manifest?.totals;
     const now = performance.now();
-    const { frames, first, orderAge } = this.#picture;
+    const { frames, first } = this.#picture;
     return {
       stream,
       bytes,
@@ -77,7 +77,9 @@ export class ScenePlayer {
       framesDrawn: frames.drawn,
       framesDropped: frames.dropped,
       sortTime: orders.sortTime,
-      orderAge,
+      orderAge: orders.age,
+      orderAgeFrames: orders.ageInFrames,
+      pictureTime: this.#scene.pictureTime,
       contextLost: this.renderer.lost,
       firstFrame: first,
     };
@@ -174,17 +176,12 @@ export class ScenePlayer {
     this.#animation = 0;
     const view = this.#options.view();
     const step = view && this.#scene.step(now, [view]);
-    const unfinished = step ? this.#show(view, step, now) : false;
-    if (unfinished) this.invalidate();
+    const shot = step?.shots[0];
+    const playing = this.clock?.playing ?? false;
+    const unfinished = shot ? this.#picture.update(shot, step.moving, now) : false;
+    if (unfinished || (step && playing)) this.invalidate();
     else this.#picture.frames.rest();
-    const shown = step && this.#picture.shows(view, this.clock?.playing ?? false);
-    this.#finish(shown ? step.settled : false);
-  }
-
-  /** Returns whether there is more to do at the next frame. */
-  #show(view: View, { shots, moving }: SceneStep, now: number): boolean {
-    const unfinished = this.#picture.update(view, shots[0] ?? null, moving, now);
-    return unfinished || (this.clock?.playing ?? false);
+    this.#finish(shot && this.#picture.shows(shot, playing) ? step.settled : false);
   }
 
   /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */

@@ -42,8 +42,11 @@ export interface PlayerStats {
   readonly framesDropped: number;
   /** How long the worker needed for the order that is shown, milliseconds. */
   readonly sortTime: number;
-  /** How long before it was drawn that order had been asked for, milliseconds. */
+  /** How long before the last frame that order had been asked for, milliseconds; and in frames, 1 while all goes well. */
   readonly orderAge: number;
+  readonly orderAgeFrames: number;
+  /** The scene's time that the picture shows, seconds: the playhead's, or as near to it as its order allows. */
+  readonly pictureTime: number;
   /** True while the browser has taken the graphics device away. */
   readonly contextLost: boolean;
   /** Milliseconds from opening the page to the first picture; null before. */

@@ -18,9 +18,13 @@ import { PlayerClock } from "./clock";
 import { depthOf } from "./depth_of_views";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
 import { LineRate } from "./line_rate";
+import { drawnTime, type Moment, momentOf, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
 import type { View } from "./view";
+
+/** For at least so long an order can be drawn while the scene moves, seconds, should the next one be late. */
+const SHORTEST_USE = 0.05;
 
 export interface SceneOptions {
   readonly open: OpenSource;
@@ -65,6 +69,7 @@ export class StreamedScene {
   #version = 0;
   #state: SourceState = "connecting";
   #bytes = 0;
+  #pictureTime = 0;
 
   constructor(options: SceneOptions, events: SceneEvents) {
     this.#options = options;
@@ -135,6 +140,11 @@ export class StreamedScene {
     return this.#bytes;
   }
 
+  /** The scene's time, seconds, of the last shot. */
+  get pictureTime(): number {
+    return this.#pictureTime;
+  }
+
   /** Bytes per second over the last second before `now`, milliseconds. */
   lineRate(now: number): number {
     return this.#line.rate(now);
@@ -147,16 +157,21 @@ export class StreamedScene {
   step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
     const playback = this.#playback;
     if (!playback) return null;
-    const wanted = { depth: depthOf(views), time: playback.tick(now / 1000), version: this.#version };
+    this.orders.frame(now);
+    playback.tick(now / 1000);
+    const wanted = { depth: depthOf(views), ...this.#nextMoment(playback), version: this.#version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
   }
 
-  /** What a view shows now: at the time of the order, so that what is drawn and what is alive always agree. */
+  /** What a view shows now: at the playhead, or as near to it as the order allows that is to be drawn. */
   shot(view: View): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
-    return { ...view, time: this.orders.normalisedTime, antialiased };
+    const { shown } = this.orders;
+    if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased };
+    this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
+    return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
   }
 
   /** The network or the page is back. */
@@ -177,6 +192,17 @@ export class StreamedScene {
     const playback = this.#playback;
     if (!shown || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
     return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
+  }
+
+  /** What to order: at rest the very moment, else the one at which the order will be shown and those about it. */
+  #nextMoment({ clock, moving, buffer }: Playback): Moment {
+    const now = clock.time;
+    if (!moving) return momentOf(buffer.manifest, now);
+    const lead = this.orders.lead / 1000;
+    const next = clock.after(lead);
+    const time = buffer.ready(next) ? next : now;
+    const until = time + clock.rate * Math.max(SHORTEST_USE, 2 * lead);
+    return momentOf(buffer.manifest, time, Math.min(now, time), until);
   }
 
   #begin(bytes: Uint8Array): void {

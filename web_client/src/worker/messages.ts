@@ -1,8 +1,7 @@
 /** What the page and its worker say to each other. Big arrays are transferred, never copied. */
 
 import type { Manifest } from "../codec/types";
-import type { SplatDepth } from "./depth";
-import type { SplatOrder } from "./splat_order";
+import type { OrderRequest, SplatOrder } from "./splat_order";
 
 export type ToWorker =
   /** Once; chunks wait for it. */
@@ -12,7 +11,7 @@ export type ToWorker =
   /** A complete chunk, as it came from the server. */
   | { type: "chunk"; id: string; bytes: Uint8Array<ArrayBuffer> }
   /** Order the splats; `recycled` gives back the ids of an earlier answer. One at a time. */
-  | { type: "order"; depth: SplatDepth; time: number; recycled?: Uint32Array<ArrayBuffer> };
+  | { type: "order"; request: OrderRequest; recycled?: Uint32Array<ArrayBuffer> };
 
 /** A chunk's splats, packed as the data textures hold them. */
 export interface DecodedSplats {

@@ -2,8 +2,8 @@
 
 import type { Manifest } from "../codec/types";
 import { decompressor } from "./decompressor";
-import type { SplatDepth } from "./depth";
 import type { DecodedSplats, FromWorker, OrderedSplats, ToWorker } from "./messages";
+import type { OrderRequest } from "./splat_order";
 import { startWorker } from "./start_worker";
 
 export interface SceneWorkerEvents {
@@ -39,9 +39,10 @@ export class SceneWorker {
   }
 
   /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
-  order(depth: SplatDepth, time: number, recycled?: Uint32Array<ArrayBuffer>): void {
-    if (recycled) this.#tell({ type: "order", depth, time, recycled }, [recycled.buffer]);
-    else this.#tell({ type: "order", depth, time });
+  order({ depth, time, from, until }: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): void {
+    const request = { depth, time, from, until };
+    if (recycled) this.#tell({ type: "order", request, recycled }, [recycled.buffer]);
+    else this.#tell({ type: "order", request });
   }
 
   dispose(): void {

@@ -10,14 +10,22 @@ import { type PlanarDepth, type RadialDepth, type SplatDepth, sameDepth } from "
 import type { Placement } from "./placement";
 import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
 
+/** What is to be ordered; times in seconds, of one segment. */
+export interface OrderRequest {
+  readonly depth: SplatDepth;
+  /** Dynamics are sorted where they are at this moment. */
+  readonly time: number;
+  /** All dynamics are in the order that are alive at any moment from `from` until `until`; `time` lies between. */
+  readonly from: number;
+  readonly until: number;
+}
+
 export interface SplatOrder {
   /** Ids, farthest first, in whole rows of the order texture. */
   readonly ids: Uint32Array<ArrayBuffer>;
   readonly count: number;
   /** Living dynamic splats among them. */
   readonly dynamic: number;
-  /** The segment's time at which the dynamics are to be drawn. */
-  readonly normalisedTime: number;
 }
 
 interface Statics {
@@ -78,15 +86,15 @@ export class SplatOrderer {
     this.#dynamics.set(id, { count, first, motion, centers, reach });
   }
 
-  /** Order what is seen at `time` (seconds). `recycled` is an earlier array of ids that may be written again. */
-  order(depth: SplatDepth, time: number, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
-    this.#sortStatics(depth);
-    const normalisedTime = this.#sortDynamics(depth, time);
+  /** `recycled` is an earlier array of ids that may be written again. */
+  order(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
+    this.#sortStatics(request.depth);
+    this.#sortDynamics(request);
     const count = this.#staticList.count + this.#dynamicList.count;
     const length = Math.ceil(count / TEXTURE_WIDTH) * TEXTURE_WIDTH;
     const ids = recycled && recycled.length >= length ? recycled : new Uint32Array(length);
     mergeBackToFront(this.#staticList, this.#dynamicList, ids);
-    return { ids, count, dynamic: this.#dynamicList.count, normalisedTime };
+    return { ids, count, dynamic: this.#dynamicList.count };
   }
 
   #addStatics(first: number, chunk: StaticChunk): void {
@@ -141,32 +149,31 @@ export class SplatOrderer {
     list.count = n;
   }
 
-  /** Returns the normalised time. */
-  #sortDynamics(by: SplatDepth, time: number): number {
+  #sortDynamics({ depth: by, time, from, until }: OrderRequest): void {
     const list = this.#dynamicList;
-    const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
-    const segment = slice && this.manifest.segments[slice.segment];
-    if (!slice || !segment) {
-      list.count = 0;
-      return 0;
-    }
-    const duration = segment.end - segment.start;
-    const t = duration > 0 ? (time - segment.start) / duration : 0;
-    const chunks = chunksOf(slice)
-      .flatMap((id) => this.#dynamics.get(id) ?? [])
-      .sort((a, b) => a.first - b.first);
+    list.count = 0;
+    const { slices, segments } = this.manifest;
+    const { segment } = slices[sliceAt(slices, time)] ?? {};
+    if (segment === undefined) return;
+    const { start, end } = segments[segment];
+    const normalised = (moment: number) => (end > start ? (moment - start) / (end - start) : 0);
+    const t = normalised(time);
+    const [first, last] = [normalised(from), normalised(until)];
+    const chunks = this.#chunksBetween(segment, from, until);
     list.reset(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
     const { depths, ids } = list;
     const planar = by.kind === "planar";
     const offset = planar ? by.offset : 0;
     const nearest = planar ? by.near : by.near * by.near;
     let n = 0;
-    for (const { count, first, motion, centers, reach } of chunks) {
+    for (const { count, first: id, motion, centers, reach } of chunks) {
       const width = motion.length / count;
       const fifth = width > 12;
       for (let i = 0; i < count; i++) {
-        const d = t - centers[i];
-        if (!(d * d <= reach[i])) continue;
+        const center = centers[i];
+        const outside = center < first ? first - center : center > last ? center - last : 0;
+        if (!(outside * outside <= reach[i])) continue;
+        const d = t - center;
         const m = width * i;
         let cx = motion[m + 9];
         let cy = motion[m + 10];
@@ -184,11 +191,20 @@ export class SplatOrderer {
           : (x - by.x) * (x - by.x) + (y - by.y) * (y - by.y) + (z - by.z) * (z - by.z);
         if (!(depth >= nearest)) continue;
         depths[n] = depth;
-        ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
+        ids[n++] = (DYNAMIC_BIT | (id + i)) >>> 0;
       }
     }
     list.count = n;
     this.#sorter.sort(list.keys, ids, n);
-    return t;
+  }
+
+  /** Those of a segment with splats alive from `from` until `until`, seconds, in order of their ids. */
+  #chunksBetween(segment: number, from: number, until: number): Dynamics[] {
+    const { slices } = this.manifest;
+    const ids = new Set<string>();
+    for (let i = sliceAt(slices, from); i <= sliceAt(slices, until); i++) {
+      if (slices[i].segment === segment) for (const id of chunksOf(slices[i])) ids.add(id);
+    }
+    return [...ids].flatMap((id) => this.#dynamics.get(id) ?? []).sort((a, b) => a.first - b.first);
   }
 }

@@ -51,9 +51,9 @@ scope.onmessage = ({ data }) => {
       break;
     case "order": {
       if (!orderer) return;
-      const { depth, time, recycled } = data;
+      const { request, recycled } = data;
       const begun = performance.now();
-      const order = orderer.order(depth, time, recycled);
+      const order = orderer.order(request, recycled);
       scope.postMessage({ type: "ordered", ...order, sortTime: performance.now() - begun }, [order.ids.buffer]);
       break;
     }

@@ -1,34 +1,9 @@
-import { readFileSync } from "node:fs";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { StreamedScene } from "../../src/player/streamed_scene";
 import type { View } from "../../src/player/view";
 import type { SplatSink } from "../../src/renderer/splat_drawer";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
-import type { FromWorker, ToWorker } from "../../src/worker/messages";
-
-/** Still chunks 1 and 2, and chunks 3 and 4, which move, in segments of one second each. */
-const MANIFEST = readFileSync(new URL("../../../tests/vectors/manifest.json", import.meta.url));
-
-/** What the player has told the worker, and what answers for it. */
-class FakeWorker {
-  static last: FakeWorker;
-  onmessage: ((event: { data: FromWorker }) => void) | null = null;
-  readonly told: ToWorker[] = [];
-
-  constructor() {
-    FakeWorker.last = this;
-  }
-
-  postMessage(message: ToWorker): void {
-    this.told.push(message);
-  }
-
-  answer(data: FromWorker): void {
-    this.onmessage?.({ data });
-  }
-
-  terminate(): void {}
-}
+import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
 
 const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },
@@ -39,7 +14,7 @@ let source: SourceEvents;
 let scene: StreamedScene;
 
 beforeEach(() => {
-  vi.stubGlobal("Worker", FakeWorker);
+  vi.stubGlobal("Worker", WorkerDouble);
   const sink: SplatSink = { allocate: () => {}, writeStatics: () => {}, writeDynamics: () => {}, setOrder: () => {} };
   const open = (events: SourceEvents): SceneSource => {
     source = events;
@@ -59,24 +34,12 @@ afterEach(() => {
 
 /** The manifest has come, and all chunks. */
 function begin(): void {
-  source.manifest(MANIFEST);
-  const empty = new Float32Array(0);
-  for (const [i, kind] of (["static", "static", "dynamic", "dynamic"] as const).entries()) {
-    const id = String(i + 1).padStart(64, "0");
-    FakeWorker.last.answer({ type: "decoded", id, kind, first: 0, texels: empty, fifth: empty });
-  }
+  source.manifest(TWO_SEGMENTS);
+  WorkerDouble.last.decodeAll();
 }
 
-const orders = () => FakeWorker.last.told.filter((message) => message.type === "order");
-const answer = () =>
-  FakeWorker.last.answer({
-    type: "ordered",
-    ids: new Uint32Array(2048),
-    count: 1,
-    dynamic: 0,
-    normalisedTime: 0.25,
-    sortTime: 1,
-  });
+const orders = () => WorkerDouble.last.orders;
+const answer = () => WorkerDouble.last.order();
 
 describe("StreamedScene.step", () => {
   it("waits for the manifest, then for an order, and then tells what to draw", () => {
@@ -85,7 +48,7 @@ describe("StreamedScene.step", () => {
     expect(scene.step(16, [view(0)])?.shots).toEqual([]);
     answer();
     expect(scene.step(32, [view(0)])).toEqual({
-      shots: [{ ...view(0), time: 0.25, antialiased: true }],
+      shots: [{ ...view(0), time: 0.5, antialiased: true }],
       moving: false,
       settled: true,
     });
@@ -94,10 +57,77 @@ describe("StreamedScene.step", () => {
   it("asks for one order for both eyes and draws each from where it is", () => {
     begin();
     scene.step(0, [view(-0.03), view(0.03)]);
-    expect(orders()).toMatchObject([{ depth: { kind: "radial", x: 0 } }]);
+    expect(orders()).toMatchObject([{ request: { depth: { kind: "radial", x: 0 } } }]);
     answer();
     const shots = scene.step(16, [view(-0.03), view(0.03)])?.shots;
     expect(shots?.map(({ pose }) => pose.translation[0])).toEqual([-0.03, 0.03]);
     expect(orders()).toHaveLength(1);
+  });
+});
+
+describe("a scene that plays", () => {
+  const FRAME = 1000 / 60;
+
+  /** Frames of 60 a second; the worker answers `late` frames after it was asked, before that frame begins. */
+  function play(frames: number, late = 1): { clock: number; picture: number; age: number; asked: number }[] {
+    begin();
+    scene.playback?.play();
+    const found = [];
+    let answered = 0;
+    let waited = 0;
+    for (let i = 0; i < frames; i++) {
+      if (orders().length > answered && ++waited >= late) {
+        answer();
+        answered++;
+        waited = 0;
+      }
+      scene.step(i * FRAME, [view(0)]);
+      const clock = scene.playback?.clock.time ?? 0;
+      const asked = orders().at(-1)?.request.time ?? 0;
+      found.push({ clock, picture: scene.pictureTime, age: scene.orders.ageInFrames, asked });
+    }
+    return found;
+  }
+
+  it("shows the playhead's moment at every frame, by an order of that very moment", () => {
+    for (const { clock, picture, age } of play(60).slice(10)) {
+      expect(Math.abs(picture - clock)).toBeLessThan(1e-9);
+      expect(age).toBe(1);
+    }
+    expect(scene.orders.age).toBeCloseTo(FRAME, 6);
+    expect(scene.orders.shown?.time).toBeCloseTo(scene.pictureTime, 12);
+  });
+
+  it("moves at every frame although the worker needs three of them", () => {
+    const found = play(60, 3).slice(20);
+    for (const { clock, picture } of found) expect(Math.abs(picture - clock)).toBeLessThanOrEqual(0.002);
+    const fresh = found.filter(({ age }) => age === 3);
+    expect(fresh.length).toBeGreaterThan(10);
+    for (const { clock, asked } of fresh) expect(asked - clock).toBeCloseTo((3 * FRAME) / 1000, 6);
+  });
+
+  it("stays in the segment of the order until the next one's order has come", () => {
+    begin();
+    scene.playback?.seek(0.99);
+    scene.playback?.play();
+    scene.step(0, [view(0)]);
+    answer();
+    const late = scene.step(40, [view(0)]);
+    expect(scene.playback?.clock.time).toBeCloseTo(1.03);
+    expect(late?.shots[0].time).toBe(1);
+    answer();
+    expect(scene.step(41, [view(0)])?.shots[0].time).toBeLessThan(0.05);
+  });
+
+  it("orders the very moment when it stands", () => {
+    play(30);
+    scene.playback?.pause();
+    answer();
+    scene.step(30 * FRAME, [view(0)]);
+    const time = scene.playback?.clock.time;
+    expect(orders().at(-1)?.request).toMatchObject({ time, from: time, until: time });
+    answer();
+    expect(scene.step(31 * FRAME, [view(0)])?.settled).toBe(true);
+    expect(scene.pictureTime).toBe(time);
   });
 });

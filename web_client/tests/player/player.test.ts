@@ -1,0 +1,85 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { ScenePlayer } from "../../src/player/player";
+import type { View } from "../../src/player/view";
+import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
+import { fakeCanvas } from "../canvas";
+import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
+
+const view: View = {
+  pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] },
+  camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.1 },
+};
+
+let frames: ((now: number) => void)[];
+let draw: ReturnType<typeof vi.fn>;
+let player: ScenePlayer;
+
+/** A complete scene that plays, on a device that is never done with a picture. */
+beforeEach(() => {
+  frames = [];
+  draw = vi.fn();
+  vi.stubGlobal("Worker", WorkerDouble);
+  vi.stubGlobal("document", { addEventListener: () => {} });
+  vi.stubGlobal("addEventListener", () => {});
+  vi.stubGlobal("requestAnimationFrame", (callback: (now: number) => void) => frames.push(callback));
+  vi.stubGlobal("cancelAnimationFrame", () => frames.splice(0));
+  const never = { clientWaitSync: () => 1 }; // every constant of the context is 1, so that of a timeout, too
+  const silent = () => {};
+  let source: SourceEvents | undefined;
+  player = new ScenePlayer({
+    canvas: fakeCanvas({ drawElementsInstanced: draw, ...never }),
+    source: (events) => {
+      source = events;
+      return { playheadAt: silent, play: silent, pause: silent, close: silent } as unknown as SceneSource;
+    },
+    time: 0,
+    playing: true,
+    antialiased: null,
+    view: () => view,
+    onManifest: silent,
+    onFrame: silent,
+    onError: silent,
+  });
+  source?.manifest(TWO_SEGMENTS);
+  WorkerDouble.last.decodeAll();
+});
+
+afterEach(() => {
+  player.dispose();
+  vi.unstubAllGlobals();
+});
+
+/** A frame of the browser, and the worker's answer to what it asked. */
+function browserFrame(now: number): void {
+  for (const callback of frames.splice(0)) callback(now);
+  WorkerDouble.last.order();
+}
+
+it("waits with the next picture until the device is done", () => {
+  for (let i = 0; i < 5; i++) browserFrame(16 * i);
+  expect(draw).toHaveBeenCalledOnce();
+});
+
+it("gives whoever drives something to draw at every frame, however busy the device is", () => {
+  player.drive(true);
+  const shots = [];
+  for (let i = 0; i < 10; i++) {
+    shots.push(player.step(16 * i, [view, view])?.shots ?? []);
+    WorkerDouble.last.order();
+  }
+  expect(shots.map((both) => both.length)).toEqual([0, ...Array(9).fill(2)]);
+  expect(new Set(shots.slice(1).map(([left]) => left.time)).size).toBe(9);
+  expect(player.stats.framesDrawn).toBe(9);
+});
+
+it("asks the browser for no frames while another drives, and for one when it may draw again", () => {
+  browserFrame(0);
+  player.drive(true);
+  player.invalidate();
+  expect(frames).toHaveLength(0);
+  expect(draw).not.toHaveBeenCalled();
+  player.drive(false);
+  expect(frames).toHaveLength(1);
+  browserFrame(16);
+  expect(draw).toHaveBeenCalledOnce();
+});

@@ -1,0 +1,45 @@
+/** Stands in for the browser's Worker: notes what the page says, and answers as a test tells it. */
+
+import { readFileSync } from "node:fs";
+import type { FromWorker, ToWorker } from "../src/worker/messages";
+
+/** Still chunks 1 and 2, and chunks 3 and 4, which move, in segments of one second each. */
+export const TWO_SEGMENTS = readFileSync(new URL("../../tests/vectors/manifest.json", import.meta.url));
+
+export class WorkerDouble {
+  static last: WorkerDouble;
+  onmessage: ((event: { data: FromWorker }) => void) | null = null;
+  readonly told: ToWorker[] = [];
+
+  constructor() {
+    WorkerDouble.last = this;
+  }
+
+  postMessage(message: ToWorker): void {
+    this.told.push(message);
+  }
+
+  answer(data: FromWorker): void {
+    this.onmessage?.({ data });
+  }
+
+  terminate(): void {}
+
+  get orders() {
+    return this.told.filter((message) => message.type === "order");
+  }
+
+  /** Chunks 1 to 4 have been decoded. */
+  decodeAll(): void {
+    const empty = new Float32Array(0);
+    for (const [i, kind] of (["static", "static", "dynamic", "dynamic"] as const).entries()) {
+      const id = String(i + 1).padStart(64, "0");
+      this.answer({ type: "decoded", id, kind, first: 0, texels: empty, fifth: empty });
+    }
+  }
+
+  /** An order of one splat. */
+  order(): void {
+    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, sortTime: 1 });
+  }
+}
