@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hgs_core.codec import ChunkError, decode_chunk
-from hgs_core.codec.format.decode import logits
+from hgs_core.codec.format.decode import logits, time_exponents
 from scripts.fuzz_codec import mutated, sealed, try_decoder
 from tests.conftest import REPOSITORY
 
@@ -184,3 +184,14 @@ def test_opacities_become_logits_and_those_of_0_and_1_stay_finite() -> None:
     found = logits(np.array([0.0, 0.2, 0.5, 1.0]))
     np.testing.assert_allclose(found, [-math.log(1e6), -math.log(4), 0, math.log(1e6)], rtol=1e-6, atol=1e-7)
     assert found.dtype == np.float32
+
+
+def test_exponents_of_time_change_where_the_life_halves() -> None:
+    """docs/format.md: e is floor((ln s - 1.75) / ln 4), limited; a splat is then seen for about 2^-e."""
+    edges = 1.75 + np.log(4) * np.arange(1, 21)
+    assert time_exponents((edges + 1e-4).astype(np.float32)).tolist() == list(range(1, 21))
+    assert time_exponents((edges - 1e-4).astype(np.float32)).tolist() == list(range(20))
+    assert time_exponents(np.float32([-1e30, 1.74, 1e30])).tolist() == [0, 0, 20]
+    precisions = np.linspace(2, 29, 500, dtype=np.float32)
+    radius = np.sqrt(np.log(255) / np.exp(precisions.astype(np.float64)))
+    assert (radius <= 1.02 * 2.0 ** -time_exponents(precisions)).all()
