@@ -92,9 +92,3 @@ def test_dead_splats_are_not_looked_at(backend: str) -> None:
     splats = dynamic_splats(40, dtype=torch.float32)
     splats.time_log_precisions[:] = 3
     check_the_dead_are_not_looked_at(splats, lambda splats: BACKENDS[backend](None, splats, View(camera(), 0.4)))
-
-
-@pytest.mark.parametrize("time", [math.nan, math.inf])
-def test_a_time_that_is_not_finite_is_refused(time: float) -> None:
-    with pytest.raises(InputError, match=r"time: .* is not finite"):
-        View(camera(), time)

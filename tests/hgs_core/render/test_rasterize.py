@@ -1,11 +1,10 @@
-"""The choice of a backend."""
+"""The front of all backends."""
 
 from __future__ import annotations
 
 import pytest
 import torch
 
-from hgs_core.base.errors import InputError
 from hgs_core.native import library
 from hgs_core.render import rasterize
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
@@ -22,8 +21,3 @@ def test_auto_and_reference_agree() -> None:
     auto, truth = (rasterize(static, dynamic, camera(), 0.3, backend=b) for b in ("auto", "reference"))
     torch.testing.assert_close(auto.rgb, truth.rgb, rtol=0, atol=1e-5)
     torch.testing.assert_close(auto.alpha, truth.alpha, rtol=0, atol=1e-5)
-
-
-def test_an_unknown_backend_is_refused() -> None:
-    with pytest.raises(InputError, match="use auto, cpu, triton or reference"):
-        rasterize(static_splats(1), None, camera(), backend="vulkan")
