@@ -5,6 +5,9 @@ import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { fakeCanvas } from "../canvas";
 import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
 
+vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
+vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
+
 const view: View = {
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] },
   camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.1 },
@@ -18,7 +21,6 @@ let player: ScenePlayer;
 beforeEach(() => {
   frames = [];
   draw = vi.fn();
-  vi.stubGlobal("Worker", WorkerDouble);
   vi.stubGlobal("document", { addEventListener: () => {} });
   vi.stubGlobal("addEventListener", () => {});
   vi.stubGlobal("requestAnimationFrame", (callback: (now: number) => void) => frames.push(callback));

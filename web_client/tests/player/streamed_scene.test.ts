@@ -5,6 +5,9 @@ import type { SplatSink } from "../../src/renderer/splat_drawer";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
 
+vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
+vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
+
 const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },
   camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.1 },
@@ -14,7 +17,6 @@ let source: SourceEvents;
 let scene: StreamedScene;
 
 beforeEach(() => {
-  vi.stubGlobal("Worker", WorkerDouble);
   const sink: SplatSink = { allocate: () => {}, writeStatics: () => {}, writeDynamics: () => {}, setOrder: () => {} };
   const open = (events: SourceEvents): SceneSource => {
     source = events;
