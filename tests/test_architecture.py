@@ -113,3 +113,106 @@ def test_every_module_says_what_it_offers(path: Path) -> None:
 def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
     return [target for target in targets if isinstance(target, ast.Name)]
+
+
+NOT_YET = "tested under another name"
+WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
+    "hgs_core.base.arrays": "names of array types",
+    "hgs_core.base.progress": "a report, a signal and a callback that does nothing",
+    "hgs_core.bench.operations": "constants",
+    "hgs_core.capture.layout": "a record",
+    "hgs_core.interchange.file_format": "records",
+    **dict.fromkeys(
+        (
+            "hgs_core.fit.views",
+            "hgs_core.render.backends",
+            "hgs_core.render.compositing",
+            "hgs_core.render.constants",
+            "hgs_core.render.temporal",
+            "hgs_core.render.threads",
+            "hgs_core.render.thumbnail",
+            "hgs_core.render.triton.differentiate",
+            "hgs_core.render.triton.draw",
+            "hgs_core.render.triton.kernels.compositing",
+            "hgs_core.render.triton.kernels.compositing_backward",
+            "hgs_core.render.triton.kernels.compositing_forward",
+            "hgs_core.render.triton.kernels.constants",
+            "hgs_core.render.triton.kernels.contributions",
+            "hgs_core.render.triton.kernels.projection",
+            "hgs_core.render.triton.kernels.projection_backward",
+            "hgs_core.render.triton.kernels.projection_forward",
+            "hgs_core.render.triton.kernels.segments",
+            "hgs_core.render.triton.kernels.tile_lists",
+            "hgs_core.render.triton.lists",
+            "hgs_core.render.triton.screen",
+            "hgs_core.render.types",
+            "hgs_core.report.chart_sections",
+            "hgs_core.report.charts.axis",
+            "hgs_core.report.charts.bars",
+            "hgs_core.report.charts.columns",
+            "hgs_core.report.charts.labels",
+            "hgs_core.report.charts.lines",
+            "hgs_core.report.charts.plot",
+            "hgs_core.report.charts.scatter",
+            "hgs_core.report.charts.svg",
+            "hgs_core.report.key_figures",
+            "hgs_core.report.markup",
+            "hgs_core.report.page",
+            "hgs_core.report.picture_section",
+            "hgs_core.report.size_section",
+            "hgs_core.report.sizes",
+            "hgs_core.report.sources",
+            "hgs_core.report.write",
+            "hgs_core.runs.encode_inputs",
+            "hgs_core.runs.source",
+            "hgs_core.train.checkpoint",
+            "hgs_core.train.control.round",
+            "hgs_core.train.device_frames",
+            "hgs_core.train.field_checks",
+            "hgs_core.train.initialise",
+            "hgs_core.train.loss",
+            "hgs_core.train.splat_sets",
+            "hgs_core.train.step",
+            "hgs_core.train.targets",
+            "hgs_core.train.triton.kernels.adam",
+            "hgs_core.train.triton.kernels.loss",
+            "jobs.recovery",
+            "jobs.training_queue",
+            "jobs.workflows",
+            "server.capture_folders",
+            "server.cli.encode",
+            "server.cli.export",
+            "server.cli.import_splats",
+            "server.cli.interrupts",
+            "server.cli.json_output",
+            "server.cli.progress_bars",
+            "server.cli.publish",
+            "server.cli.submit",
+            "server.cli.training_options",
+            "server.cli.worker",
+            "server.client_messages",
+            "server.conditional",
+            "server.connection_limits",
+            "server.job_query",
+            "server.problems",
+            "server.request_body",
+            "server.routes.health",
+            "server.scene_index",
+            "server.security_headers",
+            "server.service",
+        ),
+        NOT_YET,
+    ),
+}
+"""The modules that no file of tests is named for, and why: the only ones."""
+
+
+def test_tests_mirror_the_packages() -> None:
+    """tests/<package path>/test_<module>.py is there for every module but those of the table, and for none of them."""
+    alone = set()
+    for name, path in NAMES.items():
+        mirror = REPOSITORY / "tests" / path.relative_to(REPOSITORY).with_name(f"test_{path.name}")
+        if not path.name.startswith("__") and not mirror.exists():
+            alone.add(name)
+    assert sorted(alone - set(WITHOUT_TESTS_OF_THEIR_NAME)) == [], "without a file of tests of their name"
+    assert sorted(set(WITHOUT_TESTS_OF_THEIR_NAME) - alone) == [], "mirrored or gone: take them from the table"

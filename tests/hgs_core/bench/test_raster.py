@@ -8,7 +8,6 @@ import pytest
 
 from hgs_core.base.progress import Progress
 from hgs_core.bench.raster import STAGES, RasterReport
-from hgs_core.bench.table import report_text
 from hgs_core.native import library
 
 needs_kernels = pytest.mark.skipif(not library.available(), reason="hgs was built without its C++ kernels")
@@ -90,9 +89,3 @@ def test_report_is_plain_json(report: RasterReport) -> None:
     assert plain["machine"]["instruction_set"] == library.instruction_set()
     assert [p["size"] for p in plain["points"]] == [p.size for p in report.points]
     assert plain["points"][0]["stages"]["loss"] == report.points[0].stages["loss"]
-
-
-def test_text_has_a_row_per_point(report: RasterReport) -> None:
-    times = report_text(report).split("\n\n")[1].splitlines()[2:]
-    rows = [tuple(line.split()[:3]) for line in times]
-    assert rows == [(p.size, p.backend, str(p.threads)) for p in report.points]
