@@ -1,6 +1,7 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
 import type { Manifest } from "../codec/types";
+import type { Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
@@ -34,6 +35,7 @@ export class HgsPlayer extends Target {
   #rate: number;
   #loop: boolean;
   #time: number | null;
+  #quality: Quality;
 
   /**
    * @param stage an element of the page with a size and a position of its own (not `static`); the picture fills it.
@@ -47,6 +49,7 @@ export class HgsPlayer extends Target {
     this.#rate = checkedRate(options.playbackRate ?? 1);
     this.#loop = options.loop ?? false;
     this.#time = options.time ?? null;
+    this.#quality = options.quality ?? "auto";
   }
 
   /**
@@ -180,6 +183,16 @@ export class HgsPlayer extends Target {
     this.#tell("ratechange", null);
   }
 
+  /** How finely pictures are drawn: see `Quality`. */
+  get quality(): Quality {
+    return this.#quality;
+  }
+
+  set quality(quality: Quality) {
+    this.#quality = quality;
+    if (this.#scene) this.#scene.player.quality = quality;
+  }
+
   get loop(): boolean {
     return this.#loop;
   }
@@ -244,6 +257,7 @@ export class HgsPlayer extends Target {
       const { antialiased = null } = this.#options;
       const options = { open, time: this.#time, playing: this.#playing, antialiased, viewpoint: this.#viewpoint() };
       this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
+      this.#scene.player.quality = this.#quality;
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);
       this.#tell("error", { message, cause: message });

@@ -1,6 +1,7 @@
 /** What a player tells a page, and what a page may ask of it. */
 
 import type { Manifest } from "../codec/types";
+import type { Quality } from "../renderer/quality";
 import type { ViewpointOptions } from "./viewpoint";
 
 /** What of a scene is seen first. */
@@ -20,6 +21,8 @@ export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptio
   readonly playbackRate?: number;
   /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
   readonly antialiased?: boolean | null;
+  /** How finely pictures are drawn; `auto` if left out. */
+  readonly quality?: Quality;
 }
 
 /** What goes wrong: one line for people, and the cause for whoever looks into it. Playing may go on. */

@@ -1,6 +1,6 @@
 /**
- * The picture on the canvas: drawn when it is out of date and the device has done the last one; quickly while it moves on
- * a slow device, and finely once it stands.
+ * The picture on the canvas: drawn when it is out of date and the device has done the last one; while it moves, as finely as
+ * the device can at a steady rate, and at its best once it stands.
  */
 
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
@@ -14,7 +14,7 @@ export class Picture {
   readonly frames = new FrameRate();
   readonly #stillness = new Stillness();
   #drawn: Shot | null = null; // null when the picture is out of date
-  #quick = false; // how it was drawn
+  #rung = 0; // of the ladder of finenesses, on which it was drawn
   #first: number | null = null;
 
   constructor(
@@ -34,7 +34,7 @@ export class Picture {
 
   /** Whether `shot` is drawn as well as it can be; while the scene moves, as well as it is drawn in motion. */
   shows(shot: Shot, moving: boolean): boolean {
-    return !this.renderer.lost && this.#current(shot) && (moving || !this.#quick);
+    return !this.renderer.lost && this.#current(shot) && (moving || this.#rung === this.renderer.quality.resting);
   }
 
   /**
@@ -44,10 +44,11 @@ export class Picture {
    */
   update(shot: Shot, moving: boolean, now: number): boolean {
     const still = this.#stillness.update(shot, moving, now);
-    const drawn = this.#draw(shot, this.renderer.slow && !still, now);
+    const { quality } = this.renderer;
+    const drawn = this.#draw(shot, still ? quality.resting : quality.moving, now);
     if (moving && !drawn) this.frames.drop();
     // Also until the device is done, because only then its pace is known.
-    return !this.renderer.lost && (this.renderer.busy(now) || (this.#quick && !moving));
+    return !this.renderer.lost && (this.renderer.busy(now) || (this.#rung !== quality.resting && !moving));
   }
 
   /** Note a frame drawn at `now`, milliseconds, on the canvas or elsewhere. */
@@ -56,12 +57,12 @@ export class Picture {
     if (this.#first === null && this.orders.count > 0) this.#first = performance.now();
   }
 
-  #draw(shot: Shot, quick: boolean, now: number): boolean {
-    const current = this.#current(shot) && (quick || !this.#quick);
+  #draw(shot: Shot, rung: number, now: number): boolean {
+    const current = this.#current(shot) && this.#rung <= rung;
     if (current || this.renderer.lost || this.renderer.busy(now)) return false;
-    this.renderer.draw(shot, quick);
+    this.renderer.draw(shot, rung);
     this.#drawn = shot;
-    this.#quick = quick;
+    this.#rung = rung;
     this.countFrame(now);
     return true;
   }

@@ -4,6 +4,7 @@
  */
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
+import type { Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import type { SceneBuffer } from "./buffer";
 import type { PlayerClock } from "./clock";
@@ -127,6 +128,17 @@ export class ScenePlayer {
 
   setRate(rate: number): void {
     this.#scene.playback?.setRate(rate);
+  }
+
+  get quality(): Quality {
+    return this.renderer.quality.quality;
+  }
+
+  /** How finely to draw; see `Quality`. */
+  set quality(quality: Quality) {
+    this.renderer.quality.quality = quality;
+    this.#picture.outdate();
+    this.invalidate();
   }
 
   /** Move the playhead; what is missing there comes before everything else. */

@@ -4,6 +4,7 @@ import { resized } from "../camera/pinhole";
 import { CanvasTarget } from "./canvas_target";
 import { GpuPace } from "./gpu_pace";
 import { canDraw, PictureTarget } from "./picture_target";
+import { LADDER, QualityControl } from "./quality";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 
@@ -12,6 +13,8 @@ export class CanvasRenderer {
   readonly splats: SplatDrawer;
   readonly #gl: WebGL2RenderingContext;
   readonly #listeners = new AbortController();
+  /** How finely pictures are to be drawn, and how finely this device can. */
+  readonly quality = new QualityControl();
   #target!: CanvasTarget;
   #pace!: GpuPace;
   /** sRGB behind the splats, in [0, 1]. */
@@ -69,23 +72,20 @@ export class CanvasRenderer {
     return !this.#lost && this.#pace.busy(now);
   }
 
-  /** Whether this device is too slow to draw motion finely. */
-  get slow(): boolean {
-    return this.#pace.slow;
-  }
-
-  /** Draw to the canvas, whose backing store takes the camera's size; `quick` in half the resolution. */
-  draw(shot: Shot, quick = false): void {
+  /** Draw to the canvas, whose backing store takes the camera's size; as finely as a rung of `LADDER` says. */
+  draw(shot: Shot, rung: number): void {
     if (this.#lost) return;
-    const { width, height } = this.#target.begin(shot.camera.width, shot.camera.height, quick);
-    this.#submit(quick ? { ...shot, camera: resized(shot.camera, width, height) } : shot);
+    const { width, height } = shot.camera;
+    const drawn = this.#target.begin(width, height, LADDER[rung]);
+    const smaller = drawn.width < width || drawn.height < height;
+    this.#submit(smaller ? { ...shot, camera: resized(shot.camera, drawn.width, drawn.height) } : shot);
     this.#target.end();
-    this.#pace.submitted(performance.now(), quick);
+    this.#pace.submitted(performance.now(), rung);
   }
 
-  /** Draw and read the canvas, in one task: the browser clears it afterwards. */
+  /** Draw and read the canvas, in one task: the browser clears it afterwards. As fine as pictures at rest. */
   readPixels(shot: Shot): Pixels {
-    this.draw(shot);
+    this.draw(shot, this.quality.resting);
     const gl = this.#gl;
     const { width, height } = shot.camera;
     const data = new Uint8Array(4 * width * height);
@@ -119,7 +119,7 @@ export class CanvasRenderer {
 
   #build(): void {
     this.#target = new CanvasTarget(this.#gl);
-    this.#pace = new GpuPace(this.#gl);
+    this.#pace = new GpuPace(this.#gl, (duration, rung) => this.quality.measured(duration, rung));
   }
 
   #submit(shot: Shot): void {

@@ -1,12 +1,8 @@
-/**
- * The canvas, and the pictures through which it is drawn to.
- *
- * Fine: in half floats where the device offers them, so that hundreds of faint splats are rounded to 8 bits once and not
- * each (measured on a trained scene: 6 dB nearer to the exact picture). Quick: in 8 bits and half the resolution.
- */
+/** The canvas, and the pictures through which it is drawn to: half floats, or fewer pixels than the canvas has. */
 
 import { canDraw, PictureTarget } from "./picture_target";
 import { Program } from "./program";
+import type { Fineness } from "./quality";
 import { PRESENT_FRAGMENT_SHADER, PRESENT_VERTEX_SHADER } from "./shaders";
 
 export interface DrawnSize {
@@ -28,12 +24,13 @@ export class CanvasTarget {
   }
 
   /** Give the canvas its size and bind what is to be drawn into; returns the size at which to draw. */
-  begin(width: number, height: number, quick: boolean): DrawnSize {
+  begin(width: number, height: number, { scale, float }: Fineness): DrawnSize {
     const { canvas } = this.#gl;
     if (canvas.width !== width) canvas.width = width;
     if (canvas.height !== height) canvas.height = height;
-    if (quick) return this.#use(Math.ceil(width / 2), Math.ceil(height / 2), "RGBA8");
-    if (this.#float) return this.#use(width, height, "RGBA16F");
+    const format = float && this.#float ? "RGBA16F" : "RGBA8";
+    if (scale < 1 || format === "RGBA16F")
+      return this.#use(Math.ceil(width * scale), Math.ceil(height * scale), format);
     this.#drop();
     this.#gl.bindFramebuffer(this.#gl.FRAMEBUFFER, null);
     return { width, height };

@@ -1,31 +1,29 @@
 /**
- * How fast the device draws, from fences behind its pictures. Without them a slow device would be sent pictures faster
+ * When the device is done with a picture, from a fence behind it. Without it a slow device would be sent pictures faster
  * than it draws, and everything it shows would come late.
  */
-
-/** A fine picture that takes longer is too slow for motion, milliseconds. */
-const SLOW = 60;
-/** So many of them in a row, because the first ones wait for shaders and uploads. */
-const PATIENCE = 4;
 
 export class GpuPace {
   readonly #gl: WebGL2RenderingContext;
   #fence: WebGLSync | null = null;
   #since = 0;
-  #quick = false;
-  #slowPictures = 0;
+  #rung = 0;
 
-  constructor(gl: WebGL2RenderingContext) {
+  /** @param measured called with how long each picture took, milliseconds, and the rung that it was submitted with */
+  constructor(
+    gl: WebGL2RenderingContext,
+    readonly measured: (duration: number, rung: number) => void,
+  ) {
     this.#gl = gl;
   }
 
   /** Note that a picture has just been submitted. `now` in milliseconds, of any steady clock. */
-  submitted(now: number, quick: boolean): void {
+  submitted(now: number, rung: number): void {
     if (this.#fence) this.#gl.deleteSync(this.#fence);
     this.#fence = this.#gl.fenceSync(this.#gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.#gl.flush();
     this.#since = now;
-    this.#quick = quick;
+    this.#rung = rung;
   }
 
   /** Whether the last picture is still being drawn. */
@@ -35,18 +33,7 @@ export class GpuPace {
     if (state === this.#gl.TIMEOUT_EXPIRED) return true;
     this.#gl.deleteSync(this.#fence);
     this.#fence = null;
-    this.#measured(now - this.#since);
+    this.measured(now - this.#since, this.#rung);
     return false;
-  }
-
-  /** Whether fine pictures are too slow for motion. */
-  get slow(): boolean {
-    return this.#slowPictures >= PATIENCE;
-  }
-
-  /** Fine pictures alone are measured: when motion ends and one is fast, motion is drawn finely again. */
-  #measured(duration: number): void {
-    if (this.#quick) return;
-    this.#slowPictures = duration > SLOW ? this.#slowPictures + 1 : 0;
   }
 }

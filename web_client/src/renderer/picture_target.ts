@@ -24,7 +24,7 @@ export class PictureTarget {
     this.#gl = gl;
     this.#texture = gl.createTexture();
     this.bindTexture(0);
-    // Eight bits are for quick pictures, which are shown larger than they are.
+    // Eight bits are for pictures that are shown larger than they are.
     const filter = format === "RGBA8" ? gl.LINEAR : gl.NEAREST;
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);

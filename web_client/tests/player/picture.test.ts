@@ -11,20 +11,23 @@ const shot = (x: number, time = 0): Shot => ({
   antialiased: false,
 });
 
-let device: { busy: boolean; slow: boolean; lost: boolean };
+let device: { busy: boolean; moving: number; lost: boolean };
 let draw: ReturnType<typeof vi.fn>;
 let picture: Picture;
 
 beforeEach(() => {
-  device = { busy: false, slow: false, lost: false };
+  device = { busy: false, moving: 0, lost: false };
   draw = vi.fn(() => {
     device.busy = true;
   });
   const renderer = {
     draw,
     busy: () => device.busy,
-    get slow() {
-      return device.slow;
+    quality: {
+      resting: 0,
+      get moving() {
+        return device.moving;
+      },
     },
     get lost() {
       return device.lost;
@@ -66,7 +69,7 @@ describe("Picture", () => {
   });
 
   it("asks a slow device for frames until a view that has moved is drawn finely", () => {
-    device.slow = true;
+    device.moving = 3;
     picture.update(shot(0), false, 0);
     device.busy = false;
     expect(picture.update(shot(1), false, 1000)).toBe(true);
@@ -76,7 +79,7 @@ describe("Picture", () => {
     picture.update(shot(1), false, 1200);
     device.busy = false;
     expect(picture.update(shot(1), false, 1216)).toBe(false);
-    expect(draw.mock.calls.map(([, quick]) => quick)).toEqual([false, true, false]);
+    expect(draw.mock.calls.map(([, rung]) => rung)).toEqual([0, 3, 0]);
     expect(picture.shows(shot(1), false)).toBe(true);
   });
 

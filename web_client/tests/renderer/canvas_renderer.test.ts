@@ -9,7 +9,7 @@ describe("CanvasRenderer", () => {
     renderer.splats.setOrder(new Uint32Array(2048), 1);
     const pose = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] } as const;
     const camera = { width: 4, height: 4, fx: 4, fy: 4, cx: 2, cy: 2, near: 0.1 };
-    renderer.draw({ pose, camera, time: 0, antialiased });
+    renderer.draw({ pose, camera, time: 0, antialiased }, 0);
     expect(uniform1i).toHaveBeenCalledWith("antialiased", antialiased ? 1 : 0);
   });
 });

@@ -1,4 +1,4 @@
-import { beforeEach, expect, it } from "vitest";
+import { expect, it, vi } from "vitest";
 import { GpuPace } from "../../src/renderer/gpu_pace";
 
 let done = true;
@@ -14,39 +14,15 @@ const context = {
   clientWaitSync: () => (done ? context.CONDITION_SATISFIED : context.TIMEOUT_EXPIRED),
 };
 
-let pace: GpuPace;
-
-function draw(times: number, duration: number, quick = false): void {
-  for (let i = 0; i < times; i++) {
-    pace.submitted(1000 * i, quick);
-    pace.busy(1000 * i + duration);
-  }
-}
-
-beforeEach(() => {
-  done = true;
-  pace = new GpuPace(context as unknown as WebGL2RenderingContext);
-});
-
-it("is busy until the picture is done", () => {
+it("is busy until the picture is done, and then tells how long it took", () => {
+  const measured = vi.fn();
+  const pace = new GpuPace(context as unknown as WebGL2RenderingContext, measured);
   done = false;
-  pace.submitted(0, false);
-  expect(pace.busy(10)).toBe(true);
+  pace.submitted(100, 2);
+  expect(pace.busy(110)).toBe(true);
+  expect(measured).not.toHaveBeenCalled();
   done = true;
-  expect(pace.busy(20)).toBe(false);
-});
-
-it("finds a device slow after several slow pictures in a row", () => {
-  draw(3, 200);
-  expect(pace.slow).toBe(false);
-  draw(1, 200);
-  expect(pace.slow).toBe(true);
-});
-
-it("judges by fine pictures alone", () => {
-  draw(4, 200);
-  draw(9, 10, true);
-  expect(pace.slow).toBe(true);
-  draw(1, 10);
-  expect(pace.slow).toBe(false);
+  expect(pace.busy(140)).toBe(false);
+  expect(pace.busy(150)).toBe(false);
+  expect(measured).toHaveBeenCalledExactlyOnceWith(40, 2);
 });

@@ -4,14 +4,12 @@ import { eyeOf } from "../../../src/camera/pinhole";
 import type { Mat3, Vec3 as Vector } from "../../../src/camera/vector";
 import { ScenePlayer } from "../../../src/player/player";
 import { CanvasRenderer } from "../../../src/renderer/canvas_renderer";
+import type { Quality } from "../../../src/renderer/quality";
 import type { OpenSource } from "../../../src/source/scene_source";
 import { type BenchCamera, canvasOf, type OpenViewer } from "./viewer";
 
-/** The bench waits for the device itself, and measures fine pictures alone. */
-Object.defineProperties(CanvasRenderer.prototype, {
-  busy: { value: () => false },
-  slow: { get: () => false },
-});
+/** The bench waits for the device itself. */
+Object.defineProperty(CanvasRenderer.prototype, "busy", { value: () => false });
 
 /** All chunks at once: how they come is not what is measured. */
 const folder =
@@ -61,16 +59,9 @@ function viewOf({ eye, target, up, fovY, near }: BenchCamera, width: number, hei
 
 const transposed = (m: Mat3): Mat3 => [m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]];
 
-/** @param float whether splats are blended in half floats where the device can */
 export const openHgs =
-  (float: boolean): OpenViewer =>
+  (quality: Quality): OpenViewer =>
   async (request) => {
-    if (!float) {
-      const getExtension = WebGL2RenderingContext.prototype.getExtension as (name: string) => unknown;
-      WebGL2RenderingContext.prototype.getExtension = function (this: WebGL2RenderingContext, name: string) {
-        return name.includes("color_buffer") ? null : getExtension.call(this, name);
-      } as typeof WebGL2RenderingContext.prototype.getExtension;
-    }
     const canvas = canvasOf(request);
     let { camera } = request;
     let nudge = 0;
@@ -92,6 +83,7 @@ export const openHgs =
         throw new Error(cause);
       },
     });
+    player.quality = quality;
     return {
       gl: canvas.getContext("webgl2") as WebGL2RenderingContext,
       look: (next) => {

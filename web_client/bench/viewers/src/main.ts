@@ -12,8 +12,8 @@ declare global {
 
 /** Each is a bundle of its own. */
 const VIEWERS: Readonly<Record<string, () => Promise<OpenViewer>>> = {
-  hgs: async () => (await import("./hgs")).openHgs(true),
-  "hgs-8bit": async () => (await import("./hgs")).openHgs(false),
+  hgs: async () => (await import("./hgs")).openHgs("high"),
+  "hgs-8bit": async () => (await import("./hgs")).openHgs("medium"),
   playcanvas: async () => (await import("./playcanvas")).openPlayCanvas,
   babylon: async () => (await import("./babylon")).openBabylon,
   spark: async () => (await import("./spark")).openSpark,
