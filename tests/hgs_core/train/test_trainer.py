@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import torch
 
-from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
@@ -17,7 +16,7 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.train.config import TrainConfig
-from hgs_core.train.initialise import initial_splats, scene_extent
+from hgs_core.train.initialise import initial_splats
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
@@ -220,13 +219,6 @@ def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, t
     assert plain.state.correction is None
 
 
-def test_a_damaged_checkpoint_is_named(capture_folder: Path, tmp_path: Path) -> None:
-    checkpoint = tmp_path / "checkpoint.pt"
-    checkpoint.write_bytes(b"not a checkpoint")
-    with pytest.raises(InputError, match=r"checkpoint\.pt"):
-        trainer(capture_folder, checkpoint, config())
-
-
 def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
     held_out = open_capture(capture_folder).camera_index("2")
@@ -243,35 +235,3 @@ def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_p
     scene = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt").run(silent)
     assert len(scene.segments[0].dynamic) == 0
     assert len(scene.static) > 0
-
-
-def test_first_splats_stand_on_their_points_and_hand_over_between_frames(capture_folder: Path) -> None:
-    cloud = points()
-    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
-    static, dynamic = initial_splats(cloud, segment.clock, sampled_frames=3)
-    np.testing.assert_array_equal(static.means.numpy(), cloud.xyz[cloud.dynamic < 0.5])
-    np.testing.assert_array_equal(dynamic.motion[:, 0].numpy(), cloud.xyz[cloud.dynamic >= 0.5])
-    decay = torch.exp(-torch.exp(dynamic.time_log_precisions) * (0.75 / 2) ** 2)
-    torch.testing.assert_close(decay, torch.full_like(decay, 0.5))
-
-
-@pytest.mark.parametrize(("labels", "moving"), [("static", 0), ("dynamic", 300), ("auto", 60)])
-def test_labels_can_be_forced(capture_folder: Path, labels: str, moving: int) -> None:
-    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
-    static, dynamic = initial_splats(points(), segment.clock, 2, labels)
-    assert (len(static), len(dynamic)) == (300 - moving, moving)
-
-
-def test_a_still_point_that_must_be_dynamic_lives_all_the_time(capture_folder: Path) -> None:
-    (segment,) = cut_into_segments(open_capture(capture_folder).times, 100)
-    _, dynamic = initial_splats(points(), segment.clock, 2, "dynamic")
-    still = torch.from_numpy(points().dynamic < 0.5)
-    assert (dynamic.time_centers[still] == 0.5).all()
-    fade = torch.exp(-torch.exp(dynamic.time_log_precisions[still]) * 0.25)
-    assert float(fade.min()) > 0.8
-
-
-def test_extent_is_the_camera_radius() -> None:
-    positions = np.array([[1.0, 0, 0], [-1, 0, 0], [0, 2, 0], [0, -2, 0]])
-    assert scene_extent(positions) == pytest.approx(2.2)
-    assert scene_extent(positions[:1]) == 1.0

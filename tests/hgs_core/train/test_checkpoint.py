@@ -1,0 +1,85 @@
+"""What a checkpoint keeps; that a training resumes to the same bits is tested in test_trainer.py."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from hgs_core.base.errors import InputError
+from hgs_core.train.checkpoint import TrainState, load_state, save_state
+from tests.hgs_core.render.scenes import dynamic_splats, static_splats
+from tests.hgs_core.train.conftest import state_of
+
+
+@pytest.fixture
+def state() -> TrainState:
+    made = state_of(static_splats(7, dtype=torch.float32), dynamic_splats(4, dtype=torch.float32))
+    made.iteration, made.seconds = 12, 3.5
+    made.statistics.count[:] = range(11)
+    made.static_adam.first.rgb[2] = 0.25
+    return made
+
+
+def test_a_state_comes_back_as_it_was(state: TrainState, tmp_path: Path) -> None:
+    save_state(tmp_path / "a.pt", state)
+    back = load_state(tmp_path / "a.pt")
+    assert (back.iteration, back.seconds, back.correction) == (12, 3.5, None)
+    for mine, theirs in (
+        (state.static, back.static), (state.dynamic, back.dynamic),
+        (state.static_adam.first, back.static_adam.first), (state.dynamic_adam.second, back.dynamic_adam.second),
+    ):  # fmt: skip
+        for (name, one), (_, two) in zip(mine.items(), theirs.items(), strict=True):
+            assert torch.equal(one, two), name
+    np.testing.assert_array_equal(back.statistics.count, state.statistics.count)
+
+
+def test_what_was_loaded_can_be_changed_in_place(state: TrainState, tmp_path: Path) -> None:
+    save_state(tmp_path / "a.pt", state)
+    back = load_state(tmp_path / "a.pt")
+    back.statistics.grad_norm_sum[:] += 1
+    assert back.statistics.grad_norm_sum.sum() == 11
+
+
+def test_the_old_checkpoint_stays_until_the_new_one_is_complete(
+    state: TrainState, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save_state(tmp_path / "a.pt", state)
+
+    def cut_short(value: object, file: object) -> None:
+        file.write(b"half")  # type: ignore[attr-defined]
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(torch, "save", cut_short)
+    with pytest.raises(OSError, match="no space"):
+        save_state(tmp_path / "a.pt", state)
+    assert load_state(tmp_path / "a.pt").iteration == 12
+
+
+def test_a_file_that_is_no_checkpoint_is_named_with_the_cure(tmp_path: Path) -> None:
+    file = tmp_path / "checkpoint.pt"
+    for content in (b"", b"not a checkpoint", pickle.dumps([1], 2)):
+        file.write_bytes(content)
+        with pytest.raises(InputError, match=r"checkpoint\.pt: unreadable checkpoint .*; delete it to start over"):
+            load_state(file)
+
+
+def test_a_checkpoint_of_another_version_is_refused(state: TrainState, tmp_path: Path) -> None:
+    save_state(tmp_path / "a.pt", state)
+    value = torch.load(tmp_path / "a.pt", weights_only=True)
+    torch.save({**value, "format": 99}, tmp_path / "a.pt")
+    with pytest.raises(InputError, match="checkpoint format 99, expected 3; start a new run"):
+        load_state(tmp_path / "a.pt")
+
+
+def test_other_splats_begin_with_statistics_of_their_own(state: TrainState) -> None:
+    state.replace(static_splats(3, dtype=torch.float32), state.dynamic)
+    assert state.statistics.count.tolist() == [0] * 7
+
+
+def test_without_a_correction_pictures_are_shown_as_they_are(state: TrainState) -> None:
+    picture = torch.rand(3, 4, 5)
+    assert state.shown(picture, None) is picture  # type: ignore[arg-type]
