@@ -17,11 +17,15 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hgs_core.base.errors import InputError
     from hgs_core.capture.capture import Capture
+    from hgs_core.capture.config import CaptureConfig
     from hgs_core.capture.open import open_capture
     from hgs_core.codec import EncodeSettings, Manifest, decode_scene, encode_scene, load_manifest
     from hgs_core.evaluate.run import evaluate_run
+    from hgs_core.fit.config import EncodeConfig
+    from hgs_core.points.config import PointsConfig
     from hgs_core.render import Render
     from hgs_core.render.rasterize import rasterize
+    from hgs_core.runs.config import RunConfig
     from hgs_core.runs.stages import train_scene
     from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, load_scene, save_scene
     from hgs_core.scene.camera import Camera
@@ -30,12 +34,16 @@ if TYPE_CHECKING:
 __all__ = [
     "Camera",
     "Capture",
+    "CaptureConfig",
     "DynamicSplats",
+    "EncodeConfig",
     "EncodeSettings",
     "HybridScene",
     "InputError",
     "Manifest",
+    "PointsConfig",
     "Render",
+    "RunConfig",
     "Segment",
     "StaticSplats",
     "TrainConfig",
@@ -53,12 +61,16 @@ __all__ = [
 _HOMES = {
     "Camera": "hgs_core.scene.camera",
     "Capture": "hgs_core.capture.capture",
+    "CaptureConfig": "hgs_core.capture.config",
     "DynamicSplats": "hgs_core.scene",
+    "EncodeConfig": "hgs_core.fit.config",
     "EncodeSettings": "hgs_core.codec",
     "HybridScene": "hgs_core.scene",
     "InputError": "hgs_core.base.errors",
     "Manifest": "hgs_core.codec",
+    "PointsConfig": "hgs_core.points.config",
     "Render": "hgs_core.render",
+    "RunConfig": "hgs_core.runs.config",
     "Segment": "hgs_core.scene",
     "StaticSplats": "hgs_core.scene",
     "TrainConfig": "hgs_core.train.config",

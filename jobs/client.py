@@ -21,7 +21,7 @@ from jobs.store import Job, JobState, JobTable, Place, metadata
 from jobs.training_queue import enqueue, workflow_id
 
 if TYPE_CHECKING:
-    from hgs_core.train.config import TrainConfig
+    from hgs_core.runs.config import RunConfig
 
 __all__ = ["MAX_TITLE", "JobClient", "JobConflictError", "JobRequest"]
 
@@ -38,7 +38,7 @@ class JobRequest:
     """A capture to train with a config. The title is for people; it defaults to the capture's name."""
 
     capture: Path
-    config: TrainConfig
+    config: RunConfig
     title: str = ""
     masks: Path | None = None  # a folder of masks to use instead of the capture's own
 

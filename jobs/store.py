@@ -67,7 +67,7 @@ class Job:
     id: str
     title: str
     capture: str  # absolute path
-    config: Mapping[str, Any]  # TrainConfig.to_json()
+    config: Mapping[str, Any]  # RunConfig.to_json(); of older jobs, its flat form
     state: JobState = JobState.QUEUED
     attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
     stage: str = ""  # initialise, train, encode or publish

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
-from hgs_core import TrainConfig, load_manifest, train_scene
+from hgs_core import RunConfig, load_manifest, train_scene
 from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
 from scripts.demo import HOLD_OUT, REPOSITORY, stop
 
@@ -53,7 +53,7 @@ def main() -> int:
         run = options.run or train_scene(
             REPOSITORY / "samples" / "studio",
             Path(scratch) / "run",
-            TrainConfig.for_preset("preview", hold_out=[HOLD_OUT]),
+            RunConfig.for_preset("preview", capture={"hold_out": [HOLD_OUT]}),
         )
         frames = list(_recorded(run, Path(scratch) / "home", options.camera, chromium))
     size = write_webp(options.out, frames, options.quality)

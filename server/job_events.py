@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from starlette.concurrency import run_in_threadpool
 
+from hgs_core.runs.config_names import by_stage
 from jobs.store import Job
 from server.encodable import encodable
 
@@ -29,15 +30,16 @@ def describe_job(job: Job) -> dict[str, Any]:
     """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
     figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
     progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
+    config = by_stage(job.config)  # older jobs have a flat one
     description = {
         "id": job.id,
         "state": job.state.value,
         "attempt": job.attempt,
         "capture": job.capture,
         "title": job.title,
-        "preset": job.config.get("preset"),
-        "hold_out": list(job.config.get("hold_out", ())),
-        "config": dict(job.config),
+        "preset": config.get("preset"),
+        "hold_out": list(config.get("capture", {}).get("hold_out", ())),
+        "config": config,
         "stage": job.stage or None,
         "progress": progress if job.stage else None,
         "error": job.error or None,

@@ -150,7 +150,6 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
             "hgs_core.train.checkpoint",
             "hgs_core.train.control.round",
             "hgs_core.train.device_frames",
-            "hgs_core.train.field_checks",
             "hgs_core.train.initialise",
             "hgs_core.train.loss",
             "hgs_core.train.splat_sets",

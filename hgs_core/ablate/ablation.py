@@ -14,6 +14,7 @@ from hgs_core.ablate.plan import Ablation, RowRun
 from hgs_core.ablate.rows import FULL, ROWS, Row
 from hgs_core.ablate.summary import summarise
 from hgs_core.base.atomic import write_bytes
+from hgs_core.base.config_fields import flat_fields
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.open import open_capture
@@ -61,7 +62,7 @@ def ablate(ablation: Ablation, progress: ProgressCallback) -> dict[str, Any]:
 
 def _check(ablation: Ablation) -> None:
     """Find what would stop a run before the first one has trained for hours."""
-    config = ablation.config
+    config = ablation.config.capture
     if not config.hold_out:
         raise InputError("--hold-out", "names no camera to score", "give one or more")
     if not ablation.seeds or len(set(ablation.seeds)) != len(ablation.seeds):
@@ -119,7 +120,7 @@ def _scores(ablation: Ablation, run: RowRun) -> Mapping[str, Any] | None:
     scores: dict[str, Any] = json.loads(file.read_text())
     given = {"truth": ablation.truth, "masks": ablation.score_masks}
     alike = all((scores[name] == "given") == (path is not None) for name, path in given.items())
-    return scores if alike and scores["cameras"] == list(ablation.config.hold_out) else None
+    return scores if alike and scores["cameras"] == list(ablation.config.capture.hold_out) else None
 
 
 def _labelled(progress: ProgressCallback, label: str) -> ProgressCallback:
@@ -147,6 +148,7 @@ def _result(
 
 
 def _changes(ablation: Ablation, row: Row) -> dict[str, Any]:
-    """Return the config's fields that a row changes."""
-    base, changed = ablation.config.to_json(), row.config(ablation.config, ablation.config.seed).to_json()
+    """Return the config's fields that a row changes, by their dotted paths."""
+    changed = flat_fields(row.config(ablation.config, ablation.config.seed).to_json())
+    base = flat_fields(ablation.config.to_json())
     return {name: value for name, value in changed.items() if value != base[name]}

@@ -17,7 +17,6 @@ from hgs_core.runs.stages import initialise
 
 __all__ = ["initialise_run", "moving_share"]
 
-_DECIDES = ("hold_out", "downscale", "seed", "static_points", "dynamic_points", "init_interval")  # first points
 _REPORT_EVERY = 20  # pictures
 
 
@@ -66,7 +65,7 @@ def _masks_of(run: RowRun) -> tuple[Any, ...]:
 
 def _points_of(run: RowRun) -> tuple[Any, ...]:
     """Return what decides the first points of a run."""
-    return (_masks_of(run), *(getattr(run.config, name) for name in _DECIDES))
+    return (_masks_of(run), run.config.seed, run.config.capture, run.config.points)
 
 
 def _change(run: RowRun, pictures: int, progress: ProgressCallback) -> Callable[[int, int, Mask], Mask]:

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 
 from hgs_core.ablate.rows import Row
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
-from hgs_core.train.config import TrainConfig
 
 __all__ = ["Ablation", "RowRun"]
 
@@ -21,7 +21,7 @@ class RowRun:
     row: Row
     seed: int
     path: Path  # of the run folder
-    config: TrainConfig
+    config: RunConfig
 
     @cached_property
     def folder(self) -> RunFolder:
@@ -35,7 +35,7 @@ class Ablation:
 
     capture: Path
     out: Path
-    config: TrainConfig  # of the full method; its seed is replaced
+    config: RunConfig  # of the full method; its seed is replaced
     rows: Sequence[Row]  # the full method first (`rows_named`)
     seeds: Sequence[int]
     masks: Path | None = None  # to train with, instead of the capture's own

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 from hgs_core.ablate.mask_changes import MaskChange, blobs_added, components_dropped, eroded, grown_to_share
 from hgs_core.base.errors import InputError
 from hgs_core.decompose.morphology import dilate
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
 __all__ = ["FULL", "ROWS", "Row", "rows_named"]
 
@@ -26,14 +25,14 @@ class Row:
 
     name: str
     asks: str  # the question, in a sentence
-    fields: Mapping[str, Any] = field(default_factory=dict)  # of the config, replaced
+    fields: Mapping[str, Any] = field(default_factory=dict)  # of the config, replaced, by their dotted paths
     masks: MaskChange | None = None  # done to every training mask, before the first points are found
     masks_vary: bool = False  # with the seed
     statics_at_rest: bool = False  # not trained: the statics of the full run are stored as dynamics at rest
 
-    def config(self, base: TrainConfig, seed: int) -> TrainConfig:
+    def config(self, base: RunConfig, seed: int) -> RunConfig:
         """Return the config of this row's run with a seed."""
-        return dataclasses.replace(base, seed=seed, **self.fields)
+        return base.changed({"seed": seed, **self.fields})
 
 
 def _grown(share: float) -> MaskChange:
@@ -46,31 +45,46 @@ ROWS: Mapping[str, Row] = {
     row.name: row
     for row in (
         FULL,
-        Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"init_interval": 1e6}),
-        Row("train-separate", "Can each set learn alone, where the masks say it belongs?", {"stages": "separate"}),
-        Row("two-stage", "Is one step for each set, the statics first, better than one?", {"stages": "interleaved"}),
-        Row("order-1", "Is straight motion enough?", {"motion_order": 1}),
-        Row("order-2", "Is motion with constant acceleration enough?", {"motion_order": 2}),
-        Row("order-5", "Does motion of the fifth order, in place of a cubic, show more?", {"motion_order": 5}),
+        Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"points.interval": 1e6}),
+        Row(
+            "train-separate", "Can each set learn alone, where the masks say it belongs?",
+            {"train.stages": "separate"},
+        ),
+        Row(
+            "two-stage", "Is one step for each set, the statics first, better than one?",
+            {"train.stages": "interleaved"},
+        ),
+        Row("order-1", "Is straight motion enough?", {"train.motion_order": 1}),
+        Row("order-2", "Is motion with constant acceleration enough?", {"train.motion_order": 2}),
+        Row("order-5", "Does motion of the fifth order, in place of a cubic, show more?", {"train.motion_order": 5}),
         Row(
             "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
-            {"labels": "dynamic", "adaptive_labels": False},
+            {"train.labels.initial": "dynamic", "train.labels.adaptive": False},
         ),
         Row(
             "all-static", "What is time worth: a single set of static splats with the whole budget?",
-            {"labels": "static", "adaptive_labels": False, "birth_rounds": 0},
+            {"train.labels.initial": "static", "train.labels.adaptive": False, "train.density.birth_rounds": 0},
         ),
         Row(
             "no-parameter-sharing", "What would the full scene weigh if its statics were dynamic splats at rest?",
             statics_at_rest=True,
         ),
-        Row("no-colour-correction", "Do the cameras' colour maps help?", {"colour_correction": False}),
-        Row("no-births", "Do splats that are born where moving pixels are wrong help?", {"birth_rounds": 0}),
-        Row("no-infill", "Do statics that are added where still pixels stay wrong help?", {"infill": 0.0}),
-        Row("no-settling", "Do steps that become small at the end help?", {"settled": 1.0}),
-        Row("equal-steps", "Do smaller steps of what lives shortly help?", {"steps_by_life": False}),
-        Row("relocation", "Is copying by opacity better than refining what is pulled at?", {"density": "relocation"}),
-        Row("fixed-labels", "Does it help that labels follow the evidence?", {"adaptive_labels": False}),
+        Row("no-colour-correction", "Do the cameras' colour maps help?", {"train.colour_correction": False}),
+        Row(
+            "no-births", "Do splats that are born where moving pixels are wrong help?",
+            {"train.density.birth_rounds": 0},
+        ),
+        Row(
+            "no-infill", "Do statics that are added where still pixels stay wrong help?",
+            {"train.density.infill": 0.0},
+        ),
+        Row("no-settling", "Do steps that become small at the end help?", {"train.settled": 1.0}),
+        Row("equal-steps", "Do smaller steps of what lives shortly help?", {"train.steps_by_life": False}),
+        Row(
+            "relocation", "Is copying by opacity better than refining what is pulled at?",
+            {"train.density.method": "relocation"},
+        ),
+        Row("fixed-labels", "Does it help that labels follow the evidence?", {"train.labels.adaptive": False}),
         *(
             Row(
                 f"masks-{share}", f"What if masks call {share} % of every picture moving?",

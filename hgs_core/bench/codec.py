@@ -25,11 +25,11 @@ from hgs_core.interchange.importing import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
 from hgs_core.interchange.spz_file import spz_file
 from hgs_core.native.machine import machine_facts
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
 
@@ -98,11 +98,11 @@ def bench_codec(
     seen = Loss(scene, views, views.trained)
     unseen = Loss(scene, views, held_out) if held_out else None
     points: list[CodecPoint] = []
-    iterations = fine_tune_iterations(config)
+    iterations = fine_tune_iterations(config.train)
     chosen = []
     for name in budgets:
         began = time.process_time()
-        found = fit(scene, views, utility, name, config, iterations=iterations, states=states)
+        found = fit(scene, views, utility, name, config.train, seed=config.seed, iterations=iterations, states=states)
         chosen.append((name, found, time.process_time() - began))
     plain = [("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), 0.0), 0.0) for coarseness in sweep]
     rates: dict[str, float] = {}
@@ -149,11 +149,11 @@ def bench_codec(
 
 def _opened(
     source: Path,
-) -> tuple[HybridScene[Floats], EncodeViews, TrainConfig, Sequence[TrainState], dict[int, Any]]:
+) -> tuple[HybridScene[Floats], EncodeViews, RunConfig, Sequence[TrainState], dict[int, Any]]:
     """Return the scene, its views, its config, the states its training ended in, and the cameras held out, by index."""
     if source.is_file():
         imported = import_scene(source, 50 / 30)
-        config = TrainConfig(antialiased=imported.scene.antialiased)
+        config = RunConfig().changed({"train.antialiased": imported.scene.antialiased})
         views = views_around(imported.scene, source.stem)
         return imported.scene, views, config, (), {}
     folder = RunFolder(source)

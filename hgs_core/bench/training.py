@@ -16,9 +16,9 @@ from hgs_core.base.progress import ProgressCallback
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.native.machine import machine_facts
 from hgs_core.render.backends import training_device
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import STAGES, create_run
-from hgs_core.train.config import TrainConfig
 
 __all__ = ["DEVICES", "TrainingReport", "bench_training", "training_report_text"]
 
@@ -47,17 +47,17 @@ class TrainingReport:
         return dataclasses.asdict(self)
 
 
-def bench_training(capture: Path, config: TrainConfig, device: str, progress: ProgressCallback) -> TrainingReport:
+def bench_training(capture: Path, config: RunConfig, device: str, progress: ProgressCallback) -> TrainingReport:
     """Train and score a capture in a temporary folder.
 
     Raises:
         InputError: no camera is held out, the device is not there, or the capture is unusable.
     """
-    if not config.hold_out:
+    if not config.capture.hold_out:
         raise InputError("--hold-out", "no camera is left to score on", "name one or more")
     backend = DEVICES[device]
     training_device(backend)
-    config = dataclasses.replace(config, backend=backend)
+    config = config.changed({"train.backend": backend})
     with TemporaryDirectory(prefix="hgs-bench-") as folder:
         run = Path(folder) / "run"
         started = time.monotonic()

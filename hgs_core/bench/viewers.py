@@ -34,11 +34,11 @@ from hgs_core.interchange.exporting import export_scene
 from hgs_core.interchange.moment import scene_at
 from hgs_core.native.machine import machine_facts
 from hgs_core.render import rasterize
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.imported import import_run
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
-from hgs_core.train.config import TrainConfig
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page
@@ -137,7 +137,7 @@ def _write_files(
     if source.is_file():
         import_run(
             source, scratch / "run", silent,
-            duration=1.0, capture=None, config=TrainConfig(preset="imported"), antialiased=False,
+            duration=1.0, capture=None, config=RunConfig(preset="imported"), antialiased=False,
         )  # fmt: skip
         source = scratch / "run"
     folder = RunFolder(source).scene if RunFolder(source).manifest.is_file() else source

@@ -66,6 +66,7 @@ class Capture:
         self.notes = tuple(notes)  # what people should know: files left out, masks found
         self._source = source
         self._fingerprint = fingerprint
+        self.cache_bytes = cache_bytes  # for decoded pictures
         self._cache = FrameCache(cache_bytes)
         self._locks = tuple(threading.Lock() for _ in cameras)
         # Each camera may fill its share of the cache with frames that were decoded only on the way to another.

@@ -71,10 +71,10 @@ def evaluate_run(
         raise InputError(run, "the run has no encoded scene yet", "finish it with hgs train")
     scorer = PictureScorer(lpips, flip)
     capture = spec.open_capture()
-    held_out = [capture.camera_index(name) for name in spec.config.hold_out]
+    held_out = [capture.camera_index(name) for name in spec.config.capture.hold_out]
     chosen = held_out if cameras is None else [capture.camera_index(name) for name in cameras]
     indices = range(len(capture.cameras)) if all_cameras else list(dict.fromkeys(chosen))
-    source = Truth(capture, indices, pictures=truth, masks=masks, downscale=spec.config.downscale)
+    source = Truth(capture, indices, pictures=truth, masks=masks, downscale=spec.config.capture.downscale)
     manifest = load_manifest(folder.manifest)
     scores = {index: CameraScores(scorer) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}

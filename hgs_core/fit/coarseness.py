@@ -15,6 +15,7 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
+from hgs_core.fit.config import BUDGETS
 from hgs_core.fit.fine_tune import FineTune
 from hgs_core.fit.views import EncodeViews
 from hgs_core.render.fixed_view import FixedView
@@ -22,7 +23,7 @@ from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.train.config import TrainConfig
 
 __all__ = ["Fitted", "Loss", "fine_tune_iterations", "fit"]
 
@@ -111,6 +112,7 @@ def fit(
     budget: str,
     config: TrainConfig,
     *,
+    seed: int = 0,
     iterations: int = 0,
     states: Sequence[TrainState] = (),
     trained: Callable[[int], None] = lambda done: None,
@@ -141,7 +143,7 @@ def fit(
         return coarsest(allowed, start)
     loses = lost(scene, utility, EncodeSettings(coarseness=start))
     coarseness = _next_coarseness(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
-    tune = FineTune(scene, utility, views, dataclasses.replace(config, iterations=iterations), states)
+    tune = FineTune(scene, utility, views, dataclasses.replace(config, iterations=iterations), seed, states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
     for done in range(TUNING_ROUNDS):

@@ -52,6 +52,7 @@ class FineTune:
         utility: Utility,
         views: EncodeViews,
         config: TrainConfig,
+        seed: int,
         states: Sequence[TrainState],
     ) -> None:
         """Begin with a trained scene and the states in which its segments' trainings ended, if they are known.
@@ -71,7 +72,7 @@ class FineTune:
         self._correction = None if correction is None else correction.to(self._device)
         self._segments = cut_into_segments(views.capture.times, config.segment_frames)
         self._training = [
-            TrainingViews(views.capture, views.cameras, self._config, segment, None, self._device)
+            TrainingViews(views.capture, views.trained, self._config, segment, None, seed, self._device)
             for segment in self._segments
         ]
         extent = scene_extent(np.array([camera.position for camera in views.trained.values()]))

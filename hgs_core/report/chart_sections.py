@@ -32,7 +32,7 @@ def quality_section(run: FinishedRun, cameras: Sequence[CameraPictures], times: 
         places = [times[frame] for frame in frames[name]] if times else [float(frame) for frame in frames[name]]
         lines.append(Series(name, places, values, number))
     label = "seconds" if times else "frame"
-    seen = [name for name in series if name not in run.spec.config.hold_out]
+    seen = [name for name in series if name not in run.spec.config.capture.hold_out]
     words = f"Training saw {', '.join(seen)}." if seen else "Cameras that neither initialisation nor training saw."
     over_time = line_chart("PSNR of every frame by camera", lines, label, "PSNR, dB", unit=" dB")
     bars = [_camera_bar(name, values, number) for number, (name, values) in enumerate(series.items())]

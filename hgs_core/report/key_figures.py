@@ -6,8 +6,9 @@ import json
 from dataclasses import dataclass
 from typing import Any
 
+from hgs_core.base.config_fields import flat_fields
 from hgs_core.report.sources import FinishedRun
-from hgs_core.train.config import PRESETS, TrainConfig
+from hgs_core.runs.config import PRESETS, RunConfig
 
 __all__ = ["Figure", "config_changes", "key_figures", "megabytes", "per_frames"]
 
@@ -71,22 +72,15 @@ def megabytes(size: float) -> float:
     return size / 1e6
 
 
-def config_changes(config: TrainConfig) -> list[tuple[str, str, str]]:
+def config_changes(config: RunConfig) -> list[tuple[str, str, str]]:
     """Return (field, the preset's value, the run's value) of all fields that differ, held-out cameras aside."""
-    given = _flat(config.to_json())
-    preset = _flat(TrainConfig.from_json({"preset": config.preset, **PRESETS.get(config.preset, {})}).to_json())
+    given = flat_fields(config.to_json())
+    preset = flat_fields(RunConfig(config.preset).changed(PRESETS.get(config.preset, {})).to_json())
     return [
         (name, _words(preset[name]), _words(value))
         for name, value in given.items()
-        if name != "hold_out" and value != preset[name]
+        if name != "capture.hold_out" and value != preset[name]
     ]
-
-
-def _flat(value: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, item in value.items():
-        flat |= _flat(item, f"{prefix}{name}.") if isinstance(item, dict) else {f"{prefix}{name}": item}
-    return flat
 
 
 def _words(value: Any) -> str:

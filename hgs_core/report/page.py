@@ -89,7 +89,7 @@ def _header(content: PageContent) -> str:
     cameras = run.manifest.cameras
     sizes = sorted({f"{camera.width}x{camera.height}" for camera in cameras})
     frames = run.scores.get("frames") or len(content.times)
-    held_out = ", ".join(run.spec.config.hold_out) or "none"
+    held_out = ", ".join(run.spec.config.capture.hold_out) or "none"
     changed = len(config_changes(run.spec.config))
     facts = [
         f"{run.manifest.title}: {counted(len(cameras), 'camera')}, {', '.join(sizes)}"

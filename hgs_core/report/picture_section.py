@@ -21,7 +21,7 @@ def picture_section(run: FinishedRun, cameras: Sequence[CameraPictures], reason:
         return section("pictures", "Pictures", [note(f"No pictures: {reason}.")])
     parts = [note(_about(run, cameras)), _scale()]
     for number, camera in enumerate(cameras):
-        trained = camera.camera not in run.spec.config.hold_out
+        trained = camera.camera not in run.spec.config.capture.hold_out
         summary = f"Camera {camera.camera}" + (" (training saw it)" if trained else " (held out)")
         moments = "".join(_moment(camera.camera, moment) for moment in camera.moments)
         opened = " open" if number == 0 else ""
@@ -34,7 +34,7 @@ def _about(run: FinishedRun, cameras: Sequence[CameraPictures]) -> str:
     words = (
         "The decoded scene beside the capture's frames: moments from equal parts of the capture, and the worst frame."
     )
-    if not run.spec.config.hold_out and not scored:
+    if not run.spec.config.capture.hold_out and not scored:
         words = f"No camera was held out: these are training cameras, whose pictures training has seen. {words}"
     if len(scored) > len(cameras):
         words += f" {len(cameras)} of {len(scored)} scored cameras are shown."

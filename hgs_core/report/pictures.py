@@ -73,7 +73,7 @@ def draw_pictures(run: FinishedRun, capture: Capture, progress: ProgressCallback
     """
     scene = decode_scene(run.folder.scene).map(torch.from_numpy)
     known = run.per_frame("psnr")
-    scored = [name for name in run.scores.get("cameras", run.spec.config.hold_out) if name]
+    scored = [name for name in run.scores.get("cameras", run.spec.config.capture.hold_out) if name]
     names = evenly(scored or [camera.name for camera in capture.cameras], _MOST_CAMERAS)
     result = []
     with one_torch_thread():

@@ -14,7 +14,6 @@ from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state
 from hgs_core.train.targets import target_picture
-from hgs_core.train.views import training_cameras
 
 __all__ = ["trained_scene", "training_states", "views_of_run"]
 
@@ -25,7 +24,7 @@ def trained_scene(folder: RunFolder) -> HybridScene[Floats]:
     Raises:
         InputError: the run is not trained yet, or a file of it is damaged.
     """
-    return dataclasses.replace(load_scene(folder.trained), antialiased=folder.read_spec().config.antialiased)
+    return dataclasses.replace(load_scene(folder.trained), antialiased=folder.read_spec().config.train.antialiased)
 
 
 def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -> EncodeViews:
@@ -36,9 +35,9 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
     """
     if spec.without_capture:
         return views_around(scene, spec.capture.stem)
-    capture = spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20)
+    capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
-    trained = {i: cameras[i] for i in training_cameras(capture, spec.config)}
+    trained = {i: cameras[i] for i in spec.config.capture.training_cameras(capture)}
     return EncodeViews(
         capture.name,
         cameras,

@@ -15,7 +15,7 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
 __all__ = ["RunFolder", "RunSpec"]
 
@@ -26,7 +26,7 @@ class RunSpec:
 
     capture: Path
     fingerprint: str  # of the capture when the run was created
-    config: TrainConfig
+    config: RunConfig
     masks: Path | None = None  # a folder of masks that replaces the capture's own
     without_capture: bool = False  # the scene was imported: `capture` is its file, and there are no pictures
 
@@ -39,7 +39,8 @@ class RunSpec:
         """
         if self.without_capture:
             raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
-        capture = open_capture(self.capture, masks=self.masks, downscale=self.config.downscale, cache_bytes=cache_bytes)
+        downscale = self.config.capture.downscale
+        capture = open_capture(self.capture, masks=self.masks, downscale=downscale, cache_bytes=cache_bytes)
         self.check_unchanged(capture)
         return capture
 
@@ -125,7 +126,7 @@ class RunFolder:
         """
         try:
             value: dict[str, Any] = json.loads(self.spec.read_text())
-            config = TrainConfig.from_json(value["config"])
+            config = RunConfig.from_json(value["config"])
             masks = Path(value["masks"]) if "masks" in value else None
             without = bool(value.get("without_capture", False))
             return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import json
 import shutil
@@ -20,11 +19,11 @@ from hgs_core.codec import load_manifest
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.importing import Imported, import_scene
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.stages import create_run, encode
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene
-from hgs_core.train.config import TrainConfig
 
 __all__ = ["ImportedRun", "import_run"]
 
@@ -49,7 +48,7 @@ def import_run(
     *,
     duration: float,
     capture: Path | None,
-    config: TrainConfig,
+    config: RunConfig,
     antialiased: bool,
 ) -> ImportedRun:
     """Make a run folder of a file of splats and encode it; returns what was left out or changed.
@@ -65,10 +64,10 @@ def import_run(
     if not duration > 0:
         raise InputError("--duration", f"{duration} is not positive", "give the seconds that the scene lasts")
     imported = import_scene(file, duration)
-    config = dataclasses.replace(config, antialiased=imported.scene.antialiased or antialiased)
+    config = config.changed({"train.antialiased": imported.scene.antialiased or antialiased})
     fresh = not run.exists()
     if capture is None:
-        if config.hold_out:
+        if config.capture.hold_out:
             raise InputError("--hold-out", "needs the capture's cameras", "name the capture with --capture")
         fingerprint = hashlib.sha256(file.read_bytes()).hexdigest()
         RunFolder(run).write_spec(RunSpec(file.resolve(), fingerprint, config, without_capture=True))

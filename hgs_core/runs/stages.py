@@ -20,9 +20,8 @@ from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.views import training_cameras
 
 if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
@@ -35,7 +34,7 @@ _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wai
 log = logging.getLogger(__name__)
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
     `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged.
@@ -43,11 +42,11 @@ def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | N
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
     """
-    opened = open_capture(capture, masks=masks, downscale=config.downscale)
-    left = len(training_cameras(opened, config))
+    opened = open_capture(capture, masks=masks, downscale=config.capture.downscale)
+    left = len(config.capture.training_cameras(opened))
     if left < _MIN_CAMERAS:
         raise InputError(
-            "config.hold_out",
+            "config.capture.hold_out",
             f"leaves {left} of {counted(len(opened.cameras), 'camera')} to train on",
             f"keep at least {_MIN_CAMERAS}",
         )
@@ -66,15 +65,15 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     if folder.points.exists():
         return
     capture, config = _open(folder)
-    cameras = training_cameras(capture, config)
+    cameras = config.capture.training_cameras(capture)
     if folder.masks.exists():  # of a stage that was stopped, or put there to be used
         masks = MotionMasks.load(folder.masks, capture)
     else:
         masks = motion_masks(capture, cameras, progress=progress)
         masks.save(folder.masks)
     points = initial_points(
-        capture, cameras, masks, every=capture.frames_in(config.init_interval), static_target=config.static_points,
-        dynamic_target=config.first_dynamic_points(capture.seconds), seed=config.seed, progress=progress,
+        capture, cameras, masks, every=capture.frames_in(config.points.interval), static_target=config.points.static,
+        dynamic_target=config.points.dynamic_in(capture.seconds), seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
 
@@ -94,10 +93,10 @@ def train(run: Path, progress: ProgressCallback) -> None:
     capture, config = _open(folder)
     points = PointCloud.load(folder.points)
     cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
-    every = capture.frames_in(config.init_interval)
     scene, summary = train_capture(
-        capture, cameras, config, points, every, folder.checkpoint, progress, masks, folder.preview
-    )
+        capture, {i: cameras[i] for i in config.capture.training_cameras(capture)}, config.train, config.seed, points,
+        capture.frames_in(config.points.interval), folder.checkpoint, progress, masks, folder.preview,
+    )  # fmt: skip
     save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps(summary | {"machine": machine_facts()}, indent=1).encode())
 
@@ -136,9 +135,9 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
 
     folder = RunFolder(run)
     spec = folder.read_spec()
-    scene = trained_scene(folder)
+    config, scene = spec.config, trained_scene(folder)
     views = views_of_run(folder, spec, scene)
-    iterations = fine_tune_iterations(spec.config) if fine_tune is None else fine_tune
+    iterations = fine_tune_iterations(config.train) if fine_tune is None else fine_tune
     if views.capture is None:  # there is nothing to train with
         iterations = 0
     steps = 4 + iterations
@@ -149,7 +148,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     )  # fmt: skip
     progress(Progress("encode", 1, steps))
     found = fit(
-        scene, views, utility, budget or spec.config.budget, spec.config, iterations=iterations,
+        scene, views, utility, budget or config.encode.budget, config.train, seed=config.seed, iterations=iterations,
         states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
     )  # fmt: skip
     progress(Progress("encode", steps - 2, steps))
@@ -177,7 +176,7 @@ STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
 def train_scene(
     capture: Path,
     out: Path,
-    config: TrainConfig | None = None,
+    config: RunConfig | None = None,
     *,
     masks: Path | None = None,
     progress: ProgressCallback = silent,
@@ -187,7 +186,7 @@ def train_scene(
     Args:
         capture: folder of a multi-view capture (docs/captures.md).
         out: folder of the run: new, empty, or of an equal run to resume or to keep.
-        config: how to train; by default the preset "standard".
+        config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
 
@@ -202,18 +201,18 @@ def train_scene(
     Example:
         >>> import hgs_core as hgs
         >>> from pathlib import Path
-        >>> config = hgs.TrainConfig.for_preset("preview", iterations=20, hold_out=["2"])
+        >>> config = hgs.RunConfig.for_preset("preview", train={"iterations": 20}, capture={"hold_out": ["2"]})
         >>> run = hgs.train_scene(Path("capture"), Path("new_run"), config)
         >>> sorted(path.name for path in (run / "scene").iterdir())
         ['chunks', 'manifest.json', 'thumbnail.jpg']
     """
-    create_run(out, capture, config or TrainConfig(), masks=masks)
+    create_run(out, capture, config or RunConfig(), masks=masks)
     with RunFolder(out).exclusive():
         for stage in STAGES.values():
             stage(out, progress)
     return out
 
 
-def _open(folder: RunFolder) -> tuple[Capture, TrainConfig]:
+def _open(folder: RunFolder) -> tuple[Capture, RunConfig]:
     spec = folder.read_spec()
-    return spec.open_capture(cache_bytes=spec.config.frame_memory_mib << 20), spec.config
+    return spec.open_capture(cache_bytes=spec.config.capture.cache_bytes), spec.config

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,9 @@ __all__ = ["train_capture"]
 
 def train_capture(
     capture: Capture,
-    cameras: Sequence[Camera],
+    cameras: Mapping[int, Camera],
     config: TrainConfig,
+    seed: int,
     points: PointCloud,
     sampled_every: int,
     checkpoint: Callable[[int], Path],
@@ -44,28 +45,29 @@ def train_capture(
 
     Args:
         capture: the capture.
-        cameras: the capture's, with the near planes to train with.
-        config: of the run.
+        cameras: those to train with by their index in the capture, with their near planes.
+        config: how to train.
+        seed: of everything that is drawn at random.
         points: labelled first points of the whole capture.
         sampled_every: frames between the moments that dynamic points were taken at.
         checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
         progress: called as if all segments were one training.
         masks: what moves; needed where the config's stages are `separate`.
-        preview: a JPEG file that shows how far the training is, from the first camera; None: none is drawn.
+        preview: a JPEG file that shows how far the training is, from the first of these cameras; None: none is drawn.
 
     Raises:
         StageStopped: the callback asked to stop; the state was saved first.
     """
     segments = cut_into_segments(capture.times, config.segment_frames)
     total, trained, key = config.iterations * len(segments), [], None
-    drawn = None if preview is None else Preview(preview, cameras[0], config)
+    drawn = None if preview is None else Preview(preview, next(iter(cameras.values())), config)
     for number, segment in enumerate(segments):
         start = initial_splats(
-            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels,
+            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels.initial,
             coefficients=coefficients_of_order(config.motion_order),
         )  # fmt: skip
         trainer = Trainer(
-            capture, cameras, config, segment, start, checkpoint(number),
+            capture, cameras, config, seed, segment, start, checkpoint(number),
             masks=masks, after=None if key is None else key.state,
         )  # fmt: skip
         before = number * config.iterations

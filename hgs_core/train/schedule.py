@@ -36,7 +36,7 @@ class Schedule:
 
     def budget(self, iteration: int, initial: int, final: int) -> int:
         """Return the splats allowed after the round that follows `iteration`: from `initial` to `final`, linearly."""
-        progress = (iteration + 1) / max(1.0, self.config.densify_until * self.config.iterations)
+        progress = (iteration + 1) / max(1.0, self.config.density.end * self.config.iterations)
         return round(initial + (max(final, initial) - initial) * min(1.0, progress))
 
     def static_rates(self, iteration: int) -> dict[str, float | Tensor]:

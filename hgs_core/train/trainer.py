@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -43,9 +43,10 @@ class Trainer:
     """Trains one segment of a capture.
 
     Args:
-        capture: the whole capture; cameras held out by the config are never read.
-        cameras: the capture's, with the near planes to train with.
-        config: the run's config.
+        capture: the whole capture; other cameras than those to train with are never read.
+        cameras: those to train with by their index in the capture, with their near planes.
+        config: how to train.
+        seed: of everything that is drawn at random.
         segment: the frames to train on.
         start: first splats, ignored when `checkpoint` exists.
         checkpoint: where the state is kept.
@@ -57,8 +58,9 @@ class Trainer:
     def __init__(
         self,
         capture: Capture,
-        cameras: Sequence[Camera],
+        cameras: Mapping[int, Camera],
         config: TrainConfig,
+        seed: int,
         segment: CaptureSegment,
         start: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]],
         checkpoint: Path,
@@ -66,10 +68,10 @@ class Trainer:
         masks: MotionMasks | None = None,
         after: TrainState | None = None,
     ) -> None:
-        self.config, self.checkpoint, self.segment = config, checkpoint, segment
+        self.config, self.seed, self.checkpoint, self.segment = config, seed, checkpoint, segment
         self.statics_learn = after is None
         self.device = training_device(config.backend)
-        self.views = TrainingViews(capture, cameras, config, segment, masks, self.device)
+        self.views = TrainingViews(capture, cameras, config, segment, masks, seed, self.device)
         extent = scene_extent(np.array([camera.position for camera in self.views.cameras]))
         self.schedule = Schedule(config, extent, segment.frames, segment.seconds)
         self.rounds = rounds(config, masked=self.views.masked, statics_learn=self.statics_learn)
@@ -147,8 +149,9 @@ class Trainer:
                 self._learn("dynamic", iteration, view, tiles=tiles, ignored=still)
         self._constrain()
         context = RoundContext(
-            iteration, self.schedule, self.views, self.segment, view.camera, self.first_counts, self.statics_learn
-        )
+            iteration, self.seed, self.schedule, self.views, self.segment, view.camera, self.first_counts,
+            self.statics_learn,
+        )  # fmt: skip
         for control in self.rounds:
             if control.due(iteration):
                 with timed(control.name), self._on(_HOST if control.on_host else self.device):

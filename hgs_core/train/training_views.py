@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +18,7 @@ from hgs_core.scene.camera import Camera
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.segments import CaptureSegment
-from hgs_core.train.views import ViewSchedule, training_cameras
+from hgs_core.train.views import ViewSchedule
 
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 
@@ -48,30 +48,29 @@ class Instant:
 
 
 class TrainingViews:
-    """The views of one segment; cameras held out by the config are never read."""
+    """The views of one segment; other cameras than those to train with are never read."""
 
     def __init__(
         self,
         capture: Capture,
-        cameras: Sequence[Camera],  # the capture's, with the near planes to train with
+        cameras: Mapping[int, Camera],  # to train with, by their index in the capture, with their near planes
         config: TrainConfig,
         segment: CaptureSegment,
         masks: MotionMasks | None,
+        seed: int,
         device: torch.device = _CPU,  # where `of_iteration` puts pictures and masks
     ) -> None:
         self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
         self._masks = masks
-        self._frames = DeviceFrames(capture, device, config.frame_memory_mib << 20)
+        self._frames = DeviceFrames(capture, device, capture.cache_bytes)
         self._on_host = DeviceFrames(capture, _CPU, 0)
-        self._training = training_cameras(capture, config)
+        self._training = tuple(cameras)
         self._places = {camera: place for place, camera in enumerate(self._training)}
-        self.cameras = tuple(cameras[index] for index in self._training)
+        self.cameras = tuple(cameras.values())
         frame_bytes = max(3 * camera.width * camera.height for camera in self.cameras)
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
-        memory = (config.frame_memory_mib << 20) * 4 // 5
-        self.order = ViewSchedule.fitting(
-            self._training, segment.frames, frame_bytes, memory, config.iterations, config.seed
-        )
+        memory = capture.cache_bytes * 4 // 5
+        self.order = ViewSchedule.fitting(self._training, segment.frames, frame_bytes, memory, config.iterations, seed)
 
     @property
     def masked(self) -> bool:

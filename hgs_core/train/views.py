@@ -8,25 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from hgs_core.capture.capture import Capture
-from hgs_core.train.config import TrainConfig
-
-__all__ = ["ViewSchedule", "training_cameras"]
+__all__ = ["ViewSchedule"]
 
 _SAMPLE_CAMERAS = 5
 _SAMPLE_FRAMES = 8
 _INFILL_FRAMES = 3
 _BLOCK_PASSES = 20  # over all blocks in one training: what waits for its block's next turn drifts meanwhile
-
-
-def training_cameras(capture: Capture, config: TrainConfig) -> tuple[int, ...]:
-    """Return the indices of the cameras that initialisation and training may see: all that are not held out.
-
-    Raises:
-        InputError: a held-out camera is not one of the capture's.
-    """
-    held_out = {capture.camera_index(name) for name in config.hold_out}
-    return tuple(i for i in range(len(capture.cameras)) if i not in held_out)
 
 
 @dataclass(frozen=True)

@@ -39,8 +39,8 @@ def main() -> None:
     manifest = hgs.load_manifest(options.run / "scene")
     scene = hgs.decode_scene(options.run / "scene").map(torch.from_numpy)
     cameras = {camera.name: camera for camera in manifest.cameras}
-    held_out = cameras[spec.config.hold_out[0]]
-    trained = [camera for camera in manifest.cameras if camera.name not in spec.config.hold_out]
+    held_out = cameras[spec.config.capture.hold_out[0]]
+    trained = [camera for camera in manifest.cameras if camera.name not in spec.config.capture.hold_out]
 
     def drawn(camera: hgs.Camera, seconds: float) -> tuple[Doubles, Doubles]:
         """Return the picture [H, W, 3] and the depth [H, W]."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import BUDGETS
+from hgs_core.fit.config import BUDGETS
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]

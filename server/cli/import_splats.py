@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.fit.config import BUDGETS
+from hgs_core.runs.config import RunConfig
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 
@@ -40,7 +41,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
     output = JsonOutput(options.json)
-    config = TrainConfig.from_json({"preset": "imported", "hold_out": hold_out, "budget": options.budget})
+    config = RunConfig.from_json({"preset": "imported", "capture.hold_out": hold_out, "encode.budget": options.budget})
     from hgs_core.runs.imported import import_run
 
     with ProgressBars() as bars:

@@ -29,10 +29,10 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
-    if config.backend == "triton":  # before minutes of initialisation
+    if config.train.backend == "triton":  # before minutes of initialisation
         from hgs_core.render.backends import training_device
 
-        training_device(config.backend)
+        training_device(config.train.backend)
     from hgs_core.runs.stages import train_scene
 
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import PRESETS, TrainConfig
+from hgs_core.runs.config import PRESETS, RunConfig
 
 __all__ = ["add_masks_option", "add_training_options", "training_config"]
 
@@ -23,7 +23,7 @@ def add_training_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
-        help="replace fields of the training config, e.g. iterations=2000 learning_rates.opacity=0.04",
+        help="replace fields of the config, e.g. train.iterations=2000 encode.budget=low (docs/training.md)",
     )  # fmt: skip
 
 
@@ -35,35 +35,30 @@ def add_masks_option(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def training_config(options: argparse.Namespace) -> TrainConfig:
+def training_config(options: argparse.Namespace) -> RunConfig:
     """Return the config that the options describe.
 
     Raises:
         InputError: an unknown field, or a value of the wrong type or range.
     """
-    hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
-    chosen: dict[str, Any] = {"hold_out": hold_out}
+    chosen: dict[str, Any] = {}
+    if hold_out := [name.strip() for name in options.hold_out.split(",") if name.strip()]:
+        chosen["capture.hold_out"] = hold_out
     if options.downscale is not None:
-        chosen["downscale"] = options.downscale
-    return TrainConfig.for_preset(options.preset, **{**chosen, **_overrides(options.overrides)})
+        chosen["capture.downscale"] = options.downscale
+    config = RunConfig.for_preset(options.preset, **chosen)
+    return config.changed(_overrides(options.overrides))
 
 
 def _overrides(assignments: Sequence[str]) -> dict[str, Any]:
-    """Read KEY=VALUE pairs: the values as JSON where they are JSON, else as strings; dots in keys nest."""
+    """Read KEY=VALUE pairs, of equal keys the last: the values as JSON where they are JSON, else as strings."""
     overrides: dict[str, Any] = {}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
         if not (key and equals):
             raise InputError(f"--set {assignment}", "is not KEY=VALUE")
         try:
-            value = json.loads(text)
+            overrides[key] = json.loads(text)
         except (ValueError, RecursionError):  # no JSON, or more digits or brackets than Python reads
-            value = text
-        *parents, name = key.split(".")
-        target = overrides
-        for parent in parents:
-            target = target.setdefault(parent, {})
-            if not isinstance(target, dict):
-                raise InputError(f"--set {assignment}", f"{parent} is already set to a single value")
-        target[name] = value
+            overrides[key] = text
     return overrides

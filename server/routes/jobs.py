@@ -11,7 +11,8 @@ from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.config_names import by_stage
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
 from jobs.store import Job, JobState
 from server.conditional import respond_json
@@ -96,14 +97,8 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
 
 
 def _submit(service: Service, submission: Submission) -> Job:
-    overrides = {**submission.config, "hold_out": submission.hold_out}
-    for name in ("preset", "hold_out"):
-        if name in submission.config:
-            raise ProblemError(
-                422, "config-invalid", f"config.{name}: give {name} beside config", field=f"config.{name}"
-            )
     try:
-        config = TrainConfig.for_preset(submission.preset, **overrides)
+        config = _config(submission)
     except InputError as error:
         raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
     try:
@@ -118,6 +113,16 @@ def _submit(service: Service, submission: Submission) -> Job:
     return service.known_job(job_id)
 
 
+def _config(submission: Submission) -> RunConfig:
+    overrides = by_stage(submission.config)
+    capture = overrides.get("capture")
+    for name, part in (("preset", overrides), ("hold_out", capture if isinstance(capture, dict) else {})):
+        if name in part:
+            place = "config.preset" if name == "preset" else "config.capture.hold_out"
+            raise ProblemError(422, "config-invalid", f"{place}: give {name} beside config", field=place)
+    return RunConfig.for_preset(submission.preset, **overrides).changed({"capture.hold_out": submission.hold_out})
+
+
 def _field(error: InputError) -> str:
     """Return where a client gave what the config refuses: held-out cameras stand beside the config."""
-    return error.where if error.where != "config.hold_out" else "hold_out"
+    return error.where if error.where != "config.capture.hold_out" else "hold_out"

@@ -17,7 +17,7 @@ from tests.synthetic import write_capture
 
 FIRST_MET = [
     "open_capture",
-    "TrainConfig.for_preset",
+    "RunConfig.for_preset",
     "train_scene",
     "evaluate_run",
     "load_manifest",
@@ -30,8 +30,9 @@ FIRST_MET = [
 """What a user meets first, in the order in which they meet it; each has a runnable example."""
 
 SMALL: dict[str, Any] = {
-    "iterations": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
-    "max_static": 400, "max_dynamic": 100, "hold_out": ["2"],
+    "capture": {"hold_out": ["2"]},
+    "points": {"static": 300, "dynamic": 60, "interval": 0.1},
+    "train": {"iterations": 60, "density": {"every": 20, "max_static": 400, "max_dynamic": 100}},
 }  # fmt: skip
 
 
@@ -47,7 +48,7 @@ def workplace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a capture and a finished run of it, which the examples find by these names."""
     path = tmp_path_factory.mktemp("workplace")
     write_capture(path / "capture")
-    hgs_core.train_scene(path / "capture", path / "run", hgs_core.TrainConfig.from_json(SMALL))
+    hgs_core.train_scene(path / "capture", path / "run", hgs_core.RunConfig.from_json(SMALL))
     return path
 
 
@@ -94,8 +95,8 @@ def test_the_example_of_the_readme_runs(
     for there, here in (("capture", "samples/studio"), ("run", "runs/studio")):
         Path(here).parent.mkdir(exist_ok=True)
         Path(here).symlink_to(workplace / there)
-    small = hgs_core.TrainConfig.from_json(SMALL)
-    monkeypatch.setattr(hgs_core.TrainConfig, "for_preset", lambda preset, **overrides: small)
+    small = hgs_core.RunConfig.from_json(SMALL)
+    monkeypatch.setattr(hgs_core.RunConfig, "for_preset", lambda preset, **overrides: small)
     exec(compile(code, "README.md", "exec"), {})
     psnr, shape = capsys.readouterr().out.splitlines()
     assert float(psnr) > 10

@@ -19,7 +19,7 @@ sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import,
 
 from postgres_server import PostgresServer, missing_program
 
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient, JobRequest
 from jobs.home import Home
 from jobs.store import Job
@@ -80,7 +80,7 @@ def submit(client: JobClient, tmp_path: Path) -> Callable[..., str]:
         capture = tmp_path / "capture"
         capture.mkdir(exist_ok=True)
         (capture / "behaviour").write_text(behaviour)
-        return client.submit(JobRequest(capture, TrainConfig(iterations=iterations)))
+        return client.submit(JobRequest(capture, RunConfig().changed({"train.iterations": iterations})))
 
     return submit
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient, JobConflictError, JobRequest
 from jobs.home import Home
 from jobs.store import JobState
@@ -24,13 +24,13 @@ def test_a_submitted_job_is_queued_with_its_run_folder(
     assert job.state is JobState.QUEUED
     assert job.title == "capture"
     assert job.capture == str(tmp_path / "capture")
-    assert TrainConfig.from_json(dict(job.config)) == TrainConfig(iterations=7)
+    assert RunConfig.from_json(dict(job.config)) == RunConfig().changed({"train.iterations": 7})
     assert (client.home.run(job_id) / "run.json").is_file()
 
 
 def test_the_id_is_readable_and_safe(client: JobClient, tmp_path: Path) -> None:
     (tmp_path / "behaviour").touch()
-    job_id = client.submit(JobRequest(tmp_path, TrainConfig(), title="  Große Show / Take #2 " + "x" * 99))
+    job_id = client.submit(JobRequest(tmp_path, RunConfig(), title="  Große Show / Take #2 " + "x" * 99))
     assert job_id.startswith("gro-e-show-take-2-x")
     assert len(job_id) <= 49
     assert set(job_id) <= set("abcdefghijklmnopqrstuvwxyz0123456789-")
@@ -38,7 +38,7 @@ def test_the_id_is_readable_and_safe(client: JobClient, tmp_path: Path) -> None:
 
 def test_a_bad_capture_raises_and_leaves_nothing(client: JobClient, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="has no file `behaviour`"):
-        client.submit(JobRequest(tmp_path, TrainConfig()))
+        client.submit(JobRequest(tmp_path, RunConfig()))
     assert client.list() == []
     assert list(client.home.runs.iterdir()) == []
 
@@ -60,7 +60,7 @@ def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
     tmp_path: Path, fields: dict[str, Any], where: str
 ) -> None:
     with pytest.raises(InputError) as refused:
-        JobRequest(**{"capture": tmp_path, "config": TrainConfig(), **fields})
+        JobRequest(**{"capture": tmp_path, "config": RunConfig(), **fields})
     assert refused.value.where == where
     str(refused.value).encode()
 
@@ -70,7 +70,7 @@ def test_a_link_to_a_name_that_cannot_be_stored_is_refused(client: JobClient, tm
     (tmp_path / "a\udc80" / "behaviour").touch()
     (tmp_path / "link").symlink_to(tmp_path / "a\udc80")
     with pytest.raises(InputError, match=r"capture: .* holds NUL or half a surrogate pair"):
-        client.submit(JobRequest(tmp_path / "link", TrainConfig()))
+        client.submit(JobRequest(tmp_path / "link", RunConfig()))
     assert (client.list(), list(client.home.runs.iterdir())) == ([], [])
 
 
@@ -78,7 +78,7 @@ def test_the_title_of_a_capture_with_a_strange_name_is_one_line(client: JobClien
     capture = tmp_path / "two\nlines"
     capture.mkdir()
     (capture / "behaviour").touch()
-    job = client.get(client.submit(JobRequest(capture, TrainConfig())))
+    job = client.get(client.submit(JobRequest(capture, RunConfig())))
     assert job is not None
     assert (job.title, job.capture) == ("two lines", str(capture))
 

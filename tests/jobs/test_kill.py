@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient, JobRequest
 from jobs.store import Job, JobState
@@ -133,14 +133,11 @@ def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
 def test_the_real_trainer_resumes_from_its_checkpoint(
     client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    config = TrainConfig(
-        iterations=300,
-        checkpoint_every=20,
-        static_points=1000,
-        dynamic_points=300,
-        init_interval=2.0,
-        hold_out=tuple(f"cam{i:02}" for i in range(4, 16)),  # four cameras are enough here, and faster
-    )
+    config = RunConfig.from_json({
+        "capture": {"hold_out": [f"cam{i:02}" for i in range(4, 16)]},  # four cameras are enough here, and faster
+        "points": {"static": 1000, "dynamic": 300, "interval": 2.0},
+        "train": {"iterations": 300, "checkpoint_every": 20},
+    })  # fmt: skip
     job_id = client.submit(JobRequest(SAMPLE, config))
     run = client.home.run(job_id)
     first = worker()
@@ -153,7 +150,7 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
     reports: list[int] = []
 
     def report(job: Job) -> bool:
-        if job.stage == "train" and job.total == config.iterations:
+        if job.stage == "train" and job.total == config.train.iterations:
             reports.append(job.done)
         return finished(job)
 

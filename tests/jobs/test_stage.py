@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
-from hgs_core.train.config import TrainConfig
 from jobs.home import Home
 
 Stage = subprocess.Popen[bytes]
@@ -55,7 +55,7 @@ def make_run(folder: Path, behaviour: str, iterations: int = 20) -> Path:
     import counting_pipeline
 
     (folder / "behaviour").write_text(behaviour)
-    counting_pipeline.create_run(folder / "run", folder, TrainConfig(iterations=iterations))
+    counting_pipeline.create_run(folder / "run", folder, RunConfig().changed({"train.iterations": iterations}))
     return folder / "run"
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.progress import Progress
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from jobs import subprocesses
 from jobs.home import Home
 from jobs.stage_silence import LOOKS, Silence
@@ -23,7 +23,7 @@ def make_run(tmp_path: Path) -> Callable[..., Path]:
         import counting_pipeline
 
         (tmp_path / "behaviour").write_text(behaviour)
-        counting_pipeline.create_run(tmp_path / "run", tmp_path, TrainConfig(iterations=iterations))
+        counting_pipeline.create_run(tmp_path / "run", tmp_path, RunConfig().changed({"train.iterations": iterations}))
         return tmp_path / "run"
 
     return make_run

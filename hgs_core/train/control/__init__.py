@@ -31,7 +31,7 @@ def rounds(config: TrainConfig, *, masked: bool, statics_learn: bool) -> tuple[R
         found.append(BirthRound(config))
     if statics_learn:
         found.append(InfillRound(config))
-    if config.density == "relocation":
+    if config.density.method == "relocation":
         found = [NoiseRound(), *found, RelocationRound(config)]
     else:
         found.append(DensityRound(config))

@@ -45,12 +45,12 @@ class BirthRound:
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return is_after_share(self.config, iteration, BIRTHS_AT[: self.config.birth_rounds])
+        return is_after_share(self.config, iteration, BIRTHS_AT[: self.config.density.birth_rounds])
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         config, views, segment = self.config, context.views, context.segment
-        generator = np.random.default_rng((config.seed, 5, context.iteration))
+        generator = context.random(5)
         instants = min(_MOST_INSTANTS, segment.frames)
         most = max(0, context.schedule.splat_budgets[1] - len(state.dynamic)) // 2
         known = torch.cat([state.static.means, state.dynamic.motion[:, 0]]).numpy()

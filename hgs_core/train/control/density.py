@@ -11,7 +11,6 @@ import dataclasses
 import math
 from typing import TypeVar
 
-import numpy as np
 import torch
 from torch import Tensor
 
@@ -39,7 +38,7 @@ class DensityRound(BudgetRound):
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule, statics, seen = context.schedule, len(state.static), state.statistics
-        seed = int(np.random.default_rng((self.config.seed, 3, context.iteration)).integers(2**62))
+        seed = int(context.random(3).integers(2**62))
         generator = torch.Generator().manual_seed(seed)
 
         def plan(first: int, most: int) -> DensityPlan:
@@ -69,7 +68,7 @@ class DensityPlan:
     @property
     def split_scale(self) -> float:
         """Return the standard deviation, world units, above which splats are split, and below which cloned."""
-        return self.config.clone_scale * self.extent
+        return self.config.density.clone_scale * self.extent
 
 
 def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityPlan) -> S:
@@ -85,11 +84,11 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
         The new set: survivors that were not split, in order, then clones, then the halves of split splats.
     """
     with torch.no_grad():
-        keep = (peak_opacity(splats) >= plan.config.prune_opacity) & ~is_fog(splats, plan.extent, plan.config)
+        keep = (peak_opacity(splats) >= plan.config.density.prune_opacity) & ~is_fog(splats, plan.extent, plan.config)
         pull = torch.from_numpy(statistics.grad_norm_sum / statistics.count.clip(1)) * plan.half_width
         pull = torch.where(keep, pull, torch.zeros_like(pull))
         room = max(0, plan.budget - int(keep.sum()))
-        wanted = pull > plan.config.grow_gradient
+        wanted = pull > plan.config.density.grow_gradient
         if int(wanted.sum()) > room:
             chosen = torch.zeros_like(wanted)
             chosen[torch.sort(pull, descending=True, stable=True).indices[:room]] = True
@@ -124,7 +123,7 @@ def is_fog(splats: StaticSplats[Tensor] | DynamicSplats[Tensor], extent: float, 
 
     Where all splats are dynamic, walls are too, and none is.
     """
-    if isinstance(splats, StaticSplats) or config.labels == "dynamic":
+    if isinstance(splats, StaticSplats) or config.labels.initial == "dynamic":
         return torch.zeros(len(splats), dtype=torch.bool)
     return splats.log_scales.amax(1) > math.log(_FOG_SIZE * extent)
 

@@ -43,13 +43,14 @@ class InfillRound:
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0: the ten in which labels change, too."""
-        return self.config.infill > 0 and self.config.labels != "dynamic" and is_one_of_ten(self.config, iteration)
+        config = self.config
+        return config.density.infill > 0 and config.labels.initial != "dynamic" and is_one_of_ten(config, iteration)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         config, budget = self.config, context.schedule.splat_budgets[0]
-        generator = np.random.default_rng((config.seed, 6, context.iteration))
-        most = min(round(config.infill * budget), budget - len(state.static))
+        generator = context.random(6)
+        most = min(round(config.density.infill * budget), budget - len(state.static))
         if most <= 0:
             return
         ranges = depth_ranges(context.views.cameras, state.static.means.numpy())

@@ -53,24 +53,24 @@ class LabelRound:
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return self.config.adaptive_labels and is_one_of_ten(self.config, iteration)
+        return self.config.labels.adaptive and is_one_of_ten(self.config, iteration)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         config, views, schedule = self.config, context.views, context.schedule
         restless = np.zeros(len(state.static), np.bool_)
         room = schedule.splat_budgets[1] - len(state.dynamic)
-        if config.restless_error > 0 and room > 1 and len(state.static):
+        if config.labels.restless_error > 0 and room > 1 and len(state.static):
             samples = views.samples(context.iteration)
             varies = temporal_residuals(state.static, state.dynamic, samples, config, state.shown)
             most = min(int(_MOST_AT_ONCE * len(state.static)), room // 2)
             worst = np.argsort(-varies, kind="stable")[:most]
-            worst = worst[varies[worst] > config.restless_error]
+            worst = worst[varies[worst] > config.labels.restless_error]
             if views.masked:
                 places = state.static.means.numpy()[worst]
                 worst = worst[ever_inside(places, views.cameras, schedule.frames, views.moving)]
             restless[worst] = True
-        still = standing_still(state.dynamic, views.cameras, config.still_pixels)
+        still = standing_still(state.dynamic, views.cameras, config.labels.still_pixels)
         to_static = as_statics(state.dynamic.take(rows_of(still)))
         to_dynamic = as_dynamics(state.static.take(rows_of(restless)), state.dynamic.motion.shape[1])
         state.replace(

@@ -36,7 +36,7 @@ class PruningRound:
 
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
-        return self.config.prune_contribution > 0 and is_after_share(self.config, iteration, _PRUNED_AT)
+        return self.config.density.prune_contribution > 0 and is_after_share(self.config, iteration, _PRUNED_AT)
 
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
@@ -47,7 +47,7 @@ class PruningRound:
             fixed = FixedView(state.static, camera, antialiased=config.antialiased, backend=config.backend)
             for moment in moments:
                 np.maximum(peak, fixed.contributions(state.dynamic, moment).peak, out=peak)
-        needed = peak >= config.prune_contribution
+        needed = peak >= config.density.prune_contribution
         needed[statics:] &= ~is_fog(state.dynamic, extent, config).numpy()
         if views.masked:
             needed[statics:] &= ~outside_moving_hull(state.dynamic, views.cameras, frames, views.moving)

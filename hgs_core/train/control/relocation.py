@@ -48,7 +48,7 @@ class RelocationRound(BudgetRound):
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule, most, first = context.schedule, context.schedule.splat_budgets, context.first_counts
-        generator, dead = np.random.default_rng((self.config.seed, 3, context.iteration)), self.config.prune_opacity
+        generator, dead = context.random(3), self.config.density.prune_opacity
         static, dynamic = state.static, state.dynamic
         if context.statics_learn and len(static):
             budget = schedule.budget(context.iteration, first[0], most[0])
@@ -72,7 +72,7 @@ class NoiseRound:
     def apply(self, state: TrainState, context: RoundContext) -> None:
         """Change the state in place."""
         schedule = context.schedule
-        generator = np.random.default_rng((schedule.config.seed, 8, context.iteration))
+        generator = context.random(8)
         step = schedule.position_rate(context.iteration)
         if context.statics_learn:
             disturb(state.static, step, schedule.extent, generator)

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
+import numpy as np
+
 from hgs_core.scene.camera import Camera
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
@@ -23,12 +25,17 @@ class RoundContext:
     """What a round may look at besides the state that it changes."""
 
     iteration: int  # the iteration it follows, from 0
+    seed: int  # of the run
     schedule: Schedule
     views: TrainingViews
     segment: CaptureSegment
     camera: Camera  # of the iteration's view
     first_counts: tuple[int, int]  # static and dynamic splats that the training began with
     statics_learn: bool
+
+    def random(self, purpose: int) -> np.random.Generator:
+        """Return the random numbers of this iteration for a purpose; every purpose has a number of its own."""
+        return np.random.default_rng((self.seed, purpose, self.iteration))
 
 
 class Round(Protocol):
@@ -55,8 +62,8 @@ class BudgetRound:
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
         config, done = self.config, iteration + 1
-        first, last = (share * config.iterations for share in (config.densify_from, config.densify_until))
-        return done % config.densify_every == 0 and first <= done <= last
+        first, last = (share * config.iterations for share in (config.density.start, config.density.end))
+        return done % config.density.every == 0 and first <= done <= last
 
 
 def is_after_share(config: TrainConfig, iteration: int, shares: Sequence[float]) -> bool:
@@ -66,7 +73,7 @@ def is_after_share(config: TrainConfig, iteration: int, shares: Sequence[float])
 
 def is_one_of_ten(config: TrainConfig, iteration: int) -> bool:
     """Return whether one of ten evenly spaced rounds follows this iteration, all while splats are still added."""
-    first, last = (share * config.iterations for share in (_FIRST_OF_TEN, config.densify_until))
+    first, last = (share * config.iterations for share in (_FIRST_OF_TEN, config.density.end))
     every = max(1, round((last - first) / 10))
     done = iteration + 1
     return first < done <= last and (done - round(first)) % every == 0

@@ -9,12 +9,13 @@ import pytest
 
 from hgs_core.ablate.plan import Ablation
 from hgs_core.ablate.rows import rows_named
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from tests.synthetic import write_capture
 
-CONFIG = TrainConfig.from_json({
-    "iterations": 5, "densify_every": 2, "static_points": 100, "dynamic_points": 40, "init_interval": 0.07,
-    "max_static": 150, "max_dynamic": 60, "hold_out": ["1"],
+CONFIG = RunConfig.from_json({
+    "capture": {"hold_out": ["1"]},
+    "points": {"static": 100, "dynamic": 40, "interval": 0.07},
+    "train": {"iterations": 5, "density": {"every": 2, "max_static": 150, "max_dynamic": 60}},
 })  # fmt: skip
 
 MakeAblation = Callable[..., Ablation]

@@ -46,7 +46,7 @@ def test_every_row_trains(everything: tuple[Ablation, Any]) -> None:
     assert [row["name"] for row in result["rows"]] == list(ROWS)
     for row in ROWS.values():
         run = ablation.run(row, 0).folder
-        assert json.loads(run.train_summary.read_text())["iterations"] == CONFIG.iterations
+        assert json.loads(run.train_summary.read_text())["iterations"] == CONFIG.train.iterations
         assert run.read_spec().config == row.config(CONFIG, 0)
 
 
@@ -72,7 +72,7 @@ def test_rows_that_start_from_the_same_share_it(everything: tuple[Ablation, Any]
     full = ablation.run(ROWS["full"], 0).folder
     for row in ROWS.values():
         run = ablation.run(row, 0).folder
-        own_points = row.masks is not None or "init_interval" in row.fields
+        own_points = row.masks is not None or "points.interval" in row.fields
         assert run.points.samefile(full.points) != own_points, row.name
         assert run.masks.samefile(full.masks) != (row.masks is not None), row.name
 
@@ -81,7 +81,7 @@ def test_rows_are_what_they_say(everything: tuple[Ablation, Any]) -> None:
     ablation, result = everything
     by_name = {row["name"]: row for row in result["rows"]}
     assert by_name["all-dynamic"]["mean"]["splats_static"] == by_name["all-static"]["mean"]["splats_dynamic"] == 0
-    assert by_name["order-2"]["changes"] == {"motion_order": 2}
+    assert by_name["order-2"]["changes"] == {"train.motion_order": 2}
     shares = [by_name[name]["moving"] for name in ("masks-eroded", "full", "masks-dilated", "masks-95")]
     assert shares == sorted(set(shares))
     moments = {
@@ -164,8 +164,8 @@ def test_given_masks_score_what_moves(make_ablation: MakeAblation, tmp_path: Pat
     [
         ({"seeds": ()}, "--seeds"),
         ({"seeds": (1, 1)}, "--seeds"),
-        ({"config": dataclasses.replace(CONFIG, hold_out=())}, "--hold-out"),
-        ({"config": dataclasses.replace(CONFIG, hold_out=("9",))}, "9"),
+        ({"config": CONFIG.changed({"capture.hold_out": []})}, "--hold-out"),
+        ({"config": CONFIG.changed({"capture.hold_out": ["9"]})}, "9"),
         ({"truth": Path("/nowhere")}, "/nowhere"),
         ({"score_masks": Path("/nowhere")}, "/nowhere"),
         ({"capture": Path("/nowhere")}, "/nowhere"),
@@ -195,4 +195,4 @@ def test_a_damaged_result_says_what_to_do(make_ablation: MakeAblation, tmp_path:
 def test_runs_of_another_config_are_not_mixed_in(everything: tuple[Ablation, Any]) -> None:
     ablation, _ = everything
     with pytest.raises(InputError, match="another capture or config"):
-        ablate(dataclasses.replace(ablation, config=dataclasses.replace(CONFIG, iterations=6)), refuse)
+        ablate(dataclasses.replace(ablation, config=CONFIG.changed({"train.iterations": 6})), refuse)

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from hgs_core.ablate.plan import Ablation
 from hgs_core.ablate.rows import rows_named
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
-BASE = TrainConfig.for_preset("preview", hold_out=["0"], seed=99)
+BASE = RunConfig.for_preset("preview", seed=99, capture={"hold_out": ["0"]})
 
 
 def ablation(**more: Path) -> Ablation:
@@ -23,7 +23,7 @@ def test_every_run_has_a_folder_of_its_own_and_its_rows_config_with_its_seed() -
     run = ablation().runs()[3]
     assert run.path == Path("out/order-1/seed-7")
     assert run.folder.train_summary.is_relative_to(run.path)
-    assert (run.config.seed, run.config.motion_order, run.config.hold_out) == (7, 1, BASE.hold_out)
+    assert (run.config.seed, run.config.train.motion_order, run.config.capture) == (7, 1, BASE.capture)
 
 
 def test_sources_are_full_paths_of_what_was_given(tmp_path: Path) -> None:

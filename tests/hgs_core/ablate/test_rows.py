@@ -6,17 +6,17 @@ import pytest
 
 from hgs_core.ablate.rows import FULL, ROWS, rows_named
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import PRESETS, TrainConfig
+from hgs_core.runs.config import PRESETS, RunConfig
 
 
 @pytest.mark.parametrize("name", ROWS)
 @pytest.mark.parametrize("preset", PRESETS)
 def test_every_row_changes_one_thing_of_a_valid_config(name: str, preset: str) -> None:
-    row, base = ROWS[name], TrainConfig.for_preset(preset, hold_out=["cam00"])
+    row, base = ROWS[name], RunConfig.for_preset(preset, capture={"hold_out": ["cam00"]})
     config = row.config(base, 3)
-    assert config == TrainConfig.from_json(config.to_json())
-    assert config.hold_out == base.hold_out
-    assert (config.seed, config.iterations) == (3, base.iterations)
+    assert config == RunConfig.from_json(config.to_json())
+    assert config.capture == base.capture
+    assert (config.seed, config.train.iterations) == (3, base.train.iterations)
     changes = [dataclasses.replace(config, seed=base.seed) != base, row.masks is not None, row.statics_at_rest]
     assert sum(changes) == (row != FULL)
     assert row.asks

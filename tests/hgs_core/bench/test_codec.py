@@ -17,9 +17,9 @@ from hgs_core.codec import EncodeSettings, SetUtility, Utility
 from hgs_core.fit.coarseness import Fitted
 from hgs_core.fit.views import EncodeViews
 from hgs_core.interchange import export_scene
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.stages import create_run
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
-from hgs_core.train.config import TrainConfig
 from tests.synthetic import ring_of_cameras, write_capture
 
 HEARD: list[Progress] = []
@@ -91,6 +91,6 @@ def test_a_source_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is not a run"):
         bench_codec(tmp_path / "nothing", silent, budgets=())
     write_capture(tmp_path / "capture", cameras=2, frames=1, width=16, height=12)
-    create_run(tmp_path / "run", tmp_path / "capture", TrainConfig.for_preset("preview"))
+    create_run(tmp_path / "run", tmp_path / "capture", RunConfig.for_preset("preview"))
     with pytest.raises(InputError, match="run: is not trained yet; finish it with hgs train"):
         bench_codec(tmp_path / "run", silent, budgets=())

@@ -11,10 +11,10 @@ from PIL import Image
 from torch import Tensor
 
 from hgs_core.codec import encode_scene
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import create_run
 from hgs_core.scene import HybridScene, Segment
-from hgs_core.train.config import TrainConfig
 from tests.synthetic import synthetic_scene, write_capture
 
 FRAMES = 3
@@ -32,7 +32,7 @@ def capture_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def finished(capture_folder: Path, tmp_path: Path) -> Path:
     """A run that held out the cameras 2 and 4 of 0 to 4."""
     run = tmp_path / "run"
-    create_run(run, capture_folder, TrainConfig.for_preset("preview", hold_out=["2", "4"]))
+    create_run(run, capture_folder, RunConfig.for_preset("preview", capture={"hold_out": ["2", "4"]}))
     folder = RunFolder(run)
     capture = folder.read_spec().open_capture()
     static, dynamic = (splats.map(Tensor.numpy) for splats in synthetic_scene())

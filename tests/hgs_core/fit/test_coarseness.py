@@ -10,12 +10,13 @@ import torch
 from hgs_core.capture.open import open_capture
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.fit.coarseness import BUDGET_SHARE_NEAR_ENOUGH, Loss, _coarsest, fit
+from hgs_core.fit.config import BUDGETS
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import HybridScene, Segment
-from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.train.config import TrainConfig
 from hgs_core.train.targets import target_picture
 from tests.synthetic import synthetic_scene, write_capture
 

@@ -14,18 +14,19 @@ from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
 from hgs_core.fit.coarseness import Loss, fit
+from hgs_core.fit.config import BUDGETS
 from hgs_core.fit.fine_tune import FineTune
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.splats import joined
-from hgs_core.train.config import BUDGETS, TrainConfig
+from hgs_core.train.config import TrainConfig
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.targets import target_picture
 from tests.synthetic import synthetic_scene, write_capture
 
 COARSE = EncodeSettings(coarseness=3.0, prune=0, prune_dynamic=0)  # nothing stands in for so few splats
-CONFIG = TrainConfig(antialiased=False, hold_out=("2",))
+CONFIG = TrainConfig(antialiased=False)
 Given = tuple[HybridScene[np.ndarray], EncodeViews, Utility]
 
 
@@ -52,7 +53,7 @@ def test_it_wins_back_what_quantisation_costs(given: Given) -> None:
         return loss.of(quantised_scene(scene, views.cameras, views.times, utility, COARSE).decoded)
 
     before = lost(scene, utility)
-    tune = FineTune(scene, utility, views, CONFIG, ())
+    tune = FineTune(scene, utility, views, CONFIG, 0, ())
     done: list[int] = []
     tune.run(COARSE, range(120), done.append)
     assert done == list(range(1, 121))
@@ -65,7 +66,7 @@ def test_equal_arguments_give_equal_scenes_and_leave_the_given_one_alone(given: 
     copy = scene.map(np.copy)
     tuned = []
     for _ in range(2):
-        tune = FineTune(scene, utility, views, CONFIG, ())
+        tune = FineTune(scene, utility, views, CONFIG, 0, ())
         tune.run(COARSE, range(60), lambda done: None)
         tuned.append(tune)
     first, second = tuned
@@ -107,7 +108,7 @@ def test_it_takes_smaller_steps_of_what_lives_shortly(given: Given) -> None:
     utility = measure_utility(brief, list(views.trained.values()), views.capture.times)
     moved = []
     for by_life in (True, False):
-        tune = FineTune(brief, utility, views, dataclasses.replace(CONFIG, steps_by_life=by_life), ())
+        tune = FineTune(brief, utility, views, dataclasses.replace(CONFIG, steps_by_life=by_life), 0, ())
         tune.run(COARSE, range(1), lambda done: None)
         moved.append(tune.scene)
     ours, equal = (after.segments[0].dynamic.opacity_logits - segment.dynamic.opacity_logits for after in moved)
@@ -125,7 +126,7 @@ def test_motion_of_the_fifth_order_learns_in_all_its_coefficients_whatever_order
     (segment,) = scene.segments
     fifth = dataclasses.replace(segment, dynamic=joined([DynamicSplats.empty(6), segment.dynamic]))
     tune = FineTune(
-        HybridScene(scene.static, (fifth,)), utility, views, dataclasses.replace(CONFIG, motion_order=5), ()
+        HybridScene(scene.static, (fifth,)), utility, views, dataclasses.replace(CONFIG, motion_order=5), 0, ()
     )
     tune.run(COARSE, range(3), lambda done: None)
     assert tune.scene.segments[0].dynamic.motion.shape[1:] == (6, 3)

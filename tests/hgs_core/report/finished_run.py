@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from hgs_core.codec import encode_scene
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import create_run
 from hgs_core.scene import HybridScene, Segment
-from hgs_core.train.config import TrainConfig
 from tests.synthetic import synthetic_scene, write_capture
 
 __all__ = ["HISTORY", "write_finished_run"]
@@ -39,7 +39,8 @@ def write_finished_run(
     if not capture.exists():
         write_capture(capture, frames=FRAMES)
     run = RunFolder(folder / name)
-    create_run(run.path, capture, TrainConfig.for_preset("preview", iterations=40, hold_out=hold_out))
+    config = RunConfig.for_preset("preview", capture={"hold_out": hold_out}, train={"iterations": 40})
+    create_run(run.path, capture, config)
     opened = run.read_spec().open_capture()
     static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
     segment = Segment(float(opened.times[0]), float(opened.times[-1]), dynamic)

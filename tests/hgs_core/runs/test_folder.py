@@ -7,25 +7,27 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.train.config import TrainConfig
 
 
 @pytest.fixture
 def run(tmp_path: Path) -> RunFolder:
     run = RunFolder(tmp_path / "run")
-    run.write_spec(RunSpec(tmp_path, "fingerprint", TrainConfig(iterations=7)))
+    run.write_spec(RunSpec(tmp_path, "fingerprint", RunConfig().changed({"train.iterations": 7})))
     return run
 
 
 def test_a_run_keeps_its_specification(run: RunFolder, tmp_path: Path) -> None:
-    assert run.read_spec() == RunSpec(tmp_path, "fingerprint", TrainConfig(iterations=7))
+    assert run.read_spec() == RunSpec(tmp_path, "fingerprint", RunConfig().changed({"train.iterations": 7}))
 
 
 @pytest.mark.parametrize("value", ["Infinity", "NaN", "1e300", "9" * 400, "0", '"7"'])
 def test_a_value_out_of_range_is_refused_with_its_file_and_field(run: RunFolder, value: str) -> None:
     run.spec.write_text(run.spec.read_text().replace('"iterations": 7', f'"iterations": {value}'))
-    with pytest.raises(InputError, match=r"run\.json, config\.iterations: .*give a whole number from 1 to 1000000"):
+    with pytest.raises(
+        InputError, match=r"run\.json, config\.train\.iterations: .*give a whole number from 1 to 1000000"
+    ):
         run.read_spec()
 
 

@@ -13,10 +13,10 @@ import torch
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.interchange import export_scene, import_scene
 from hgs_core.render.rasterize import rasterize
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.imported import import_run
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
-from hgs_core.train.config import TrainConfig
 
 LEAST = 40.0  # dB, on black and on white
 ORBITS = ((2.4, (-30, 0, 30, 60), 4), (3.4, (0, 45), 4))  # distance in radii, elevations, azimuths
@@ -56,7 +56,7 @@ def on_black_and_white(splats: StaticSplats[np.ndarray], camera: Camera) -> tupl
 
 
 def check(file: Path, run: Path, budget: str) -> None:
-    config = TrainConfig.from_json({"preset": "imported", "budget": budget})
+    config = RunConfig.from_json({"preset": "imported", "encode.budget": budget})
     found = import_run(file, run, lambda _: None, duration=1.0, capture=None, config=config, antialiased=False)
     source, coded = import_scene(file, 1.0).scene.static, decode_scene(run / "scene").static
     assert found.kept == len(coded)

@@ -17,16 +17,19 @@ from hgs_core.base.version import software_version
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.evaluate.run import evaluate_run
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.stages import STAGES, create_run
 from hgs_core.scene.files import load_scene
-from hgs_core.train.config import TrainConfig
 from tests.conftest import REPOSITORY
 from tests.synthetic import write_capture
 
-CONFIG = TrainConfig.from_json({
-    "iterations": 60, "densify_every": 20, "static_points": 300, "dynamic_points": 60, "init_interval": 0.1,
-    "max_static": 400, "max_dynamic": 100, "checkpoint_every": 20, "hold_out": ["2"],
+CONFIG = RunConfig.from_json({
+    "capture": {"hold_out": ["2"]},
+    "points": {"static": 300, "dynamic": 60, "interval": 0.1},
+    "train": {
+        "iterations": 60, "checkpoint_every": 20, "density": {"every": 20, "max_static": 400, "max_dynamic": 100},
+    },
 })  # fmt: skip
 
 
@@ -66,7 +69,7 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
 
 def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) -> None:
     manifest = load_manifest(finished / "scene" / "manifest.json")
-    trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.hold_out]
+    trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.capture.hold_out]
     assert len(trained) == len(manifest.cameras) - 1
     assert manifest.captured_space == find_captured_space(trained, manifest.center, manifest.up)
     assert manifest.captured_space != find_captured_space(manifest.cameras, manifest.center, manifest.up)
@@ -110,7 +113,7 @@ def test_a_run_is_published_and_scored_as_antialiased_as_it_was_trained(finished
     run = tmp_path / "run"
     shutil.copytree(finished, run)
     spec = json.loads((run / "run.json").read_text())
-    spec["config"]["antialiased"] = False
+    spec["config"]["train"]["antialiased"] = False
     (run / "run.json").write_text(json.dumps(spec))
     shutil.rmtree(run / "scene")
     STAGES["encode"](run, silent)
@@ -123,7 +126,7 @@ def test_a_run_is_published_and_scored_as_antialiased_as_it_was_trained(finished
 def test_an_equal_run_is_kept_and_a_different_one_refused(finished: Path, capture: Path) -> None:
     create_run(finished, capture, CONFIG)
     with pytest.raises(InputError, match="another capture or config"):
-        create_run(finished, capture, TrainConfig.from_json(CONFIG.to_json() | {"seed": 5}))
+        create_run(finished, capture, CONFIG.changed({"seed": 5}))
 
 
 def test_a_folder_with_other_files_is_not_touched(capture: Path, tmp_path: Path) -> None:
@@ -139,7 +142,7 @@ def test_a_folder_with_other_files_is_not_touched(capture: Path, tmp_path: Path)
 def test_bad_hold_outs_are_refused_before_anything_is_written(
     capture: Path, tmp_path: Path, hold_out: list[str], problem: str
 ) -> None:
-    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": hold_out})
+    config = CONFIG.changed({"capture.hold_out": hold_out})
     with pytest.raises(InputError, match=problem):
         create_run(tmp_path / "run", capture, config)
     assert not (tmp_path / "run").exists()
@@ -165,7 +168,7 @@ def test_a_run_keeps_its_masks_and_its_resolution(
         file.parent.mkdir(parents=True, exist_ok=True)
         Image.new("L", (64, 48), 255 * frame).save(file)
     monkeypatch.chdir(tmp_path)
-    config = TrainConfig.from_json(CONFIG.to_json() | {"downscale": 2})
+    config = CONFIG.changed({"capture.downscale": 2})
     for _ in range(2):  # the second time the run is resumed
         create_run(Path("run"), Path("capture"), config, masks=Path("masks"))
     assert "the masks of 0 are given" in caplog.text
@@ -193,7 +196,7 @@ def test_photographs_of_one_moment_end_without_anything_dynamic(tmp_path: Path) 
     ]
     intrinsics = {"fl_x": views[0].fx, "fl_y": views[0].fy, "cx": views[0].cx, "cy": views[0].cy}
     (tmp_path / "transforms.json").write_text(json.dumps({**intrinsics, "k1": 0.01, "frames": frames}))
-    config = TrainConfig.from_json(CONFIG.to_json() | {"hold_out": ["ims/ims/2/000000"]})
+    config = CONFIG.changed({"capture.hold_out": ["ims/ims/2/000000"]})
     create_run(tmp_path / "run", tmp_path, config)
     for stage in STAGES.values():
         stage(tmp_path / "run", silent)

@@ -13,14 +13,14 @@ from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import MotionMasks, motion_masks
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control import Round, RoundContext
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment, cut_into_segments
 from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import write_capture
 
-CONFIG = TrainConfig(max_dynamic=100, colour_correction=False)
+CONFIG = TrainConfig(colour_correction=False, density=DensityConfig(max_dynamic=100))
 """What the state of `state_of` is made with; rounds may have another."""
 
 Apply = Callable[[Round, TrainState, TrainConfig], None]
@@ -45,7 +45,7 @@ def segment(capture: Capture) -> CaptureSegment:
 
 @pytest.fixture
 def views(capture: Capture, masks: MotionMasks, segment: CaptureSegment) -> TrainingViews:
-    return TrainingViews(capture, capture.cameras, CONFIG, segment, masks)
+    return TrainingViews(capture, dict(enumerate(capture.cameras)), CONFIG, segment, masks, 0)
 
 
 def state_of(static: StaticSplats[torch.Tensor], dynamic: DynamicSplats[torch.Tensor]) -> TrainState:
@@ -59,7 +59,7 @@ def applied(views: TrainingViews, segment: CaptureSegment) -> Callable[..., None
     def apply(control: Round, state: TrainState, config: TrainConfig = CONFIG, *, statics_learn: bool = True) -> None:
         schedule = Schedule(config, extent=1.0, frames=6)
         counts = len(state.static), len(state.dynamic)
-        control.apply(state, RoundContext(0, schedule, views, segment, views.cameras[0], counts, statics_learn))
+        control.apply(state, RoundContext(0, 0, schedule, views, segment, views.cameras[0], counts, statics_learn))
         assert len(state.static_adam.first) == len(state.static)
         assert len(state.dynamic_adam.second) == len(state.dynamic)
         assert len(state.statistics.count) == len(state.static) + len(state.dynamic)

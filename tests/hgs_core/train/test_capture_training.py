@@ -11,13 +11,13 @@ from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.train.capture_training import train_capture
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from tests.hgs_core.train.test_trainer import points
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig(
-    iterations=30, densify_every=10, max_static=400, max_dynamic=100, checkpoint_every=10,
-    segment_frames=3, birth_rounds=0,
+    iterations=30, checkpoint_every=10, segment_frames=3,
+    density=DensityConfig(every=10, max_static=400, max_dynamic=100, birth_rounds=0),
 )  # fmt: skip
 
 
@@ -31,7 +31,7 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Capture:
 def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_path: Path) -> None:
     heard: list[Progress] = []
     scene, summary = train_capture(
-        capture, capture.cameras, CONFIG, points(), 1, lambda i: tmp_path / f"{i}.pt", heard.append
+        capture, dict(enumerate(capture.cameras)), CONFIG, 0, points(), 1, lambda i: tmp_path / f"{i}.pt", heard.append
     )
     assert [(s.start, s.end) for s in scene.segments] == [
         (capture.times[0], capture.times[3]), (capture.times[3], capture.times[5])
@@ -46,7 +46,7 @@ def test_a_training_stopped_in_its_second_segment_resumes_to_the_same_bits(captu
     def run(name: str, progress: object = silent) -> object:
         (tmp_path / name).mkdir(exist_ok=True)
         return train_capture(
-            capture, capture.cameras, CONFIG, points(), 1, lambda i: tmp_path / name / f"{i}.pt",
+            capture, dict(enumerate(capture.cameras)), CONFIG, 0, points(), 1, lambda i: tmp_path / name / f"{i}.pt",
             progress,  # type: ignore[arg-type]
         )[0]  # fmt: skip
 

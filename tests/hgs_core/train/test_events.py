@@ -13,7 +13,7 @@ from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.splat_sets import joined
@@ -45,14 +45,13 @@ def presence(tmp_path_factory: pytest.TempPathFactory) -> npt.NDArray[np.float64
     write_capture(path / "capture", cameras=7, frames=FRAMES, event=EVENT)
     capture = open_capture(path / "capture")
     training = [index for index in range(7) if index != HELD_OUT]
-    config = TrainConfig.from_json({
-        "iterations": 400, "densify_every": 20, "max_static": 400, "max_dynamic": 600, "coarse_until": 0.0,
-        "hold_out": [capture.cameras[HELD_OUT].name],
-    })  # fmt: skip
+    density = DensityConfig(every=20, max_static=400, max_dynamic=600)
+    config = TrainConfig(iterations=400, coarse_until=0.0, density=density)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     start = initial_splats(still_points(), segment.clock, 4)
     masks = motion_masks(capture, training, progress=silent)
-    trainer = Trainer(capture, capture.cameras, config, segment, start, path / "checkpoint.pt", masks=masks)
+    cameras = {index: capture.cameras[index] for index in training}
+    trainer = Trainer(capture, cameras, config, 0, segment, start, path / "checkpoint.pt", masks=masks)
     trainer.run(silent)
     static, dynamic = trainer.state.static, trainer.state.dynamic
     truth_static, truth_dynamic = synthetic_scene()

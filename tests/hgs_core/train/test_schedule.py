@@ -8,17 +8,14 @@ import pytest
 import torch
 
 from hgs_core.scene.splats import DynamicSplats
-from hgs_core.train.config import LearningRates, TrainConfig
+from hgs_core.train.config import DensityConfig, LearningRates, TrainConfig
 from hgs_core.train.schedule import Schedule
 
 CONFIG = TrainConfig(
     learning_rates=LearningRates(position=1e-3, position_final=1e-5),
     iterations=1000,
     coarse_until=0.25,
-    densify_from=0.1,
-    densify_until=0.6,
-    densify_every=100,
-    max_static=5000,
+    density=DensityConfig(start=0.1, end=0.6, every=100, max_static=5000),
 )
 
 

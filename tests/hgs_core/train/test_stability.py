@@ -23,7 +23,7 @@ from hgs_core.capture.open import open_capture
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.adam import BETA1, BETA2
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, LabelConfig, TrainConfig
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.targets import target_picture
@@ -188,11 +188,13 @@ def loss_of(splats: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]], capture:
 def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions: list[str]) -> None:
     start = scene(random, kinds, motions)
     config = TrainConfig(
-        iterations=STEPS, coarse_until=0.0, densify_every=STEPS + 1, checkpoint_every=STEPS + 1, seed=random,
-        adaptive_labels=False, prune_contribution=0.0,
+        iterations=STEPS, coarse_until=0.0, checkpoint_every=STEPS + 1, labels=LabelConfig(adaptive=False),
+        density=DensityConfig(every=STEPS + 1, prune_contribution=0.0),
     )  # fmt: skip
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
-    training = Trainer(capture, capture.cameras, config, segment, start, folder / "checkpoint.pt")
+    training = Trainer(
+        capture, dict(enumerate(capture.cameras)), config, random, segment, start, folder / "checkpoint.pt"
+    )
     before = start[0].map(torch.clone), start[1].map(torch.clone)
     training.run(silent)
     (folder / "checkpoint.pt").unlink()

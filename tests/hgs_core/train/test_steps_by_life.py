@@ -14,7 +14,7 @@ from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.schedule import Schedule, share_alive
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
@@ -121,10 +121,14 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
         torch.tensor(r.uniform(-0.5, 0.5, (8, 3)), dtype=torch.float32), torch.full((8, 3), -1.5),
         torch.tensor([[1.0, 0, 0, 0]]).repeat(8, 1), torch.zeros(8), torch.full((8, 3), 0.5),
     )  # fmt: skip
-    config = TrainConfig(iterations=1, coarse_until=0.0, prune_contribution=0.0, seed=1, steps_by_life=by_life)
+    config = TrainConfig(
+        iterations=1, coarse_until=0.0, steps_by_life=by_life, density=DensityConfig(prune_contribution=0.0)
+    )
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     before = static.opacity_logits.clone(), dynamic.opacity_logits.clone()
-    training = Trainer(capture, capture.cameras, config, segment, (static, dynamic), tmp_path / "checkpoint.pt")
+    training = Trainer(
+        capture, dict(enumerate(capture.cameras)), config, 1, segment, (static, dynamic), tmp_path / "checkpoint.pt"
+    )
     scene = training.run(silent)
     # Adam's first step is as long as the step size, whatever the gradient.
     rate = config.learning_rates.opacity

@@ -9,13 +9,16 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.config_fields import with_fields
 from hgs_core.base.progress import Progress, StageStopped, silent
+from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.segments import cut_into_segments
@@ -31,10 +34,13 @@ def capture_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def config(**overrides: object) -> TrainConfig:
-    return TrainConfig.from_json({
-        "iterations": 60, "densify_every": 10, "densify_from": 0.1, "max_static": 400, "max_dynamic": 100,
-        "checkpoint_every": 20, "hold_out": ["2"], **overrides,
-    })  # fmt: skip
+    density = DensityConfig(every=10, start=0.1, max_static=400, max_dynamic=100)
+    return with_fields(TrainConfig(iterations=60, checkpoint_every=20, density=density), overrides, "config.train")
+
+
+def seen(capture: Capture) -> dict[int, Camera]:
+    """All cameras but one, which is held out."""
+    return {i: camera for i, camera in enumerate(capture.cameras) if camera.name != "2"}
 
 
 def points(seed: int = 0) -> PointCloud:
@@ -55,7 +61,7 @@ def trainer(capture_folder: Path, checkpoint: Path, settings: TrainConfig, sampl
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     coefficients = coefficients_of_order(settings.motion_order)
     start = initial_splats(points(), segment.clock, sampled_frames, coefficients=coefficients)
-    return Trainer(capture, capture.cameras, settings, segment, start, checkpoint)
+    return Trainer(capture, seen(capture), settings, 0, segment, start, checkpoint)
 
 
 def same_bits(one: HybridScene[np.ndarray], two: HybridScene[np.ndarray]) -> bool:
@@ -82,7 +88,7 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("stop_at", "changes"),
     [
-        (10, {}), (30, {}), (50, {}), (30, {"stages": "interleaved"}), (30, {"density": "relocation"}),
+        (10, {}), (30, {}), (50, {}), (30, {"stages": "interleaved"}), (30, {"density": {"method": "relocation"}}),
         (30, {"motion_order": 5}),
     ],
 )  # fmt: skip
@@ -144,7 +150,10 @@ def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_
 def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path: Path) -> None:
     figures: list[float] = []
     settings = config(
-        coarse_until=0.0, iterations=150, density="relocation", prune_contribution=0.0, adaptive_labels=False
+        coarse_until=0.0,
+        iterations=150,
+        density={"method": "relocation", "prune_contribution": 0.0},
+        labels={"adaptive": False},
     )
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
     training.run(lambda progress: figures.append(progress.figures["psnr"]))
@@ -164,14 +173,17 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
 def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, stages: str) -> None:
     """Without rounds of control, which reorder rows: what has changed in a row has been learnt."""
     settings = config(
-        stages=stages, iterations=40, coarse_until=0.0, densify_until=0.0, prune_contribution=0.0, birth_rounds=0
+        stages=stages,
+        iterations=40,
+        coarse_until=0.0,
+        density={"end": 0.0, "prune_contribution": 0.0, "birth_rounds": 0},
     )
     capture = open_capture(capture_folder)
     masks = motion_masks(capture, (0, 1, 3, 4), progress=silent)
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     start = initial_splats(points(), segment.clock, 2)
     before = start[0].rgb.clone(), start[1].rgb.clone()
-    training = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt", masks=masks)
+    training = Trainer(capture, seen(capture), settings, 0, segment, start, tmp_path / "checkpoint.pt", masks=masks)
     training.run(silent)
     for splats, first in zip((training.state.static, training.state.dynamic), before, strict=True):
         assert splats.rgb.shape == first.shape
@@ -188,7 +200,7 @@ def test_a_segment_after_the_first_leaves_the_statics_as_they_are(
     start = initial_splats(points(1), first.segment.clock, 2)
     first_colours = start[1].rgb[:10].numpy().copy()
     second = Trainer(
-        capture, capture.cameras, settings, first.segment, start, tmp_path / "second.pt", after=first.state
+        capture, seen(capture), settings, 0, first.segment, start, tmp_path / "second.pt", after=first.state
     )
     scene = second.run(silent)
     for (name, array), (_, before) in zip(scene.static.items(), trained.static.items(), strict=True):
@@ -229,9 +241,9 @@ def test_a_scene_without_dynamic_points_stays_static(capture_folder: Path, tmp_p
     capture = open_capture(capture_folder)
     cloud = points()
     still = dataclasses.replace(cloud, dynamic=np.zeros_like(cloud.dynamic))
-    settings = config(iterations=20, adaptive_labels=False)
+    settings = config(iterations=20, labels={"adaptive": False})
     (segment,) = cut_into_segments(capture.times, settings.segment_frames)
     start = initial_splats(still, segment.clock, 2)
-    scene = Trainer(capture, capture.cameras, settings, segment, start, tmp_path / "checkpoint.pt").run(silent)
+    scene = Trainer(capture, seen(capture), settings, 0, segment, start, tmp_path / "checkpoint.pt").run(silent)
     assert len(scene.segments[0].dynamic) == 0
     assert len(scene.static) > 0

@@ -1,4 +1,5 @@
-"""A pipeline whose training counts to `config.iterations`: it checkpoints, resumes, stops and fails like the real one.
+"""A pipeline whose training counts to `config.train.iterations`: it checkpoints, resumes, stops and fails
+like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
 SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "full once" (meets a full disk at half-time),
@@ -20,17 +21,17 @@ from scene_folder import write_scene
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
 CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)
-    _replace(run / "run.json", json.dumps({"capture": str(capture), "iterations": config.iterations}))
+    _replace(run / "run.json", json.dumps({"capture": str(capture), "iterations": config.train.iterations}))
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:

@@ -40,7 +40,7 @@ def test_a_training_is_timed_and_scored(tmp_path: Path, capsys: pytest.CaptureFi
     small = ["iterations=4", "static_points=60", "dynamic_points=20", "max_static=80", "max_dynamic=30"]
     assert main(["bench", "train", str(tmp_path), "--hold-out", "2", "--set", *small, "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
-    assert (report["device"], report["config"]["iterations"]) == ("cpu", 4)
+    assert (report["device"], report["config"]["train"]["iterations"]) == ("cpu", 4)
     assert report["psnr"] > 0
     assert 0 < report["minutes"] <= report["minutes_in_all"]
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from hgs_core.runs.config import RunConfig
 from hgs_core.runs.stages import create_run
-from hgs_core.train.config import TrainConfig
 from server.cli import main
 from tests.server.cli.conftest import FRAMES, write_video
 
@@ -89,7 +89,7 @@ def test_folder_that_is_no_run_is_not_overwritten(refused: Callable[..., str], t
 
 
 def test_run_of_another_config_is_not_resumed(refused: Callable[..., str], tmp_path: Path, n3dv: Path) -> None:
-    create_run(tmp_path / "run", n3dv, TrainConfig.for_preset("preview"))
+    create_run(tmp_path / "run", n3dv, RunConfig.for_preset("preview"))
     assert "another capture or config" in refused("train", n3dv, "--out", tmp_path / "run", "--preset", "best")
 
 

@@ -8,22 +8,22 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 from server.cli.training_options import add_masks_option, add_training_options, training_config
 
 
-def config_of(*arguments: str) -> TrainConfig:
+def config_of(*arguments: str) -> RunConfig:
     parser = argparse.ArgumentParser()
     add_training_options(parser)
     return training_config(parser.parse_args(arguments))
 
 
 def test_without_options_the_config_is_the_preset_standard() -> None:
-    assert config_of() == TrainConfig.for_preset("standard")
+    assert config_of() == RunConfig.for_preset("standard")
 
 
 def test_pictures_are_reduced_as_asked() -> None:
-    assert config_of("--downscale", "4").downscale == 4
+    assert config_of("--downscale", "4").capture.downscale == 4
 
 
 @pytest.mark.parametrize(
@@ -35,12 +35,15 @@ def test_pictures_are_reduced_as_asked() -> None:
         ("iterations=0", "iterations"),
         ("learning_rates.opacity=-1", "learning_rates.opacity"),
         ("seed.x=1", "seed"),
-        ("iterations=Infinity", "config.iterations: inf is out of range"),
-        ("dssim=NaN", "config.dssim: nan is out of range"),
-        ("checkpoint_every=1000000000", "config.checkpoint_every: 1000000000 is out of range"),
-        ("iterations=" + "9" * 5000, "config.iterations"),
-        ("hold_out=" + "[" * 5000, "config.hold_out"),
-        ("hold_out=3", "config.hold_out"),
+        ("iterations=Infinity", "config.train.iterations: inf is out of range"),
+        ("dssim=NaN", "config.train.dssim: nan is out of range"),
+        ("checkpoint_every=1000000000", "config.train.checkpoint_every: 1000000000 is out of range"),
+        ("iterations=" + "9" * 5000, "config.train.iterations"),
+        ("hold_out=" + "[" * 5000, "config.capture.hold_out"),
+        ("hold_out=3", "config.capture.hold_out"),
+        ("train.iterations=0", "config.train.iterations: 0 is out of range"),
+        ("encode.budget=free", "config.encode.budget: unknown choice 'free'; use low, default or high"),
+        ("train=3", "config.train: 3 is not an object"),
     ],
     ids=lambda text: text[:24],
 )
@@ -52,15 +55,24 @@ def test_bad_overrides_are_refused(assignment: str, word: str) -> None:
 
 def test_overrides_are_read_as_json_and_nest() -> None:
     config = config_of(
-        "--preset", "preview", "--hold-out", "a, b", "--set", "iterations=9", "backend=cpu",
-        "--set", "learning_rates.opacity=0.5",
+        "--preset", "preview", "--hold-out", "a, b", "--set", "train.iterations=9", "encode.budget=low",
+        "--set", "train.learning_rates.opacity=0.5", 'points={"static": 7}',
     )  # fmt: skip
-    assert (config.preset, config.hold_out, config.iterations, config.backend) == ("preview", ("a", "b"), 9, "cpu")
-    assert config.learning_rates.opacity == 0.5
+    assert (config.preset, config.capture.hold_out, config.points.static) == ("preview", ("a", "b"), 7)
+    assert (config.train.iterations, config.encode.budget, config.train.learning_rates.opacity) == (9, "low", 0.5)
+
+
+def test_overrides_may_have_their_old_names() -> None:
+    old = config_of("--set", "cycles=9", "backend=cpu", "learning_rates.opacity=0.5", "labels=static")
+    new = config_of(
+        "--set", "train.iterations=9", "train.backend=cpu", "train.learning_rates.opacity=0.5",
+        "train.labels.initial=static",
+    )  # fmt: skip
+    assert old == new
 
 
 def test_a_field_cannot_be_set_and_nested_in_at_once() -> None:
-    with pytest.raises(InputError, match=r"--set seed\.x=1: seed is already set to a single value"):
+    with pytest.raises(InputError, match=r"config\.seed\.x: config\.seed\.x is given twice"):
         config_of("--set", "seed=3", "seed.x=1")
 
 

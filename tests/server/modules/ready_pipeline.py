@@ -8,10 +8,10 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)

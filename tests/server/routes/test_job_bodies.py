@@ -16,7 +16,9 @@ from fastapi import FastAPI
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hgs_core.train.config import LearningRates, TrainConfig
+from hgs_core.base.config_fields import flat_fields
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.config_names import OLD_NAMES
 from jobs.client import JobClient
 from jobs.home import Home
 from server.app import create_app
@@ -62,13 +64,13 @@ def queue(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Queue]:
 
 
 NUMBERS = ["Infinity", "-Infinity", "NaN", "1e300", "1e400", "-1e400", "9" * 400, "-" + "9" * 400, "9" * 5000]
+FIELDS = list(flat_fields(RunConfig().to_json()))
+PARTS = ["capture", "points", "train", "encode", "train.density", "train.labels", "train.learning_rates"]
+RATES = list(RunConfig().to_json()["train"]["learning_rates"])
 STRINGS = [r'"\ud800"', r'"a\udfffb"', r'"a\u0000b"']
 PLACES = [
-    *(f'{{"capture": "studio", "config": {{"{f.name}": %s}}}}' for f in dataclasses.fields(TrainConfig)),
-    *(
-        f'{{"capture": "studio", "config": {{"learning_rates": {{"{f.name}": %s}}}}}}'
-        for f in dataclasses.fields(LearningRates)
-    ),
+    *(f'{{"capture": "studio", "config": {{"{name}": %s}}}}' for name in (*FIELDS, *OLD_NAMES, *PARTS)),
+    *(f'{{"capture": "studio", "config": {{"train": {{"learning_rates": {{"{name}": %s}}}}}}}}' for name in RATES),
     '{"capture": %s}',
     *(f'{{"capture": "studio", "{name}": %s}}' for name in ("title", "preset", "hold_out", "config", "masks", "x")),
     '{"capture": "studio", "hold_out": [%s]}',
@@ -95,9 +97,10 @@ def test_no_bad_value_in_any_place_is_queued_or_breaks_the_server(queue: Queue) 
     ("body", "field"),
     [
         ('{"capture": "studio", "config": {"learning_rates": {"rgb": Infinity}}}', "config.learning_rates.rgb"),
+        ('{"capture": "studio", "config": {"learning_rates": {"rgb": 11}}}', "config.train.learning_rates.rgb"),
         ('{"capture": "studio", "config": {"iterations": %s}}' % ("9" * 400), "config.iterations"),
-        ('{"capture": "studio", "config": {"iterations": 1e300}}', "config.iterations"),
-        ('{"capture": "studio", "config": {"checkpoint_every": 1000000000}}', "config.checkpoint_every"),
+        ('{"capture": "studio", "config": {"iterations": 1e300}}', "config.train.iterations"),
+        ('{"capture": "studio", "config": {"checkpoint_every": 1000000000}}', "config.train.checkpoint_every"),
         (r'{"capture": "studio", "title": "a\u0000b"}', "title"),
         (r'{"capture": "studio", "title": "two\nlines"}', "title"),
         ('{"capture": "studio", "title": "%s"}' % ("x" * 201), "title"),
@@ -119,8 +122,8 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
     max_leaves=6,
 )
-fields = st.sampled_from([field.name for field in dataclasses.fields(TrainConfig)])
-rates = st.sampled_from([field.name for field in dataclasses.fields(LearningRates)])
+fields = st.sampled_from([*FIELDS, *OLD_NAMES, *PARTS])
+rates = st.sampled_from(RATES)
 bodies = st.one_of(
     json_values,
     st.fixed_dictionaries(
@@ -151,12 +154,12 @@ def test_a_job_is_there_if_and_only_if_the_answer_is_201(queue: Queue, body: Any
 
 def test_a_row_that_no_answer_could_hold_breaks_neither_the_list_nor_its_job(queue: Queue) -> None:
     job = queue.post(b'{"capture": "studio"}').json()
-    config = {**job["config"], "iterations": float("inf"), "hold_out": ["\ud800"]}
+    config = {"preset": "best", "cycles": float("inf"), "hold_out": ["\ud800"]}
     with queue.client._engine.begin() as connection:  # as an older version wrote it
         connection.exec_driver_sql("UPDATE hgs_job SET config = ?, state = 'failed'", (json.dumps(config),))
     (listed,) = queue.get("/v1/jobs").json()["jobs"]
     assert listed == queue.get(f"/v1/jobs/{job['id']}").json()
-    assert (listed["config"]["iterations"], listed["hold_out"]) == (None, ["\ufffd"])
+    assert (listed["config"]["train"]["iterations"], listed["hold_out"]) == (None, ["\ufffd"])
     assert json.dumps(listed["title"]) in queue.get(f"/v1/jobs/{job['id']}/events").text
 
 

@@ -37,7 +37,7 @@ def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
     assert (job["stage"], job["progress"], job["error"], job["scene"]) == (None, None, None, None)
     (request,) = server.jobs.requests
     assert request.capture == server.captures.resolve() / "studio"
-    assert (request.title, request.config.iterations) == ("Studio", 7)
+    assert (request.title, request.config.train.iterations) == ("Studio", 7)
 
 
 def test_submit_needs_the_capture_alone(server: Any) -> None:
@@ -68,10 +68,13 @@ def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: 
     ("body", "field"),
     [
         ({"preset": "perfect"}, "preset"),
-        ({"config": {"iterations": 0}}, "config.iterations"),
+        ({"config": {"iterations": 0}}, "config.train.iterations"),
+        ({"config": {"train": {"iterations": 0}}}, "config.train.iterations"),
+        ({"config": {"cycles": 5, "train": {"iterations": 5}}}, "config.train"),
         ({"config": {"cycels": 9}}, "config.cycels"),
-        ({"config": {"learning_rates": {"opacity": "big"}}}, "config.learning_rates.opacity"),
-        ({"config": {"hold_out": ["cam00"]}}, "config.hold_out"),
+        ({"config": {"learning_rates": {"opacity": "big"}}}, "config.train.learning_rates.opacity"),
+        ({"config": {"hold_out": ["cam00"]}}, "config.capture.hold_out"),
+        ({"config": {"capture": {"hold_out": ["cam00"]}}}, "config.capture.hold_out"),
         ({"config": {"preset": "best"}}, "config.preset"),
         ({"hold_out": ["a", "a"]}, "hold_out"),
     ],
@@ -98,7 +101,7 @@ def test_captures_that_cannot_be_read_are_422(server: Any) -> None:
 
 
 def test_hold_out_that_the_capture_lacks_is_a_bad_config(server: Any) -> None:
-    server.jobs.refuse = InputError("config.hold_out", "no camera 99")
+    server.jobs.refuse = InputError("config.capture.hold_out", "no camera 99")
     assert_problem(server.request("POST", "/v1/jobs", json={"capture": "studio"}), 422, "config-invalid")
 
 

@@ -29,9 +29,9 @@ def context(tmp_path_factory: pytest.TempPathFactory) -> RoundContext:
     capture = open_capture(path)
     (segment,) = cut_into_segments(capture.times, 100)
     masks = motion_masks(capture, range(len(capture.cameras)), progress=silent)
-    views = TrainingViews(capture, capture.cameras, CONFIG, segment, masks)
+    views = TrainingViews(capture, dict(enumerate(capture.cameras)), CONFIG, segment, masks, 0)
     schedule = Schedule(CONFIG, extent=1.0, frames=FRAMES)
-    return RoundContext(0, schedule, views, segment, views.cameras[0], (0, 0), statics_learn=True)
+    return RoundContext(0, 0, schedule, views, segment, views.cameras[0], (0, 0), statics_learn=True)
 
 
 def test_what_appears_is_born_at_its_place_and_time_within_the_room(context: RoundContext) -> None:
@@ -39,7 +39,7 @@ def test_what_appears_is_born_at_its_place_and_time_within_the_room(context: Rou
     state = state_of(static, dynamic)
     BirthRound(CONFIG).apply(state, context)
     born = state.dynamic.take(slice(len(dynamic), None))
-    assert 10 < len(born) == state.history.births <= (CONFIG.max_dynamic - len(dynamic)) // 2
+    assert 10 < len(born) == state.history.births <= (CONFIG.density.max_dynamic - len(dynamic)) // 2
     distance = np.linalg.norm(born.motion[:, 0].numpy() - EVENT_PLACE, axis=1)
     assert np.quantile(distance, 0.9) < 0.35  # the ball's radius is 0.25
     frames = np.rint(born.time_centers.numpy() * (FRAMES - 1)).astype(int)

@@ -13,7 +13,7 @@ from torch import Tensor
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.train.adam import Adam
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, LabelConfig, TrainConfig
 from hgs_core.train.control.density import DensityPlan, refine
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
@@ -21,7 +21,7 @@ EXTENT = 100.0
 
 
 def plan(budget: int = 1000, split_scale: float = 0.1) -> DensityPlan:
-    config = TrainConfig(clone_scale=split_scale / EXTENT)
+    config = TrainConfig(density=DensityConfig(clone_scale=split_scale / EXTENT))
     return DensityPlan(budget, EXTENT, 1.0, config, torch.Generator().manual_seed(0))
 
 
@@ -50,7 +50,7 @@ def test_a_dynamic_splat_that_is_fog_is_pruned_unless_all_splats_are_dynamic() -
     splats.log_scales[1, 2] = math.log(0.31 * EXTENT)
     splats.time_log_precisions[:] = 0.0
     for labels, kept in (("auto", [0, 2]), ("dynamic", [0, 1, 2])):
-        config = dataclasses.replace(plan(), config=TrainConfig(labels=labels))
+        config = dataclasses.replace(plan(), config=TrainConfig(labels=LabelConfig(initial=labels)))
         result = refine(splats, Adam.of(splats), pulls([0.0] * 3), config)
         torch.testing.assert_close(result.motion, splats.motion[kept])
     statics = dataclasses.replace(visible_statics(1), log_scales=torch.full((1, 3), math.log(0.31 * EXTENT)))

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control.infill import InfillRound, find_infill
 from hgs_core.train.training_views import TrainingView
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures
@@ -70,7 +70,7 @@ def test_no_more_are_added_than_there_is_room_for() -> None:
 def test_statics_are_added_where_still_pixels_are_wrong_within_the_budget(applied: Callable[..., None]) -> None:
     static, dynamic = synthetic_scene()
     state = state_of(static.take(slice(0, 60)), dynamic)
-    config = dataclasses.replace(CONFIG, infill=0.1, max_static=100)
+    config = dataclasses.replace(CONFIG, density=DensityConfig(infill=0.1, max_static=100))
     applied(InfillRound(config), state, config)
     assert 60 < len(state.static) <= 70
     assert state.history.infilled == len(state.static) - 60

@@ -13,6 +13,7 @@ from torch import Tensor
 
 from hgs_core.render import rasterize
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.train.config import LabelConfig
 from hgs_core.train.control.labels import LabelRound, as_dynamics, as_statics, standing_still
 from tests.hgs_core.train.conftest import CONFIG, state_of
 from tests.synthetic import ring_of_cameras, synthetic_scene
@@ -89,7 +90,7 @@ def test_labels_move_splats_between_the_sets(applied: Callable[..., None]) -> No
     still.motion[0, 1:] = 0
     still.time_log_precisions[0] = -9.0
     state = state_of(static, still)
-    config = dataclasses.replace(CONFIG, restless_error=0.0)
+    config = dataclasses.replace(CONFIG, labels=LabelConfig(restless_error=0.0))
     applied(LabelRound(config), state, config)
     assert (len(state.static), len(state.dynamic)) == (len(static) + 1, len(dynamic) - 1)
     torch.testing.assert_close(state.static.means[-1], still.motion[0, 0])
@@ -99,7 +100,7 @@ def test_labels_move_splats_between_the_sets(applied: Callable[..., None]) -> No
 def test_a_static_splat_in_the_way_of_motion_becomes_dynamic(applied: Callable[..., None]) -> None:
     static, dynamic = synthetic_scene()
     state = state_of(static, dynamic.take(slice(0, 0)))  # what moves is missing: statics must stand in
-    config = dataclasses.replace(CONFIG, restless_error=0.005)
+    config = dataclasses.replace(CONFIG, labels=LabelConfig(restless_error=0.005))
     applied(LabelRound(config), state, config)
     changed = state.history.labels_changed["to_dynamic"]
     assert 0 < changed <= 0.02 * len(static)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import pytest
 
-from hgs_core.train.config import TrainConfig
+from hgs_core.base.config_fields import with_fields
+from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control import rounds
 
-CONFIG = TrainConfig(iterations=1000, densify_from=0.1, densify_until=0.6, densify_every=100)
+CONFIG = TrainConfig(iterations=1000, density=DensityConfig(start=0.1, end=0.6, every=100))
 
 
 def due(config: TrainConfig, *, masked: bool = True, statics_learn: bool = True) -> dict[str, list[int]]:
@@ -37,16 +36,16 @@ def test_labels_and_infill_have_the_same_ten_while_splats_are_still_added() -> N
 @pytest.mark.parametrize(
     ("changed", "name", "left"),
     [
-        ({"birth_rounds": 1}, "births", 1),
-        ({"birth_rounds": 0}, "births", 0),
-        ({"adaptive_labels": False}, "labels", 0),
-        ({"infill": 0.0}, "infill", 0),
-        ({"labels": "dynamic"}, "infill", 0),
-        ({"prune_contribution": 0.0}, "pruning", 0),
+        ({"density": {"birth_rounds": 1}}, "births", 1),
+        ({"density": {"birth_rounds": 0}}, "births", 0),
+        ({"labels": {"adaptive": False}}, "labels", 0),
+        ({"density": {"infill": 0.0}}, "infill", 0),
+        ({"labels": {"initial": "dynamic"}}, "infill", 0),
+        ({"density": {"prune_contribution": 0.0}}, "pruning", 0),
     ],
 )
 def test_the_config_turns_rounds_off(changed: dict[str, object], name: str, left: int) -> None:
-    assert len(due(dataclasses.replace(CONFIG, **changed))[name]) == left  # type: ignore[arg-type]
+    assert len(due(with_fields(CONFIG, changed, "config.train"))[name]) == left
 
 
 def test_without_masks_nothing_is_born() -> None:
@@ -58,7 +57,7 @@ def test_statics_that_do_not_learn_are_neither_added_nor_relabelled() -> None:
 
 
 def test_relocation_brings_noise_after_every_iteration_and_takes_the_place_of_density_control() -> None:
-    relocation = dataclasses.replace(CONFIG, density="relocation")
+    relocation = with_fields(CONFIG, {"density": {"method": "relocation"}}, "config.train")
     assert len(due(relocation)["noise"]) == 1000
     assert due(relocation)["density"] == due(CONFIG)["density"]
     assert type(rounds(relocation, masked=True, statics_learn=True)[4]).__name__ == "RelocationRound"

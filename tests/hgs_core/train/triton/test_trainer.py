@@ -10,7 +10,7 @@ from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.config import DensityConfig, LabelConfig, TrainConfig
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
@@ -18,10 +18,8 @@ from tests.synthetic import write_capture
 
 
 def trained(folder: Path, backend: str) -> HybridScene[np.ndarray]:
-    config = TrainConfig.from_json({
-        "iterations": 2, "densify_every": 1, "densify_from": 0.0, "max_static": 40, "max_dynamic": 10,
-        "backend": backend, "hold_out": ["2"], "prune_contribution": 0, "adaptive_labels": False,
-    })  # fmt: skip
+    density = DensityConfig(every=1, start=0.0, max_static=40, max_dynamic=10, prune_contribution=0.0)
+    config = TrainConfig(iterations=2, backend=backend, density=density, labels=LabelConfig(adaptive=False))
     r = np.random.default_rng(0)
     points = PointCloud(
         xyz=r.uniform(-1, 1, (25, 3)).astype(np.float32),
@@ -35,7 +33,7 @@ def trained(folder: Path, backend: str) -> HybridScene[np.ndarray]:
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     start = initial_splats(points, segment.clock, 2)
     checkpoint = folder / f"{backend}.pt"
-    return Trainer(capture, capture.cameras, config, segment, start, checkpoint).run(silent)
+    return Trainer(capture, dict(enumerate(capture.cameras[:2])), config, 0, segment, start, checkpoint).run(silent)
 
 
 def test_both_learn_the_same(tmp_path: Path) -> None:

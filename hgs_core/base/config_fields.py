@@ -1,18 +1,23 @@
-"""The check that every field of the training config passes: its type, and the range or choice it lies in."""
+"""What every config has in common: fields that are checked, replaced by name, and listed by their dotted paths."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["Range", "check_fields", "require_known"]
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+__all__ = ["Range", "check_fields", "flat_fields", "with_fields"]
 
 Range = tuple[float, float]
 """The least and the greatest value that a number may have, both included."""
+
+Config = TypeVar("Config", bound="DataclassInstance")
 
 _SHOWN = 40  # characters of a bad value that an error repeats
 
@@ -20,15 +25,18 @@ _SHOWN = 40  # characters of a bad value that an error repeats
 def check_fields(
     values: Any, where: str, ranges: Mapping[str, Range], choices: Mapping[str, tuple[Any, ...]] = MappingProxyType({})
 ) -> None:
-    """Check the plain fields of a frozen dataclass; whole numbers become int, others float, as the fields declare.
+    """Check the fields of a frozen dataclass; whole numbers become int, others float, as the fields declare.
 
-    Every number has its range in `ranges` or its values in `choices`, every string its values in `choices`.
+    Every number has its range in `ranges` or its values in `choices`, every string its values in `choices`. A part, a
+    field made by a dataclass, has checked its own.
 
     Raises:
         InputError: a value of the wrong type, NaN, or out of range; names `where` and the field.
     """
     for field in dataclasses.fields(values):
         value, place = getattr(values, field.name), f"{where}.{field.name}"
+        if dataclasses.is_dataclass(field.default_factory) and not isinstance(value, field.default_factory):
+            raise InputError(place, f"{_shown(value)} is not an object", "give {field: value}")
         known = choices[field.name] if field.type == "str" else choices.get(field.name)
         if field.type in ("int", "float"):
             low, high = ranges[field.name] if known is None else (min(known), max(known))
@@ -40,16 +48,30 @@ def check_fields(
             raise InputError(place, f"unknown choice {_shown(value)}", f"use {_any_of(known)}")
 
 
-def require_known(cls: type[Any], names: Mapping[str, Any], where: str) -> None:
-    """Refuse names that are no fields of the dataclass.
+def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config:
+    """Return the config with fields replaced; those of a part are given as {field: value}, and lists become tuples.
 
     Raises:
-        InputError: names `where`, the unknown field and those that there are.
+        InputError: there is no such field, or a value is refused; names `where` and the field.
     """
-    known = sorted(field.name for field in dataclasses.fields(cls))
-    for name in names:
+    known = sorted(field.name for field in dataclasses.fields(config))
+    changed: dict[str, Any] = {}
+    for name, value in values.items():
         if name not in known:
             raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", f"known are {', '.join(known)}")
+        part = getattr(config, name)
+        if dataclasses.is_dataclass(part) and not isinstance(part, type) and isinstance(value, Mapping):
+            value = with_fields(part, value, f"{where}.{name}")
+        changed[name] = tuple(value) if isinstance(value, list) else value
+    return dataclasses.replace(config, **changed)
+
+
+def flat_fields(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Return the plain form of a config with parts as one mapping, by dotted paths."""
+    flat: dict[str, Any] = {}
+    for name, item in value.items():
+        flat |= flat_fields(item, f"{prefix}{name}.") if isinstance(item, dict) else {f"{prefix}{name}": item}
+    return flat
 
 
 def _number(value: Any, kind: str, where: str, low: float, high: float) -> float:

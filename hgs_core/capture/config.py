@@ -1,0 +1,68 @@
+"""What a run sees of its capture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from hgs_core.base.config_fields import Range, check_fields
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import require_storable
+
+if TYPE_CHECKING:
+    from hgs_core.capture.capture import Capture
+
+__all__ = ["CaptureConfig"]
+
+_RANGES: dict[str, Range] = {
+    "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
+    "frame_memory_mib": (1, 1 << 20),  # a TiB, more than machines have
+}
+
+_MOST_HELD_OUT = 1000  # cameras; no rig has as many
+_LONGEST_NAME = 255  # characters; file systems have no longer names, and cameras are called as their files
+
+
+@dataclass(frozen=True)
+class CaptureConfig:
+    """Which cameras of a capture a run may see, how large, and how much memory their frames may take."""
+
+    hold_out: tuple[str, ...] = ()  # camera names that neither training nor initialisation may see
+    downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
+    frame_memory_mib: int = 4096  # for decoded frames; a longer capture is visited in blocks that fit
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: names the field, the value and the range.
+        """
+        check_fields(self, "config.capture", _RANGES)
+        _check_hold_out(self.hold_out)
+
+    @property
+    def cache_bytes(self) -> int:
+        """The memory for decoded frames, bytes."""
+        return self.frame_memory_mib << 20
+
+    def training_cameras(self, capture: Capture) -> tuple[int, ...]:
+        """Return the indices of the cameras that initialisation and training may see: all that are not held out.
+
+        Raises:
+            InputError: a held-out camera is not one of the capture's.
+        """
+        held_out = {capture.camera_index(name) for name in self.hold_out}
+        return tuple(i for i in range(len(capture.cameras)) if i not in held_out)
+
+
+def _check_hold_out(names: tuple[str, ...]) -> None:
+    where = "config.capture.hold_out"
+    if not isinstance(names, tuple) or not all(isinstance(name, str) for name in names):
+        raise InputError(where, "is not a list of camera names")
+    if len(names) > _MOST_HELD_OUT:
+        raise InputError(where, f"{len(names)} names are too many", f"give at most {_MOST_HELD_OUT}")
+    for name in names:
+        require_storable(where, name, _LONGEST_NAME)
+    twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
+    if twice is not None:
+        raise InputError(where, f"camera {twice} is named twice")

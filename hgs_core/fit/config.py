@@ -1,0 +1,27 @@
+"""What encoding may cost; free of torch, so that the API can validate it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hgs_core.base.config_fields import check_fields
+
+__all__ = ["BUDGETS", "EncodeConfig"]
+
+BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
+"""What encoding may cost the training views, dB; others lose less (docs/experiments/)."""
+
+
+@dataclass(frozen=True)
+class EncodeConfig:
+    """How a trained scene is encoded."""
+
+    budget: str = "default"  # one of `BUDGETS`
+
+    def __post_init__(self) -> None:
+        """Check the budget.
+
+        Raises:
+            InputError: it is none of `BUDGETS`.
+        """
+        check_fields(self, "config.encode", {}, {"budget": tuple(BUDGETS)})

@@ -1,0 +1,36 @@
+"""How many points a run starts from, and from which moments."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hgs_core.base.config_fields import Range, check_fields
+
+__all__ = ["PointsConfig"]
+
+_RANGES: dict[str, Range] = {
+    "static": (0, 1_000_000),  # a point for every second pixel of a Full HD picture
+    "dynamic": (0, 1_000_000),
+    "interval": (0.001, 1e6),  # a camera of 1000 frames a second; longer than any capture: one moment
+}
+
+
+@dataclass(frozen=True)
+class PointsConfig:
+    """The first points that are asked for."""
+
+    static: int = 6_000  # more of them stand at wrong depths
+    dynamic: int = 8_000  # of what moves, for every second of the capture
+    interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
+
+    def __post_init__(self) -> None:
+        """Check every field.
+
+        Raises:
+            InputError: names the field, the value and the range.
+        """
+        check_fields(self, "config.points", _RANGES)
+
+    def dynamic_in(self, seconds: float) -> int:
+        """Return the points of what moves that a capture of so many seconds starts with; of one second at least."""
+        return round(self.dynamic * max(1.0, seconds))
