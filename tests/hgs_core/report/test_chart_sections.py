@@ -68,7 +68,7 @@ def test_quality_without_scores_says_why(finished: FinishedRun) -> None:
 
 
 def test_cameras_that_training_saw_are_told(scored: Scored, finished: FinishedRun) -> None:
-    (held_out,) = finished.spec.config.hold_out
+    (held_out,) = finished.spec.config.capture.hold_out
     one = quality_section(scored(per_frame={held_out: {"psnr": [30.0]}}), [], [])
     both = quality_section(scored(per_frame={held_out: {"psnr": [30.0]}, "0": {"psnr": [30.0]}}), [], [])
     assert "Cameras that neither initialisation nor training saw." in one

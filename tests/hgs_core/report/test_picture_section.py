@@ -51,7 +51,7 @@ def test_a_camera_that_was_held_out_is_called_so_and_the_first_is_open(
 def test_without_held_out_cameras_they_are_called_training_cameras(
     finished: FinishedRun, cameras: list[CameraPictures]
 ) -> None:
-    config = replace(finished.spec.config, hold_out=())
+    config = replace(finished.spec.config, capture=replace(finished.spec.config.capture, hold_out=()))
     run = replace(finished, spec=replace(finished.spec, config=config), scores={})
     html = picture_section(run, cameras, "")
     assert "these are training cameras" in html
