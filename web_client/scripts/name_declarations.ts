@@ -1,0 +1,5 @@
+/** The last step of `npm run build:package`. */
+
+import { nameFiles } from "../plugins/declarations.ts";
+
+await nameFiles("dist/types");

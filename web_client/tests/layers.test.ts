@@ -1,0 +1,60 @@
+import { readdirSync, readFileSync } from "node:fs";
+import { dirname, join, relative } from "node:path";
+import { describe, expect, it } from "vitest";
+
+/**
+ * The rooms of src/, from the ground up: each folder, and the files that stand alone, and what each may import. Nothing is
+ * imported upward.
+ */
+const ROOMS: Readonly<Record<string, readonly string[]>> = {
+  protocol: [],
+  codec: [],
+  camera: ["codec"],
+  source: ["codec", "protocol"],
+  renderer: ["camera"],
+  worker: ["codec", "protocol", "renderer"],
+  player: ["camera", "codec", "renderer", "source", "worker"],
+  ui: ["camera", "codec", "player", "protocol", "renderer", "source"],
+  element: ["player", "ui"],
+  "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],
+  "main.ts": ["ui"],
+};
+
+const SRC = join(import.meta.dirname, "../src");
+
+/** The rooms that each room imports. */
+function imported(): Map<string, Set<string>> {
+  const found = new Map<string, Set<string>>();
+  const files = readdirSync(SRC, { recursive: true, encoding: "utf-8" }).filter((name) => /\.ts$/.test(name));
+  for (const file of files) {
+    if (file.endsWith(".d.ts")) continue;
+    const [room] = file.split("/");
+    const rooms = found.get(room) ?? new Set();
+    found.set(room, rooms);
+    for (const [, name] of readFileSync(join(SRC, file), "utf-8").matchAll(/\b(?:from|import)\s*\(?\s*"(\.[^"]+)"/g)) {
+      const [other] = relative(SRC, join(SRC, dirname(file), name)).split("/");
+      if (other !== room) rooms.add(other);
+    }
+  }
+  return found;
+}
+
+describe("the rooms of src", () => {
+  const found = imported();
+
+  it("all stand in the table, and no others", () => {
+    expect([...found.keys()].sort()).toEqual(Object.keys(ROOMS).sort());
+  });
+
+  it.each(Object.entries(ROOMS))("%s imports what the table says and nothing else", (room, allowed) => {
+    expect([...(found.get(room) ?? [])].sort()).toEqual([...allowed].sort());
+  });
+
+  it("import nothing upward", () => {
+    const order = Object.keys(ROOMS);
+    for (const [room, allowed] of Object.entries(ROOMS)) {
+      for (const other of allowed)
+        expect(order.indexOf(other), `${room} imports ${other}`).toBeLessThan(order.indexOf(room));
+    }
+  });
+});
