@@ -1,0 +1,386 @@
+"""The player in pages of others: the element and the module, from plain web servers, beside other players."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
+from hgs_core.codec.format.folder import load_manifest
+from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from tests.web_client.conftest import Site
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
+
+PLAYER = REPOSITORY / "server" / "viewer" / "player"
+HEAD = (
+    '<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    '<title>A page</title><link rel="icon" href="data:,">'
+)
+SCRIPT = '<script type="module" src="player/hgs-player.js"></script>'
+READY = "(id) => new Promise((resolve) => document.getElementById(id).addEventListener('ready', resolve))"
+STOOD = "(id) => document.getElementById(id).player.seek(document.getElementById(id).currentTime)"
+
+
+@dataclass
+class Host:
+    """A folder on a web server that knows nothing of scenes."""
+
+    folder: Path
+    address: str
+    requests: list[str] = field(default_factory=list)
+    missing: set[str] = field(default_factory=set)  # names of files that it does not have
+    damaged: set[str] = field(default_factory=set)  # names of files of which the first answer has a wrong byte
+
+
+class Files(SimpleHTTPRequestHandler):
+    """Any origin may read the files."""
+
+    def __init__(self, *arguments: Any, host: Host, **options: Any) -> None:
+        self.host = host
+        super().__init__(*arguments, directory=str(host.folder), **options)
+
+    def do_GET(self) -> None:
+        name = self.path.rpartition("/")[2]
+        self.host.requests.append(self.path)
+        if name in self.host.missing:
+            self.send_error(404)
+        elif name in self.host.damaged:
+            self.host.damaged.discard(name)
+            body = bytearray((self.host.folder / self.path.lstrip("/")).read_bytes())
+            body[100] ^= 1
+            self.send_response(200)
+            self.send_header("Content-Length", str(len(body)))
+            self.end_headers()
+            self.wfile.write(body)
+        else:
+            super().do_GET()
+
+    def end_headers(self) -> None:
+        self.send_header("Access-Control-Allow-Origin", "*")
+        self.send_header("Cache-Control", "no-store")
+        super().end_headers()
+
+    def log_message(self, *arguments: Any) -> None:
+        pass
+
+
+@contextmanager
+def hosting(folder: Path) -> Iterator[Host]:
+    host = Host(folder, "")
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Files, host=host))
+    host.address = f"http://127.0.0.1:{server.server_port}"
+    thread = threading.Thread(target=server.serve_forever)
+    thread.start()
+    try:
+        yield host
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+@pytest.fixture
+def host(site: Site, tmp_path: Path) -> Iterator[Host]:
+    """The clouds in `clouds/` as `hgs publish --to` writes them, and the player."""
+    if not (PLAYER / "hgs-player.js").is_file():
+        pytest.skip("the player is not built: run npm ci && npm run build in web_client")
+    folder = tmp_path / "host"
+    shutil.copytree(site.folder, folder / "clouds")
+    shutil.copytree(PLAYER, folder / "player")
+    with hosting(folder) as served:
+        yield served
+
+
+@contextmanager
+def embedding(browser: Browser, host: Host, body: str, path: str = "index.html", **options: Any) -> Iterator[Page]:
+    """A page of the host with that in it, opened."""
+    (host.folder / path).write_text(HEAD + body)
+    context = browser.new_context(**({"viewport": {"width": 800, "height": 600}} | options))
+    try:
+        page = context.new_page()
+        page.goto(f"{host.address}/{path}")
+        yield page
+    finally:
+        context.close()
+
+
+def player(attributes: str, name: str = "one", width: int = WIDTH, height: int = HEIGHT) -> str:
+    style = f"width: {width}px; height: {height}px"
+    return f'<hgs-player id="{name}" src="clouds/manifest.json" style="{style}" {attributes}></hgs-player>'
+
+
+def wait_for_picture(page: Page, name: str = "one") -> None:
+    """Until all of what is to be seen at the playhead is drawn."""
+    page.wait_for_function("(id) => document.getElementById(id).player?.manifest", arg=name)
+    page.evaluate(STOOD, name)
+
+
+def pixels(page: Page, name: str = "one") -> np.ndarray:
+    page.evaluate("(id) => { window.hgs = document.getElementById(id).player }", name)
+    return canvas_pixels(page)
+
+
+def view_of(page: Page, name: str) -> Any:
+    return page.evaluate("(id) => document.getElementById(id).player.camera.view", name)
+
+
+@pytest.fixture
+def served_picture(browser: Browser, site: Site) -> np.ndarray:
+    """The clouds from the side at 0.4 s as the server's own page shows them."""
+    address = f"{site.page}?camera=side&t=0.4&width={WIDTH}&height={HEIGHT}&paused=1&exact=1"
+    with open_viewer(browser, address, width=WIDTH, height=HEIGHT) as page:
+        return canvas_pixels(page)
+
+
+def test_the_packed_package_plays_in_an_empty_project_on_a_plain_web_server(
+    browser: Browser, site: Site, served_picture: np.ndarray, tmp_path: Path
+) -> None:
+    """Ten lines of HTML, `npm install` of the tarball, `python -m http.server`."""
+    npm = shutil.which("npm")
+    if npm is None or not (REPOSITORY / "web_client" / "node_modules").is_dir():
+        pytest.skip("needs npm and web_client/node_modules")
+    pack = [npm, "pack", "--silent", "--pack-destination", str(tmp_path)]
+    packed = subprocess.run(pack, cwd=REPOSITORY / "web_client", check=True, capture_output=True, text=True)
+    tarball = tmp_path / packed.stdout.split()[-1]
+    project = tmp_path / "project"
+    project.mkdir()
+    (project / "package.json").write_text('{"name": "page", "private": true}')
+    install = [npm, "install", "--offline", "--no-audit", "--no-fund", str(tarball)]
+    subprocess.run(install, cwd=project, check=True, capture_output=True)
+    assert sorted(path.name for path in (project / "node_modules").iterdir() if path.name[0] != ".") == ["@hgs"]
+    shutil.copytree(site.folder, project / "clouds")
+    element = player('time="0.4" camera="side"')
+    script = '<script type="module" src="node_modules/@hgs/player/dist/element.js"></script>'
+    (project / "index.html").write_text(HEAD + script + element)
+    (project / "module.html").write_text(
+        HEAD
+        + f"""<div id="stage" style="width: {WIDTH}px; height: {HEIGHT}px"></div><script type="module">
+          import {{ createPlayer }} from "./node_modules/@hgs/player/dist/index.js";
+          window.heard = [];
+          const src = "clouds/";
+          const player = createPlayer(document.getElementById("stage"), {{ src, time: 0.4, camera: "side" }});
+          for (const type of ["loadstart", "manifest", "firstpicture", "ready", "seeked", "play", "pause"])
+            player.addEventListener(type, () => heard.push(type));
+          player.addEventListener("ready", () => {{ window.hgs = player }});
+        </script>"""
+    )
+    command = [sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", str(project)]
+    server = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    page = browser.new_page()
+    try:
+        assert server.stdout is not None
+        port = re.search(r"port (\d+)", server.stdout.readline())
+        assert port is not None
+        page.goto(f"http://127.0.0.1:{port[1]}/")
+        wait_for_picture(page)
+        assert np.array_equal(pixels(page), served_picture)
+        page.goto(f"http://127.0.0.1:{port[1]}/module.html")
+        page.wait_for_function("() => window.hgs")
+        assert np.array_equal(canvas_pixels(page), served_picture)
+        page.evaluate("async () => { hgs.play(); await hgs.seek(1.2); hgs.pause(); await hgs.seek(1.2) }")
+        heard = page.evaluate("() => heard")
+        assert [type for type in heard if type != "seeked"][:4] == ["manifest", "firstpicture", "ready", "play"]
+        size = page.evaluate("async () => (await createImageBitmap(await hgs.screenshot())).width")
+        assert size == WIDTH
+        page.evaluate("() => hgs.dispose()")
+        assert page.evaluate("() => document.getElementById('stage').childElementCount") == 0
+    finally:
+        page.close()
+        server.terminate()
+        server.communicate(timeout=30)
+
+
+def test_declarations_of_the_package_are_those_of_its_scripts(tmp_path: Path) -> None:
+    """A program in strict TypeScript that finds modules as Node does."""
+    client = REPOSITORY / "web_client"
+    npm = shutil.which("npm")
+    if npm is None or not (client / "node_modules").is_dir():
+        pytest.skip("needs npm and web_client/node_modules")
+    if not (client / "dist" / "types" / "index.d.ts").is_file():
+        subprocess.run([npm, "run", "--silent", "build:package"], cwd=client, check=True, capture_output=True)
+    shutil.copytree(client / "dist", tmp_path / "node_modules" / "@hgs" / "player" / "dist")
+    shutil.copy(client / "package.json", tmp_path / "node_modules" / "@hgs" / "player")
+    (tmp_path / "package.json").write_text('{"type": "module"}')
+    (tmp_path / "page.ts").write_text(
+        """
+        import { createPlayer, HgsPlayer, type Viewing } from "@hgs/player";
+        import "@hgs/player/element";
+        const player: HgsPlayer = createPlayer(document.body, { src: "a/", loop: true });
+        player.addEventListener("error", ({ detail }) => { const words: string = detail.message; console.log(words); });
+        const view: Viewing | null = player.camera.view;
+        const element = document.createElement("hgs-player");
+        element.playbackRate = view ? 2 : 1;
+        // @ts-expect-error times are numbers
+        element.currentTime = "1";
+        """
+    )
+    options = ["--module", "nodenext", "--target", "es2022", "--strict", "--noEmit", "--types", "", "--lib"]
+    compiler = [str(client / "node_modules" / ".bin" / "tsc"), *options, "es2022,dom,dom.iterable", "page.ts"]
+    done = subprocess.run(compiler, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_a_page_of_another_origin_takes_player_and_scene_from_a_cdn(
+    browser: Browser, host: Host, served_picture: np.ndarray, tmp_path: Path
+) -> None:
+    (tmp_path / "page").mkdir()
+    script = SCRIPT.replace("player/", f"{host.address}/player/")
+    element = player('time="0.4" camera="side"').replace("clouds/", f"{host.address}/clouds/")
+    with hosting(tmp_path / "page") as page_host, embedding(browser, page_host, script + element) as page:
+        wait_for_picture(page)
+        assert np.array_equal(pixels(page), served_picture)
+        assert [path for path in page_host.requests if path != "/index.html"] == []
+    assert sorted(path for path in host.requests if path.startswith("/player/")) == [
+        "/player/hgs-player.js",
+        "/player/worker.js",
+        "/player/zstd.wasm",
+    ]
+
+
+def test_players_on_one_page_obey_their_own_keys_and_wheel(browser: Browser, host: Host) -> None:
+    """The keys of the one that was clicked last, and no wheel before a click: it scrolls the page."""
+    body = SCRIPT + player("controls") + player("controls", "two") + '<p style="height: 3000px">Text</p>'
+    with embedding(browser, host, body, reduced_motion="reduce") as page:
+        for name in ("one", "two"):
+            wait_for_picture(page, name)
+        before = {name: view_of(page, name) for name in ("one", "two")}
+        page.keyboard.press("ArrowLeft")
+        assert {name: view_of(page, name) for name in ("one", "two")} == before
+
+        page.mouse.move(100, 80)
+        page.mouse.wheel(0, 60)
+        page.wait_for_function("() => scrollY > 0")
+        assert view_of(page, "one") == before["one"]
+        page.evaluate("() => scrollTo({ top: 0, behavior: 'instant' })")
+
+        page.locator("#two .stage").click(position={"x": 100, "y": 60})
+        page.keyboard.press("ArrowLeft")
+        assert view_of(page, "two") != before["two"]
+        assert view_of(page, "one") == before["one"]
+        page.wait_for_function("() => !two.paused")  # the click played it, and only it
+        assert page.evaluate("() => one.paused")
+        page.keyboard.press("k")
+        assert page.evaluate("() => two.paused && one.paused")
+
+        page.locator("#one .stage").click(position={"x": 100, "y": 60})
+        page.mouse.wheel(0, 60)
+        page.wait_for_function(
+            "(before) => one.player.camera.view.position[2] !== before[2]", arg=before["one"]["position"]
+        )
+        assert page.evaluate("() => scrollY") == 0
+
+
+def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
+    """Attributes reflect; methods, properties and events do what those of media elements do."""
+    script = """<script>
+      window.heard = [];
+      addEventListener("DOMContentLoaded", () => {
+        for (const type of ["manifest", "ready", "play", "pause", "seeked", "ended", "ratechange", "error"])
+          one.addEventListener(type, () => heard.push(type));
+      });
+    </script>"""
+    with embedding(browser, host, script + SCRIPT + player('poster="clouds/thumbnail.jpg"')) as page:
+        wait_for_picture(page)
+        page.wait_for_function("() => heard.includes('ready')")
+        state = "() => [one.paused, one.currentTime, one.duration, one.loop, one.controls, one.playbackRate, one.ended]"
+        assert page.evaluate(state) == [True, 0, 2, False, False, 1, False]
+        assert not page.locator("#one .transport").is_visible()
+        page.evaluate("() => { one.controls = true; one.loop = true; one.playbackRate = 4 }")
+        assert page.locator("#one .transport").is_visible()
+        assert page.evaluate("() => [one.getAttribute('loop'), one.hasAttribute('controls')]") == ["", True]
+        page.evaluate("() => { one.removeAttribute('loop'); one.currentTime = 1.9 }")
+        page.evaluate(STOOD, "one")
+        assert page.evaluate("() => one.currentTime") == 1.9
+        page.evaluate("() => one.play()")
+        page.wait_for_function("() => heard.includes('ended')")
+        assert page.evaluate(state)[:3] == [True, 2, 2]
+        assert page.evaluate("() => one.ended")
+        told = page.evaluate("() => heard.filter((type) => type !== 'seeked')")
+        assert told == ["manifest", "ready", "ratechange", "play", "pause", "ended"]
+        assert (
+            page.evaluate("() => { try { one.playbackRate = 0 } catch (error) { return error.name } }") == "RangeError"
+        )
+
+
+def test_the_poster_is_shown_until_there_is_a_picture(browser: Browser, host: Host) -> None:
+    names = [entry.id for entry in load_manifest(host.folder / "clouds").chunks]
+    waiting = threading.Event()
+    with embedding(browser, host, "") as page:
+        page.route("**/chunks/*", lambda route: route.continue_() if waiting.is_set() else route.abort())
+        (host.folder / "index.html").write_text(HEAD + SCRIPT + player('poster="clouds/thumbnail.jpg"'))
+        page.reload()
+        poster = page.locator("#one .poster")
+        poster.wait_for()
+        assert poster.evaluate("(image) => image.decode().then(() => image.naturalWidth)") == 64
+        waiting.set()
+        page.evaluate("() => dispatchEvent(new Event('online'))")
+        poster.wait_for(state="hidden")
+        wait_for_picture(page)
+        assert len([path for path in host.requests if "/chunks/" in path]) == len(set(names))
+
+
+def test_a_player_out_of_sight_stands_still_and_goes_on_when_it_is_seen(browser: Browser, host: Host) -> None:
+    body = SCRIPT + player("autoplay loop") + '<p style="height: 3000px">Text</p>'
+    with embedding(browser, host, body) as page:
+        page.wait_for_function("() => one.player && !one.paused && one.currentTime > 0")
+        page.evaluate("() => scrollTo(0, 2000)")
+        page.wait_for_function("() => one.paused")
+        page.evaluate("() => scrollTo(0, 0)")
+        page.wait_for_function("() => !one.paused")
+
+
+def test_a_frame_without_leave_to_fill_the_screen_says_why_it_does_not(browser: Browser, host: Host) -> None:
+    (host.folder / "inner.html").write_text(HEAD + SCRIPT + player("controls", width=700, height=400))
+    frame = '<iframe name="inner" src="inner.html" width="750" height="450" allow="fullscreen \'none\'"></iframe>'
+    with embedding(browser, host, frame) as page:
+        inner = page.frame("inner")
+        assert inner is not None
+        inner.wait_for_function("() => one.player?.manifest")
+        inner.get_by_role("button", name="Full screen").click()
+        inner.get_by_role("alert").filter(has_text='needs allow="fullscreen"').wait_for()
+        assert inner.get_by_role("link", name="All scenes").count() == 0  # of a server that is not there
+
+
+def test_damaged_and_missing_chunks_of_a_folder(browser: Browser, host: Host, served_picture: np.ndarray) -> None:
+    """A damaged chunk is fetched again and its picture is whole; a missing one is told and the rest is shown."""
+    manifest = load_manifest(host.folder / "clouds")
+    damaged, missing = manifest.static[0].id, manifest.slices[-1].chunks[0].id
+    host.damaged.add(damaged)
+    host.missing.add(missing)
+    with embedding(browser, host, SCRIPT + player('time="0.4" camera="side"')) as page:
+        wait_for_picture(page)
+        assert psnr(pixels(page), served_picture) > 60
+        page.get_by_role("alert").filter(has_text="damaged and cannot be shown").wait_for()
+        assert page.evaluate("() => one.player.statistics.lostChunks") == 1
+    assert len([path for path in host.requests if path.endswith(damaged)]) == 2
+    assert len([path for path in host.requests if path.endswith(missing)]) == 1
+
+
+def test_what_is_wrong_with_an_address_is_said_in_the_player(browser: Browser, host: Host) -> None:
+    body = SCRIPT + player("").replace("clouds/manifest.json", "none/manifest.json")
+    with embedding(browser, host, body) as page:
+        alert = page.get_by_role("alert")
+        alert.filter(has_text="There is no such scene here.").wait_for()
+        page.evaluate("() => { one.src = 'clouds.ply' }")
+        alert.filter(has_text="src clouds.ply: not a manifest.json").wait_for()
+        page.evaluate("() => { one.src = 'clouds/' }")  # and what is right then plays
+        wait_for_picture(page)
+        assert alert.count() == 0
