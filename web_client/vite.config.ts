@@ -1,4 +1,5 @@
 import { defineConfig } from "vitest/config";
+import { alwaysDark } from "./plugins/always_dark.ts";
 import { leanShaders } from "./plugins/lean_shaders.ts";
 import { precompressed } from "./plugins/precompressed.ts";
 import { preloadedPages } from "./plugins/preloaded_pages.ts";
@@ -11,7 +12,12 @@ export default defineConfig({
   plugins: [
     zstdWasmFile(),
     leanShaders(),
-    preloadedPages({ "view.html": "/src/ui/view_page.ts", "index.html": "/src/ui/list_page.ts" }),
+    preloadedPages({
+      "view.html": { module: "/src/ui/view_page.ts", change: alwaysDark },
+      "job.html": { module: "/src/console/job_page.ts" },
+      "new.html": { module: "/src/console/submit_page.ts" },
+      "index.html": { module: "/src/console/list_page.ts" },
+    }),
     precompressed(),
   ],
   build: {

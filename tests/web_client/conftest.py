@@ -6,7 +6,7 @@ import dataclasses
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 REPOSITORY = Path(__file__).resolve().parents[2]
+MODULES = Path(__file__).resolve().parent / "modules"  # the pipelines that tests name
 WIDTH, HEIGHT = 320, 200
 FRAMES = 31
 BACKGROUND = (0.1, 0.2, 0.3)
@@ -155,24 +156,31 @@ def flipped_bit() -> str:
 
 
 @contextmanager
-def serving(runs: list[Path], home: Path) -> Iterator[list[str]]:
-    """Serve the scenes of runs as `hgs serve` does, in a process of its own; yields the addresses of their pages."""
+def serving(
+    runs: list[Path], home: Path, *options: str, workers: int = 0, environment: Mapping[str, str] | None = None
+) -> Iterator[list[str]]:
+    """Serve the scenes of runs as `hgs serve` does, in a process of its own; yields the addresses of their pages.
+
+    Without a run it is the address of the list.
+    """
     if not (REPOSITORY / "server" / "viewer" / "index.html").is_file():
         pytest.skip("the viewer is not built: run npm ci && npm run build in web_client")
-    command = [sys.executable, "-m", "server.cli", "serve", *map(str, runs), "--port", "0", "--workers", "0"]
+    command = [sys.executable, "-m", "server.cli", "serve", *map(str, runs), "--port", "0"]
+    command += ["--workers", str(workers), *options]
+    path = os.pathsep.join((str(REPOSITORY), str(MODULES)))
     log = home / "server.log"
     with log.open("wb") as errors:
         server = subprocess.Popen(
             command,
             cwd=REPOSITORY,
-            env=os.environ | {"HGS_HOME": str(home), "PYTHONPATH": str(REPOSITORY)},
+            env=os.environ | {"HGS_HOME": str(home), "PYTHONPATH": path} | (environment or {}),
             stdout=subprocess.PIPE,
             stderr=errors,
             text=True,
         )
     try:
         assert server.stdout is not None
-        pages = [server.stdout.readline().strip() for _ in runs]
+        pages = [server.stdout.readline().strip() for _ in runs or [None]]
         assert all(page.startswith("http") for page in pages), log.read_text()
         yield pages
     finally:

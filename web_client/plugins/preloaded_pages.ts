@@ -1,12 +1,18 @@
 import type { Plugin, Rollup } from "vite";
 
+/** A page to write: the module that index.html imports for it, and what is changed of index.html. */
+export interface PreloadedPage {
+  readonly module: string;
+  readonly change?: (html: string) => string;
+}
+
 /**
- * Write pages that name every script that they need, and what these fetch, so that a browser asks for all of it at once: by
- * itself it would find each only when it runs the one before.
+ * Write pages that name every script and style sheet that they need, and what these fetch, so that a browser asks for all of it
+ * at once: by itself it would find each only when it runs the one before.
  *
- * @param pages for each page to write, e.g. `view.html`, the module that index.html imports for it
+ * @param pages by the name of the file to write, e.g. `view.html`
  */
-export function preloadedPages(pages: Readonly<Record<string, string>>): Plugin {
+export function preloadedPages(pages: Readonly<Record<string, PreloadedPage>>): Plugin {
   let base = "/";
   return {
     name: "preloaded-pages",
@@ -20,10 +26,11 @@ export function preloadedPages(pages: Readonly<Record<string, string>>): Plugin 
         const index = bundle["index.html"];
         if (index?.type !== "asset") return this.error("there is no index.html to begin with");
         const html = String(index.source);
-        for (const [page, module] of Object.entries(pages)) {
+        for (const [page, { module, change }] of Object.entries(pages)) {
           const chunk = Object.values(bundle).find((c) => c.type === "chunk" && c.facadeModuleId?.endsWith(module));
           if (chunk?.type !== "chunk") return this.error(`${page}: index.html imports no ${module}`);
-          const source = html.replace("  </head>", `${links(chunk, bundle, html, base)}  </head>`);
+          const named = html.replace("  </head>", `${links(chunk, bundle, html, base)}  </head>`);
+          const source = change ? change(named) : named;
           if (page === index.fileName) index.source = source;
           else this.emitFile({ type: "asset", fileName: page, source });
         }
@@ -33,7 +40,7 @@ export function preloadedPages(pages: Readonly<Record<string, string>>): Plugin 
 }
 
 /**
- * Links to the scripts that a page runs, the workers that it starts and what it fetches for them, but for the scripts that the
+ * Links to the style sheets and scripts of a page, the workers that it starts and what it fetches for them, but for those that the
  * page names already. Workers are said to be modules of the page: Chromium knows no other kind, and the worker finds them in the cache.
  */
 function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: string, base: string): string {
@@ -42,12 +49,20 @@ function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: str
     const imported = bundle[name];
     if (imported?.type === "chunk") for (const next of imported.imports) scripts.add(next); // the loop goes on to these
   }
+  const styles = new Set<string>();
+  // What others are built on comes first, as where it is imported.
+  for (const name of [...scripts].reverse()) {
+    const imported = bundle[name];
+    if (imported?.type === "chunk") for (const style of imported.viteMetadata?.importedCss ?? []) styles.add(style);
+  }
   const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && chunk.code.includes(name));
   const workers = assets.filter((name) => name.endsWith(".js"));
   const fetched = assets.filter((name) => name.endsWith(".wasm"));
   const link = (how: string) => (name: string) => `    <link ${how} crossorigin href="${base}${name}" />\n`;
+  const unnamed = (name: string): boolean => !html.includes(base + name);
   return [
-    ...[...scripts, ...workers].filter((name) => !html.includes(base + name)).map(link('rel="modulepreload"')),
+    ...[...styles].filter(unnamed).map(link('rel="stylesheet"')),
+    ...[...scripts, ...workers].filter(unnamed).map(link('rel="modulepreload"')),
     ...fetched.map(link('rel="preload" as="fetch"')),
   ].join("");
 }

@@ -1,20 +1,40 @@
-/** The page: `/` lists scenes and jobs, `/view/{scene}` plays a scene, and nothing is at any other address. */
+/**
+ * The page: the console is at `/`, `/new` and `/job/{job}`, `/view/{scene}` plays a scene, and nothing is at any other
+ * address.
+ */
 
 import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
+import "./console/tokens.css";
 
 const page = pageAt(location.pathname);
 
-// Each page is a bundle of its own, so that the list does not load the player.
-if (page.kind === "view") {
-  const { showViewPage } = await import("./ui/view_page");
-  showViewPage(document.body, page.scene);
-} else if (page.kind === "unknown") {
-  const { showNotFoundPage } = await import("./ui/not_found_page");
-  showNotFoundPage(document.body);
-} else {
-  const { showListPage } = await import("./ui/list_page");
-  showListPage(document.body);
+// Each page is a bundle of its own, so that the console does not load the player.
+switch (page.kind) {
+  case "view": {
+    const { showViewPage } = await import("./ui/view_page");
+    showViewPage(document.body, page.scene);
+    break;
+  }
+  case "job": {
+    const { showJobPage } = await import("./console/job_page");
+    showJobPage(document.body, page.job);
+    break;
+  }
+  case "new": {
+    const { showSubmitPage } = await import("./console/submit_page");
+    showSubmitPage(document.body);
+    break;
+  }
+  case "list": {
+    const { showListPage } = await import("./console/list_page");
+    showListPage(document.body);
+    break;
+  }
+  case "unknown": {
+    const { showNotFoundPage } = await import("./ui/not_found_page");
+    showNotFoundPage(document.body);
+  }
 }
 
 // A page that comes back from the browser's cache has given its connections and memory back: begin anew.

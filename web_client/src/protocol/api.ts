@@ -1,4 +1,8 @@
-/** Jobs and scenes over HTTP; the objects are those of docs/protocol.md. */
+/** Captures, jobs and scenes over HTTP; the objects are those of docs/protocol.md. All functions throw `ApiError`. */
+
+import { ApiError, getJson, request, sendJson } from "./http";
+
+export { ApiError };
 
 export interface Scene {
   readonly id: string;
@@ -23,9 +27,11 @@ export type JobState = "queued" | "running" | "succeeded" | "failed" | "cancelle
 export interface Job {
   readonly id: string;
   readonly state: JobState;
+  readonly attempt: number;
   readonly capture: string;
   readonly title: string | null;
-  readonly preset: string;
+  readonly preset: string | null;
+  readonly config: Readonly<Record<string, unknown>>;
   readonly stage: string | null;
   readonly progress: JobProgress | null;
   readonly error: string | null;
@@ -36,65 +42,117 @@ export interface Job {
   readonly updated: number;
 }
 
+/** One report of a stage that was kept. */
+export interface JobPoint extends JobProgress {
+  readonly attempt: number;
+  /** Seconds since 1970. */
+  readonly time: number;
+}
+
+/** What else there is of a job. */
+export interface JobRun {
+  /** Jobs that were queued before it and still wait; null unless it waits itself. */
+  readonly ahead: number | null;
+  /** Another string after every change of the picture; null while there is none. */
+  readonly picture: string | null;
+  readonly report: boolean;
+  /** Its scene, while that is published. */
+  readonly scene: string | null;
+}
+
+export interface JobLog {
+  readonly lines: readonly string[];
+  readonly complete: boolean;
+}
+
+export interface Capture {
+  readonly capture: string;
+  readonly name: string;
+  readonly layout: string;
+  readonly cameras: readonly string[];
+  readonly frames: number | null;
+  readonly seconds: number | null;
+  readonly problem: string | null;
+}
+
+export interface CaptureList {
+  readonly captures: readonly Capture[];
+  readonly folders: readonly { readonly path: string; readonly exists: boolean }[];
+  readonly complete: boolean;
+}
+
+export interface Submission {
+  readonly capture: string;
+  readonly title: string;
+  readonly preset: string;
+  readonly hold_out: readonly string[];
+}
+
 export const isFinal = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
 
-export const thumbnailUrl = (scene: string): string => `/v1/scenes/${encodeURIComponent(scene)}/thumbnail`;
+const sceneAddress = (id: string): string => `/v1/scenes/${encodeURIComponent(id)}`;
+const jobAddress = (id: string): string => `/v1/jobs/${encodeURIComponent(id)}`;
 
-/** The server answered with a problem, or not at all; the message is one line for people. */
-export class ApiError extends Error {}
+export const thumbnailUrl = (scene: string): string => `${sceneAddress(scene)}/thumbnail`;
+export const reportUrl = (job: string): string => `${jobAddress(job)}/report`;
 
-async function request(path: string, init: RequestInit = {}): Promise<Response> {
-  let response: Response;
-  try {
-    response = await fetch(path, init);
-  } catch {
-    throw new ApiError("The server cannot be reached.");
-  }
-  if (!response.ok) {
-    const { detail } = await fields(response);
-    const reason = typeof detail === "string" ? detail : response.statusText;
-    throw new ApiError(`The server answered ${response.status}: ${reason}`);
-  }
-  return response;
-}
+/** The address of a job's picture; `version` is that of `JobRun.picture`, so that browsers fetch a new one. */
+export const pictureUrl = (job: string, version: string): string =>
+  `${jobAddress(job)}/picture?version=${encodeURIComponent(version)}`;
 
-/** The members of a JSON body; none if it is something else. */
-async function fields(response: Response): Promise<Record<string, unknown>> {
-  const body: unknown = await response.json().catch(() => null);
-  return typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
-}
-
-async function requestJson(path: string, signal: AbortSignal): Promise<Record<string, unknown>> {
-  return fields(await request(path, { signal, headers: { Accept: "application/json" } }));
-}
-
-/** @throws ApiError */
 export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
-  return ((await requestJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
+  return ((await getJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
 }
 
-/** @throws ApiError */
+export async function renameScene(id: string, title: string): Promise<void> {
+  await sendJson("PATCH", sceneAddress(id), { title });
+}
+
+export async function deleteScene(id: string): Promise<void> {
+  await request(sceneAddress(id), { method: "DELETE" });
+}
+
+export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
+  const answer = await getJson("/v1/captures", signal);
+  return { captures: [], folders: [], complete: true, ...answer };
+}
+
+export async function submitJob(submission: Submission): Promise<Job> {
+  return (await sendJson("POST", "/v1/jobs", submission)) as unknown as Job;
+}
+
 export async function listJobs(signal: AbortSignal): Promise<Job[]> {
-  return ((await requestJson("/v1/jobs", signal)).jobs ?? []) as Job[];
+  return ((await getJson("/v1/jobs", signal)).jobs ?? []) as Job[];
 }
 
-/** @throws ApiError */
+export async function getJob(id: string, signal: AbortSignal): Promise<Job> {
+  return (await getJson(jobAddress(id), signal)) as unknown as Job;
+}
+
+export async function getJobRun(id: string, signal: AbortSignal): Promise<JobRun> {
+  return (await getJson(`${jobAddress(id)}/run`, signal)) as unknown as JobRun;
+}
+
+export async function getJobHistory(id: string, signal: AbortSignal): Promise<JobPoint[]> {
+  return ((await getJson(`${jobAddress(id)}/history`, signal)).points ?? []) as JobPoint[];
+}
+
+export async function getJobLog(id: string, lines: number, signal: AbortSignal): Promise<JobLog> {
+  return (await getJson(`${jobAddress(id)}/log?lines=${lines}`, signal)) as unknown as JobLog;
+}
+
 export async function cancelJob(id: string): Promise<void> {
-  await request(`/v1/jobs/${encodeURIComponent(id)}/cancel`, { method: "POST" });
+  await request(`${jobAddress(id)}/cancel`, { method: "POST" });
 }
 
-/**
- * Queue a failed or cancelled job again; it goes on from its last checkpoint.
- *
- * @throws ApiError
- */
+/** Queue a failed or cancelled job again; it goes on from its last checkpoint. */
 export async function retryJob(id: string): Promise<void> {
-  await request(`/v1/jobs/${encodeURIComponent(id)}/retry`, { method: "POST" });
+  await request(`${jobAddress(id)}/retry`, { method: "POST" });
 }
 
 /** Call `onJob` at every change of a job until it is final or the returned function is called. */
 export function followJob(id: string, onJob: (job: Job) => void): () => void {
-  const source = new EventSource(`/v1/jobs/${encodeURIComponent(id)}/events`);
+  const source = new EventSource(`${jobAddress(id)}/events`);
   source.addEventListener("job", (event) => {
     const job = JSON.parse((event as MessageEvent<string>).data) as Job;
     onJob(job);

@@ -10,3 +10,6 @@ export const BACK = "M14.5 5 7.5 12l7 7 1.5-1.5L10.5 12 16 6.5z";
 export const STATS = "M4 19h16v1.8H4zM5 11h3v6H5zm5.5-6h3v12h-3zM16 8h3v9h-3z";
 export const FULLSCREEN = "M4 4h6v2H6v4H4zm10 0h6v6h-2V6h-4zM4 14h2v4h4v2H4zm14 0h2v6h-6v-2h4z";
 export const CLOSE = "M6.4 5 12 10.6 17.6 5 19 6.4 13.4 12 19 17.6 17.6 19 12 13.4 6.4 19 5 17.6 10.6 12 5 6.4z";
+export const PLUS = "M11 5h2v6h6v2h-6v6h-2v-6H5v-2h6z";
+export const MORE =
+  "M12 5a1.8 1.8 0 1 1 0 3.6A1.8 1.8 0 0 1 12 5zm0 5.2a1.8 1.8 0 1 1 0 3.6 1.8 1.8 0 0 1 0-3.6zm0 5.2a1.8 1.8 0 1 1 0 3.6 1.8 1.8 0 0 1 0-3.6z";

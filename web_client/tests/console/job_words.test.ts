@@ -1,10 +1,21 @@
 import { describe, expect, it } from "vitest";
+import {
+  captureName,
+  describeFault,
+  describeFigures,
+  describeProgress,
+  describeQueue,
+  describeRemaining,
+  stepOf,
+  titleOf,
+} from "../../src/console/job_words";
 import type { Job } from "../../src/protocol/api";
-import { describeFault, describeFigures, describeProgress, stepOf } from "../../src/ui/job_rows";
 
 const job = (fields: Partial<Job>): Job => ({
   id: "a",
   state: "running",
+  attempt: 1,
+  config: {},
   capture: "/captures/studio",
   title: "Studio",
   preset: "preview",
@@ -61,11 +72,43 @@ describe("describeFigures", () => {
   it("rounds to three digits but leaves counts whole", () => {
     const figures = { loss: 0.04123, splats_static: 48210 };
     const progress = { stage: "train", done: 1, total: 2, figures };
-    expect(describeFigures(job({ progress }))).toBe("loss 0.0412 · splats static 48,210");
+    expect(describeFigures(job({ progress }))).toBe("Loss 0.0412 · Splats static 48,210");
   });
 
   it("says nothing of a job that has ended", () => {
     const progress = { stage: "train", done: 1, total: 2, figures: { loss: 1 } };
     expect(describeFigures(job({ state: "failed", progress }))).toBe("");
+  });
+});
+
+describe("titleOf", () => {
+  it("falls back to the folder of the capture, then to the id", () => {
+    expect(titleOf(job({ title: "Mine" }))).toBe("Mine");
+    expect(titleOf(job({ title: null }))).toBe("studio");
+    expect(titleOf(job({ title: null, capture: "" }))).toBe("a");
+    expect(captureName(job({ capture: "/captures/shows/two/" }))).toBe("two");
+  });
+});
+
+describe("describeQueue", () => {
+  it.each<[string, number | null]>([
+    ["", null],
+    ["Next in line: it begins as soon as a worker is free.", 0],
+    ["One other job is ahead of it.", 1],
+    ["About 1,200 other jobs are ahead of it.", 1200],
+  ])("says %j", (text, ahead) => {
+    expect(describeQueue(ahead)).toBe(text);
+  });
+});
+
+describe("describeRemaining", () => {
+  it.each<[string, number | null]>([
+    ["", null],
+    ["less than a minute left in this step", 12],
+    ["about 1 min left in this step", 61],
+    ["about 89 min left in this step", 89 * 60],
+    ["about 3 h left in this step", 3.2 * 3600],
+  ])("says %j", (text, seconds) => {
+    expect(describeRemaining(seconds)).toBe(text);
   });
 });

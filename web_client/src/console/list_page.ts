@@ -1,9 +1,12 @@
 /** The page that lists scenes and jobs, and keeps both up to date. */
 
-import { ApiError, followJob, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
-import { element } from "./element";
+import { followJob, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
+import { element, icon } from "../ui/element";
+import { PLUS } from "../ui/icons";
 import { JobRows } from "./job_rows";
-import { showScenes } from "./scene_cards";
+import { SceneSection } from "./scene_section";
+import { showShell } from "./shell";
+import "./list.css";
 
 const REFRESH = 5000; // ms
 /** Event streams at once: browsers open six connections per server over HTTP/1.1, and the page needs some for itself. */
@@ -11,39 +14,24 @@ const FOLLOWED = 3;
 const FINISHED_SHOWN = 8;
 
 export function showListPage(root: HTMLElement): void {
-  document.title = "HGS · Scenes";
-  const scenes = element("ul", { class: "cards" });
-  const noScenes = element(
-    "div",
-    { class: "empty", hidden: true },
-    element("p", {}, "No scene yet."),
-    element("p", { class: "hint" }, "Train one on this machine with "),
-  );
-  noScenes.lastElementChild?.append(element("code", {}, "hgs train CAPTURE --out RUN"), ", or submit a capture to ");
-  noScenes.lastElementChild?.append(element("code", {}, "POST /v1/jobs"), ".");
+  document.title = "Scenes · HGS";
+  const create = element("a", { class: "button primary", href: "/new" }, icon(PLUS), "New scene");
+  const shell = showShell(root, "list-page", create);
+  const scenes = new SceneSection({ changed: () => void refresh(), say: shell.say });
   const jobs = element("ul", { class: "jobs" });
-  const jobSection = element("section", { hidden: true }, element("h2", {}, "Jobs"), jobs);
-  const alert = element("p", { class: "alert", role: "alert", hidden: true });
-  root.className = "list-page";
-  root.replaceChildren(
-    element(
-      "header",
-      { class: "masthead" },
-      element("img", { src: "/icon.svg", alt: "", width: 36, height: 36 }),
-      element("div", {}, element("h1", {}, "HGS"), element("p", {}, "Moving scenes, streamed as Gaussian splats")),
-    ),
-    element("main", {}, alert, element("section", {}, element("h2", {}, "Scenes"), scenes, noScenes), jobSection),
+  const jobSection = element(
+    "section",
+    { hidden: true, "aria-labelledby": "jobs" },
+    element("div", { class: "section-head" }, element("h2", { id: "jobs" }, "Jobs")),
+    jobs,
   );
+  scenes.node.hidden = true; // until it is known what there is
+  shell.main.append(element("h1", { class: "unseen" }, "Scenes and jobs"), scenes.node, jobSection);
 
-  const rows = new JobRows(jobs, showProblem);
+  const rows = new JobRows(jobs, { changed: () => void refresh(), problem: shell.problem });
   const followed = new Map<string, () => void>();
   const abort = new AbortController();
   let timer: ReturnType<typeof setTimeout> | undefined;
-
-  function showProblem(message: string): void {
-    alert.hidden = message === "";
-    alert.textContent = message;
-  }
 
   function follow(all: readonly Job[]): void {
     const active = all.filter((job) => !isFinal(job));
@@ -67,17 +55,17 @@ export function showListPage(root: HTMLElement): void {
     clearTimeout(timer);
     try {
       const [allScenes, allJobs] = await Promise.all([listScenes(abort.signal), listJobs(abort.signal)]);
-      showScenes(scenes, allScenes);
-      noScenes.hidden = allScenes.length > 0;
+      scenes.show(allScenes);
       let finished = 0;
       const shown = allJobs.filter((job) => !isFinal(job) || finished++ < FINISHED_SHOWN);
-      rows.show(shown);
+      rows.show(shown, new Set(allScenes.map(({ id }) => id)));
       jobSection.hidden = shown.length === 0;
+      scenes.node.hidden = false;
       follow(allJobs);
-      showProblem("");
+      shell.problem(null);
     } catch (error) {
       if (abort.signal.aborted) return;
-      showProblem(error instanceof ApiError ? error.message : String(error));
+      shell.problem(error);
     }
     if (!document.hidden && !abort.signal.aborted) timer = setTimeout(() => void refresh(), REFRESH);
   }

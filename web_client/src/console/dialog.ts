@@ -1,0 +1,61 @@
+/** Questions in a dialog over the page. */
+
+import { element, setText } from "../ui/element";
+
+interface Question {
+  readonly title: string;
+  readonly body: readonly (Node | string)[];
+  /** The words on the button that does it, such as "Delete". */
+  readonly action: string;
+  /** Whether it takes something away. */
+  readonly danger?: boolean;
+  /** What stands on the other button. */
+  readonly dismiss?: string;
+  /** Does it; the dialog closes when it has been done, and says why if it fails. */
+  run(): Promise<void>;
+}
+
+/** Ask, and return when the dialog is closed: whether it was done. The focus goes back to where it was. */
+export function ask(question: Question): Promise<boolean> {
+  const error = element("p", { class: "field-error", role: "alert" });
+  const action = element("button", { class: question.danger ? "button danger" : "button primary" }, question.action);
+  const dismiss = element("button", { type: "button", class: "button" }, question.dismiss ?? "Cancel");
+  const title = element("h2", { id: "dialog-title" }, question.title);
+  const form = element(
+    "form",
+    {},
+    title,
+    ...question.body,
+    error,
+    element("div", { class: "dialog-actions" }, dismiss, action),
+  );
+  const dialog = element("dialog", { class: "dialog", "aria-labelledby": "dialog-title" }, form);
+  let done = false;
+  dismiss.addEventListener("click", () => dialog.close());
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    action.disabled = true;
+    setText(error, "");
+    question.run().then(
+      () => {
+        done = true;
+        dialog.close();
+      },
+      (reason: Error) => {
+        action.disabled = false;
+        setText(error, reason.message);
+      },
+    );
+  });
+  document.body.append(dialog);
+  const before = document.activeElement;
+  dialog.showModal();
+  if (question.danger) dismiss.focus(); // a stray Enter takes nothing away
+  return new Promise((resolve) => {
+    dialog.addEventListener("close", () => {
+      dialog.remove();
+      if (before instanceof HTMLElement) before.focus();
+      resolve(done);
+    });
+  });
+}

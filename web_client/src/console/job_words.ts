@@ -1,0 +1,96 @@
+/** What a job says of itself, in words. */
+
+import { isFinal, type Job } from "../protocol/api";
+
+/** The steps of a job, in order, and the stages of docs/protocol.md that each of them is. */
+export const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
+  { name: "Finding what moves", stages: ["initialise", "masks"] },
+  { name: "Placing points", stages: ["points"] },
+  { name: "Training", stages: ["train"] },
+  { name: "Encoding", stages: ["encode"] },
+  { name: "Publishing", stages: ["publish"] },
+];
+
+const STATE_NAMES: Readonly<Record<Job["state"], string>> = {
+  queued: "Waiting",
+  running: "Running",
+  succeeded: "Done",
+  failed: "Failed",
+  cancelled: "Cancelled",
+};
+
+const FIGURE_NAMES: Readonly<Record<string, string>> = {
+  psnr: "PSNR",
+  loss: "Loss",
+  static: "Still splats",
+  dynamic: "Moving splats",
+};
+
+const UNITS: Readonly<Record<string, string>> = { psnr: " dB" };
+
+export const stageOf = (job: Job): string | null => job.progress?.stage ?? job.stage;
+
+/** The title of a job, else the name of its capture's folder. */
+export const titleOf = (job: Job): string => job.title || captureName(job) || job.id;
+
+export const captureName = (job: Job): string => job.capture.split("/").filter(Boolean).at(-1) ?? "";
+
+/** "Depth maps" of `depth_maps`. */
+export function spelledOut(name: string): string {
+  const words = name.replace(/[_-]+/g, " ").trim();
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+export const figureName = (name: string): string => FIGURE_NAMES[name] ?? spelledOut(name);
+
+/** "27.3 dB", "48,210", "0.0412": three digits, but counts whole. */
+export function figureText(name: string, value: number): string {
+  const text = Number.isInteger(value) ? value.toLocaleString("en") : Number(value.toPrecision(3)).toString();
+  return text + (UNITS[name] ?? "");
+}
+
+/** The index of the step that a job is at; -1 before the first, and in a stage that this page does not know. */
+export function stepOf(job: Job): number {
+  const stage = stageOf(job);
+  return stage === null ? -1 : STEPS.findIndex(({ stages }) => stages.includes(stage));
+}
+
+/** "Training 420 / 2,000"; a stage that this page does not know by its own name, "Depth maps 3 / 16". */
+export function describeProgress(job: Job): string {
+  if (job.state !== "running") return STATE_NAMES[job.state];
+  const stage = stageOf(job);
+  if (stage === null) return "Starting";
+  const name = STEPS[stepOf(job)]?.name ?? spelledOut(stage);
+  const { done, total } = job.progress ?? { done: 0, total: 0 };
+  return total > 1 ? `${name} ${done.toLocaleString("en")} / ${total.toLocaleString("en")}` : name;
+}
+
+/** What is wrong: why the job failed, or what keeps it waiting. */
+export function describeFault(job: Job): string {
+  return job.error ?? (isFinal(job) || !job.waiting ? "" : `Waiting: ${job.waiting}`);
+}
+
+/** "PSNR 28.3 dB · Loss 0.041" */
+export function describeFigures(job: Job): string {
+  if (job.state !== "running" || !job.progress) return "";
+  const figures = Object.entries(job.progress.figures);
+  return figures.map(([name, value]) => `${figureName(name)} ${figureText(name, value)}`).join(" · ");
+}
+
+/** Where a waiting job stands, if that is known. */
+export function describeQueue(ahead: number | null): string {
+  if (ahead === null) return "";
+  if (ahead === 0) return "Next in line: it begins as soon as a worker is free.";
+  return ahead === 1
+    ? "One other job is ahead of it."
+    : `About ${ahead.toLocaleString("en")} other jobs are ahead of it.`;
+}
+
+/** "about 12 min left in this step"; "" while nobody can tell. */
+export function describeRemaining(seconds: number | null): string {
+  if (seconds === null) return "";
+  if (seconds < 60) return "less than a minute left in this step";
+  const minutes = Math.round(seconds / 60);
+  if (minutes < 90) return `about ${minutes} min left in this step`;
+  return `about ${Math.round(minutes / 60)} h left in this step`;
+}

@@ -1,0 +1,115 @@
+/** What can be done with a scene: copy its link, rename it, delete it. */
+
+import { deleteScene, renameScene, type Scene } from "../protocol/api";
+import { element, icon } from "../ui/element";
+import { MORE } from "../ui/icons";
+import { ask } from "./dialog";
+import { nameOf } from "./scene_order";
+
+const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
+
+export interface SceneEvents {
+  /** The scenes have changed on the server. */
+  changed(): void;
+  say(text: string): void;
+}
+
+/** A button that opens the actions of a scene. */
+export function sceneActions(scene: Scene, events: SceneEvents): HTMLElement {
+  const name = nameOf(scene);
+  const item = (text: string, run: () => void): HTMLElement =>
+    element("button", { type: "button", class: "menu-item", onclick: () => close(run) }, text);
+  const menu = element(
+    "div",
+    { class: "menu", id: `actions-${scene.id}`, hidden: true },
+    item("Copy link", () => void share(scene, events)),
+    item("Rename …", () => void rename(scene, events)),
+    item("Delete …", () => void remove(scene, events)),
+  );
+  const more = element(
+    "button",
+    {
+      type: "button",
+      class: "more",
+      "aria-label": `More about ${name}`,
+      "aria-expanded": "false",
+      "aria-controls": menu.id,
+    },
+    icon(MORE),
+  );
+  const node = element("div", { class: "card-actions" }, more, menu);
+
+  function show(open: boolean): void {
+    menu.hidden = !open;
+    more.setAttribute("aria-expanded", String(open));
+  }
+
+  function close(run: () => void): void {
+    show(false);
+    more.focus();
+    run();
+  }
+
+  more.addEventListener("click", () => {
+    show(Boolean(menu.hidden));
+    if (!menu.hidden) menu.querySelector("button")?.focus();
+  });
+  node.addEventListener("focusout", (event) => {
+    if (!(event.relatedTarget instanceof Node && node.contains(event.relatedTarget))) show(false);
+  });
+  node.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && !menu.hidden) close(() => {});
+  });
+  return node;
+}
+
+/** Copy the scene's address; where the browser does not let a page do that, show it to be copied. */
+async function share(scene: Scene, events: SceneEvents): Promise<void> {
+  const address = new URL(`/view/${encodeURIComponent(scene.id)}`, location.href).href;
+  try {
+    await navigator.clipboard.writeText(address); // there is no clipboard on pages that are neither https nor localhost
+    events.say("Link copied");
+  } catch {
+    const field = element("input", { class: "input", value: address, readonly: true, "aria-label": "Link" });
+    field.addEventListener("focus", () => field.select());
+    const body = [element("p", { class: "hint" }, "Whoever can reach this server can watch it there."), field];
+    await ask({ title: `Link to ${nameOf(scene)}`, body, action: "Done", dismiss: "Close", run: async () => {} });
+  }
+}
+
+async function rename(scene: Scene, events: SceneEvents): Promise<void> {
+  const field = element("input", {
+    class: "input",
+    value: nameOf(scene),
+    maxlength: LONGEST_TITLE,
+    required: true,
+    autocomplete: "off",
+    autofocus: true,
+  });
+  field.addEventListener("focus", () => field.select());
+  const done = await ask({
+    title: "Rename the scene",
+    body: [element("label", { class: "field" }, element("span", {}, "Name"), field)],
+    action: "Rename",
+    run: () => renameScene(scene.id, field.value),
+  });
+  if (!done) return;
+  events.say("Renamed");
+  events.changed();
+}
+
+async function remove(scene: Scene, events: SceneEvents): Promise<void> {
+  const done = await ask({
+    title: `Delete ${nameOf(scene)}?`,
+    body: [
+      element("p", {}, "It disappears for everybody, and its link stops working."),
+      element("p", { class: "hint" }, "The files it was made from stay on the server."),
+    ],
+    action: "Delete",
+    danger: true,
+    run: () => deleteScene(scene.id),
+  });
+  if (!done) return;
+  events.say("Deleted");
+  events.changed();
+}

@@ -1,0 +1,65 @@
+/** The scenes as cards: thumbnail, title, length, size, and what can be done with each. */
+
+import { type Scene, thumbnailUrl } from "../protocol/api";
+import { element, icon } from "../ui/element";
+import { formatBytes, formatCount, formatDuration } from "../ui/format";
+import { PLAY } from "../ui/icons";
+import { type SceneEvents, sceneActions } from "./scene_actions";
+import { nameOf } from "./scene_order";
+import { showNodes } from "./shell";
+
+function card(scene: Scene, events: SceneEvents): HTMLElement {
+  const moving = scene.splats_dynamic > 0;
+  const figures = [
+    formatBytes(scene.bytes_total),
+    `${formatCount(scene.splats_static + scene.splats_dynamic)} splats`,
+    moving
+      ? `${Math.round((100 * scene.splats_dynamic) / (scene.splats_static + scene.splats_dynamic))}% moving`
+      : "still",
+  ];
+  const picture = element("img", { src: thumbnailUrl(scene.id), alt: "", loading: "lazy", width: 320, height: 180 });
+  picture.addEventListener("error", () => picture.remove()); // the placeholder behind it shows
+  const length = scene.end - scene.start;
+  return element(
+    "li",
+    { class: "scene" },
+    element(
+      "a",
+      { class: "card", href: `/view/${encodeURIComponent(scene.id)}` },
+      element(
+        "div",
+        { class: "card-picture" },
+        picture,
+        element("span", { class: "card-play" }, icon(PLAY)),
+        length > 0 ? element("span", { class: "card-length" }, formatDuration(length)) : null, // a still scene has none
+      ),
+      element("h3", { class: "card-title" }, nameOf(scene)),
+      element("p", { class: "card-figures" }, figures.join(" · ")),
+    ),
+    sceneActions(scene, events),
+  );
+}
+
+/** Cards that are made once per scene, and anew when the scene has changed. */
+export class SceneCards {
+  #cards = new Map<string, { readonly version: string; readonly node: HTMLElement }>();
+
+  constructor(
+    readonly list: HTMLElement,
+    readonly events: SceneEvents,
+  ) {}
+
+  show(scenes: readonly Scene[]): void {
+    const cards = new Map<string, { readonly version: string; readonly node: HTMLElement }>();
+    for (const scene of scenes) {
+      const version = JSON.stringify(scene);
+      const before = this.#cards.get(scene.id);
+      cards.set(scene.id, before?.version === version ? before : { version, node: card(scene, this.events) });
+    }
+    this.#cards = cards;
+    showNodes(
+      this.list,
+      [...cards.values()].map(({ node }) => node),
+    );
+  }
+}

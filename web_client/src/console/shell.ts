@@ -1,0 +1,74 @@
+/** What every page of the console has: the masthead, a line for problems, and short messages that pass. */
+
+import { ApiError } from "../protocol/api";
+import { element, setText } from "../ui/element";
+import "./console.css";
+
+const MESSAGE_SECONDS = 4;
+
+export interface Shell {
+  readonly main: HTMLElement;
+  /** Show what went wrong above the page; null or "" takes it away. */
+  problem(error: unknown): void;
+  /** Say something that needs no answer. */
+  say(text: string): void;
+}
+
+/** Make the page; `actions` stand at the end of the masthead. */
+export function showShell(root: HTMLElement, name: string, ...actions: HTMLElement[]): Shell {
+  const alert = element("p", { class: "alert", role: "alert", hidden: true });
+  const message = element("p", { class: "message", role: "status", hidden: true });
+  const main = element("main", { id: "main" }, alert);
+  root.className = `console ${name}`;
+  root.replaceChildren(
+    element("a", { class: "skip", href: "#main" }, "Skip to the content"),
+    element(
+      "header",
+      { class: "masthead" },
+      element(
+        "a",
+        { class: "home", href: "/" },
+        element("img", { src: "/icon.svg", alt: "", width: 36, height: 36 }),
+        element("span", {}, element("strong", {}, "HGS"), element("small", {}, "Moving scenes, streamed")),
+      ),
+      ...actions,
+    ),
+    main,
+    message,
+  );
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  return {
+    main,
+    problem(error) {
+      const text = error instanceof Error ? error.message : String(error ?? "");
+      alert.hidden = text === "";
+      setText(alert, text);
+    },
+    say(text) {
+      clearTimeout(timer);
+      message.hidden = false;
+      setText(message, text);
+      timer = setTimeout(() => {
+        message.hidden = true;
+        setText(message, "");
+      }, 1000 * MESSAGE_SECONDS);
+    },
+  };
+}
+
+/** Whether the server has said that there is no such thing. */
+export const isMissing = (error: unknown): boolean => error instanceof ApiError && error.status === 404;
+
+/** A place where there is nothing yet: what it is about, and what to do. */
+export function emptyState(title: string, ...what: (Node | string)[]): HTMLElement {
+  return element("div", { class: "empty" }, element("h3", {}, title), ...what);
+}
+
+/** Put the nodes into the list; those that stay where they are keep their focus. */
+export function showNodes(list: HTMLElement, nodes: readonly HTMLElement[]): void {
+  const same = nodes.length === list.children.length && nodes.every((node, i) => node === list.children[i]);
+  if (same) return;
+  const focused = document.activeElement;
+  list.replaceChildren(...nodes); // moving nodes drops the focus
+  if (focused instanceof HTMLElement && list.contains(focused)) focused.focus({ preventScroll: true });
+}

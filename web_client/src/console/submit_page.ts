@@ -1,0 +1,178 @@
+/** The form for a new scene: a capture, how well it shall be trained, and which cameras are kept to check it. */
+
+import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
+import { element } from "../ui/element";
+import { describeCapture } from "./capture_words";
+import { type Field, fieldOf, reasonOf } from "./form_errors";
+import { choices, chosenIn, FormField } from "./form_field";
+import { emptyState, type Shell, showShell } from "./shell";
+import "./form.css";
+
+const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
+const LEAST_CAMERAS = 2; // that training needs
+
+const PRESETS = [
+  { value: "preview", title: "Preview", note: "A first look, soonest" },
+  { value: "standard", title: "Standard", note: "A finished scene" },
+  { value: "best", title: "Best", note: "The finest picture, and by far the longest wait" },
+];
+
+export function showSubmitPage(root: HTMLElement): void {
+  document.title = "New scene · HGS";
+  const shell = showShell(root, "submit-page");
+  shell.main.append(element("h1", {}, "New scene"));
+  const waiting = element("p", { class: "hint", role: "status" }, "Looking for captures …");
+  shell.main.append(waiting);
+  const abort = new AbortController();
+  addEventListener("pagehide", () => abort.abort(), { once: true });
+  listCaptures(abort.signal).then(
+    (list) => {
+      waiting.remove();
+      shell.main.append(list.captures.length > 0 ? new SubmitForm(list, shell).node : noCaptures(list));
+    },
+    (error: unknown) => {
+      if (abort.signal.aborted) return;
+      waiting.remove();
+      shell.problem(error);
+    },
+  );
+}
+
+/** What to do where there is nothing to choose from. */
+function noCaptures({ folders }: CaptureList): HTMLElement {
+  const there = folders.filter(({ exists }) => exists);
+  const paths = (there.length > 0 ? there : folders).map(({ path }) => element("li", {}, element("code", {}, path)));
+  const retry = element("a", { class: "button primary", href: "/new" }, "Look again");
+  if (folders.length === 0)
+    return emptyState(
+      "This server reads no captures",
+      element(
+        "p",
+        { class: "hint" },
+        "Whoever runs it can name their folder with hgs serve --captures, and start it again.",
+      ),
+    );
+  return emptyState(
+    "No captures yet",
+    element(
+      "p",
+      { class: "hint" },
+      there.length > 0
+        ? "Copy the folder of a capture, its videos and camera poses, into this folder of the server:"
+        : "Make this folder on the server, and copy the folder of a capture into it, its videos and camera poses:",
+    ),
+    element("ul", { class: "paths" }, ...paths),
+    retry,
+  );
+}
+
+class SubmitForm {
+  readonly node: HTMLFormElement;
+  readonly #capture: FormField;
+  readonly #title = element("input", {
+    class: "input",
+    maxlength: LONGEST_TITLE,
+    autocomplete: "off",
+    "aria-label": "Name",
+  });
+  readonly #cameras = element("div", { class: "cameras" });
+  readonly #fields: Readonly<Record<Field, FormField>>;
+  readonly #submit = element("button", { class: "button primary" }, "Start");
+
+  constructor(
+    readonly list: CaptureList,
+    readonly shell: Shell,
+  ) {
+    const usable = list.captures.filter(({ problem }) => problem === null);
+    const offered = list.captures.map((capture) => ({
+      value: capture.capture,
+      title: capture.name,
+      note: describeCapture(capture),
+      problem: capture.problem ?? "",
+    }));
+    const first = usable.length === 1 ? usable[0].capture : "";
+    this.#capture = new FormField(
+      "capture",
+      "What was filmed",
+      [choices("capture", offered, first)],
+      list.complete ? "" : "There are more captures on the server than can be listed.",
+    );
+    this.#fields = {
+      capture: this.#capture,
+      title: new FormField("title", "Name of the scene", [this.#title]),
+      preset: new FormField("preset", "How well", [choices("preset", PRESETS, "standard")]),
+      hold_out: new FormField(
+        "hold_out",
+        "Cameras to check the scene with",
+        [this.#cameras],
+        "Their pictures are left out of the training, so that they show how good the scene is from where no camera stood. You need not choose any.",
+      ),
+    };
+    const { capture, title, preset, hold_out } = this.#fields;
+    this.node = element(
+      "form",
+      { class: "form", novalidate: true },
+      capture.node,
+      title.node,
+      preset.node,
+      hold_out.node,
+      element("div", { class: "form-actions" }, this.#submit, element("a", { class: "button", href: "/" }, "Cancel")),
+    );
+    this.#capture.node.addEventListener("change", () => this.#choose());
+    this.node.addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.#send();
+    });
+    this.#choose();
+  }
+
+  #chosen(): Capture | undefined {
+    const name = chosenIn(this.#capture.node);
+    return this.list.captures.find(({ capture }) => capture === name);
+  }
+
+  /** Offer the cameras of the capture, and its name for the scene's. */
+  #choose(): void {
+    const chosen = this.#chosen();
+    this.#title.placeholder = chosen?.name.split("/").at(-1) ?? "";
+    this.#capture.fault("");
+    this.#fields.hold_out.node.hidden = !chosen || chosen.cameras.length <= LEAST_CAMERAS;
+    this.#fields.hold_out.fault("");
+    this.#cameras.replaceChildren(
+      ...(chosen?.cameras ?? []).map((name) =>
+        element("label", { class: "camera" }, element("input", { type: "checkbox", value: name }), name),
+      ),
+    );
+  }
+
+  #heldOut(): string[] {
+    return [...this.#cameras.querySelectorAll<HTMLInputElement>("input:checked")].map(({ value }) => value);
+  }
+
+  async #send(): Promise<void> {
+    for (const field of Object.values(this.#fields)) field.fault("");
+    this.shell.problem(null);
+    const capture = chosenIn(this.#capture.node);
+    if (capture === "") return this.#refuse("capture", "Choose a capture.");
+    this.#submit.disabled = true;
+    try {
+      const job = await submitJob({
+        capture,
+        title: this.#title.value.trim(),
+        preset: chosenIn(this.#fields.preset.node),
+        hold_out: this.#heldOut(),
+      });
+      location.assign(`/job/${encodeURIComponent(job.id)}`);
+    } catch (error) {
+      this.#submit.disabled = false;
+      const field = error instanceof ApiError ? fieldOf(error) : null;
+      if (field === null || !(error instanceof ApiError)) this.shell.problem(error);
+      else this.#refuse(field, reasonOf(error));
+    }
+  }
+
+  #refuse(name: Field, reason: string): void {
+    this.#fields[name].fault(reason);
+    this.#fields[name].focus();
+  }
+}

@@ -1,0 +1,50 @@
+/** Requests to the server that the page came from, and its problem documents (docs/protocol.md, Errors). */
+
+/** The server answered with a problem, or not at all; the message is one line for people. */
+export class ApiError extends Error {
+  /**
+   * @param status of the answer; 0 where there was none
+   * @param field path of the value that the server refuses, such as `config.seed`; "" where it names none
+   */
+  constructor(
+    message: string,
+    readonly status = 0,
+    readonly code = "",
+    readonly field = "",
+  ) {
+    super(message);
+  }
+}
+
+/** @throws ApiError */
+export async function request(path: string, init: RequestInit = {}): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, init);
+  } catch {
+    throw new ApiError("The server cannot be reached.");
+  }
+  if (response.ok) return response;
+  const { detail, code, field } = await fields(response);
+  const reason = text(detail) || response.statusText;
+  throw new ApiError(`The server answered ${response.status}: ${reason}`, response.status, text(code), text(field));
+}
+
+/** @throws ApiError */
+export async function getJson(path: string, signal?: AbortSignal): Promise<Record<string, unknown>> {
+  return fields(await request(path, { signal, headers: { Accept: "application/json" } }));
+}
+
+/** @throws ApiError */
+export async function sendJson(method: string, path: string, body: unknown): Promise<Record<string, unknown>> {
+  const headers = { Accept: "application/json", "Content-Type": "application/json" };
+  return fields(await request(path, { method, headers, body: JSON.stringify(body) }));
+}
+
+/** The members of a JSON body; none if it is something else. */
+async function fields(response: Response): Promise<Record<string, unknown>> {
+  const body: unknown = await response.json().catch(() => null);
+  return typeof body === "object" && body !== null ? (body as Record<string, unknown>) : {};
+}
+
+const text = (value: unknown): string => (typeof value === "string" ? value : "");

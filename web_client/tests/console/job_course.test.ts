@@ -1,0 +1,113 @@
+import { describe, expect, it } from "vitest";
+import { JobCourse } from "../../src/console/job_course";
+import type { Job, JobPoint } from "../../src/protocol/api";
+
+const point = (done: number, fields: Partial<JobPoint> = {}): JobPoint => ({
+  attempt: 1,
+  stage: "train",
+  done,
+  total: 1000,
+  time: done / 10,
+  figures: { psnr: 20 + done / 100 },
+  ...fields,
+});
+
+const news = (done: number, fields: Partial<Job> = {}): Job => ({
+  id: "a",
+  state: "running",
+  attempt: 1,
+  capture: "/captures/studio",
+  title: "Studio",
+  preset: "preview",
+  config: {},
+  stage: "train",
+  progress: { stage: "train", done, total: 1000, figures: { psnr: 20 + done / 100, loss: 0.1 } },
+  error: null,
+  waiting: null,
+  scene: null,
+  created: 0,
+  updated: done / 10,
+  ...fields,
+});
+
+const course = (...points: JobPoint[]): JobCourse => {
+  const made = new JobCourse();
+  made.start(points);
+  return made;
+};
+
+describe("JobCourse", () => {
+  it("goes on from what the server kept, also with what came in before it was asked", () => {
+    const made = new JobCourse();
+    made.follow(news(300));
+    made.start([point(100), point(200)]);
+    made.follow(news(400));
+    expect(made.curve("train", "psnr")).toEqual([
+      [100, 21],
+      [200, 22],
+      [300, 23],
+      [400, 24],
+    ]);
+  });
+
+  it("takes back what a stage reports again after a checkpoint", () => {
+    const made = course(point(100), point(200), point(300));
+    made.follow(news(200, { attempt: 2 }));
+    expect(made.points.map(({ done }) => done)).toEqual([100, 200]);
+  });
+
+  it("keeps its curve when a stage says that it begins, and while a job waits", () => {
+    const made = course(point(100));
+    made.follow(news(0));
+    made.follow(news(100, { state: "queued" }));
+    expect(made.points).toHaveLength(1);
+  });
+
+  it("lists the figures of a stage, PSNR and loss first", () => {
+    const made = course(
+      point(1, { stage: "masks", figures: { share: 1 } }),
+      point(100, { figures: { static: 5, loss: 1, psnr: 20 } }),
+    );
+    expect(made.figures("train")).toEqual(["psnr", "loss", "static"]);
+    expect(made.figures("encode")).toEqual([]);
+  });
+
+  it("stays small", () => {
+    const made = new JobCourse();
+    for (let done = 1; done <= 20_000; done++)
+      made.follow(news(done, { progress: { stage: "train", done, total: 20_000, figures: {} } }));
+    expect(made.points.length).toBeLessThanOrEqual(4000);
+    expect(made.points.at(-1)?.done).toBe(20_000);
+  });
+});
+
+describe("remaining", () => {
+  it("goes by the speed of the latter half", () => {
+    // 10 per second up to 200, then 5 per second
+    const made = course(point(0, { time: 0 }), point(200, { time: 20 }), point(400, { time: 60 }));
+    expect(made.remaining(news(400))).toBeCloseTo(120);
+  });
+
+  it("goes by the present attempt alone", () => {
+    const made = course(
+      point(100, { time: 0 }),
+      point(400, { time: 9000, attempt: 2 }),
+      point(600, { time: 9020, attempt: 2 }),
+    );
+    expect(made.remaining(news(600, { attempt: 2 }))).toBeCloseTo(40);
+  });
+
+  it.each<[string, JobPoint[], Job]>([
+    ["nothing was reported", [], news(0)],
+    ["little was done", [point(0), point(15)], news(15)],
+    ["it took no time yet", [point(0, { time: 0 }), point(500, { time: 1 })], news(500)],
+    ["it waits", [point(0), point(500)], news(500, { state: "queued" })],
+    [
+      "another stage runs",
+      [point(0), point(500)],
+      news(1, { progress: { stage: "encode", done: 1, total: 9, figures: {} } }),
+    ],
+  ])("cannot tell where %s", (_, points, job) => {
+    expect(course(...points).remaining(job)).toBeNull();
+  });
+});
