@@ -21,6 +21,6 @@ export function configTable(config: Readonly<Record<string, unknown>>): HTMLElem
     "details",
     { class: "panel" },
     element("summary", {}, "Settings"),
-    element("div", { class: "scroll" }, table),
+    element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Settings" }, table),
   );
 }

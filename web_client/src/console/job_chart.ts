@@ -6,7 +6,7 @@ import type { JobCourse } from "./job_course";
 import { figureName, figureText } from "./job_words";
 
 const STAGE = "train"; // the stage that has figures worth a curve
-const HEIGHT = 220;
+const LEAST_HEIGHT = 220; // pixels
 const MARGIN = { left: 46, right: 12, top: 12, bottom: 26 };
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -67,7 +67,8 @@ export class JobChart {
   #draw(): void {
     const width = this.#svg.clientWidth || this.node.clientWidth;
     if (width === 0 || this.#points.length === 0) return;
-    const inner = { width: width - MARGIN.left - MARGIN.right, height: HEIGHT - MARGIN.top - MARGIN.bottom };
+    const tall = Math.max(this.#svg.clientHeight, LEAST_HEIGHT);
+    const inner = { width: width - MARGIN.left - MARGIN.right, height: tall - MARGIN.top - MARGIN.bottom };
     const last = this.#points[this.#points.length - 1];
     const x = { low: 0, high: last[0] };
     const y = scaleOf(
@@ -75,7 +76,7 @@ export class JobChart {
       4,
     );
     const height = (value: number): number => MARGIN.top + inner.height * (1 - (value - y.low) / (y.high - y.low));
-    this.#svg.setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
+    this.#svg.setAttribute("viewBox", `0 0 ${width} ${tall}`);
     const first = this.#points[0];
     const words = `${figureName(this.#figure)} from ${figureText(this.#figure, first[1])} to ${figureText(this.#figure, last[1])}`;
     this.#svg.setAttribute("aria-label", `${words} after ${last[0].toLocaleString("en")} iterations`);
@@ -89,8 +90,8 @@ export class JobChart {
         shape("line", { class: "grid", x1: MARGIN.left, x2: width - MARGIN.right, y1: height(tick), y2: height(tick) }),
         label(String(tick), MARGIN.left - 8, height(tick) + 4, "end"),
       ]),
-      label("0", MARGIN.left, HEIGHT - 6, "start"),
-      label(`${last[0].toLocaleString("en")} iterations`, width - MARGIN.right, HEIGHT - 6, "end"),
+      label("0", MARGIN.left, tall - 6, "start"),
+      label(`${last[0].toLocaleString("en")} iterations`, width - MARGIN.right, tall - 6, "end"),
       line,
     );
     this.#readLast();

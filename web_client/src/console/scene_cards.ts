@@ -2,7 +2,7 @@
 
 import { type Scene, thumbnailUrl } from "../protocol/api";
 import { element, icon } from "../ui/element";
-import { formatBytes, formatCount, formatDuration } from "../ui/format";
+import { formatBytes, formatDuration } from "../ui/format";
 import { PLAY } from "../ui/icons";
 import { type SceneEvents, sceneActions } from "./scene_actions";
 import { nameOf } from "./scene_order";
@@ -12,7 +12,6 @@ function card(scene: Scene, events: SceneEvents): HTMLElement {
   const moving = scene.splats_dynamic > 0;
   const figures = [
     formatBytes(scene.bytes_total),
-    `${formatCount(scene.splats_static + scene.splats_dynamic)} splats`,
     moving
       ? `${Math.round((100 * scene.splats_dynamic) / (scene.splats_static + scene.splats_dynamic))}% moving`
       : "still",

@@ -61,7 +61,7 @@ export const isMissing = (error: unknown): boolean => error instanceof ApiError 
 
 /** A place where there is nothing yet: what it is about, and what to do. */
 export function emptyState(title: string, ...what: (Node | string)[]): HTMLElement {
-  return element("div", { class: "empty" }, element("h3", {}, title), ...what);
+  return element("div", { class: "empty" }, element("h2", {}, title), ...what);
 }
 
 /** Put the nodes into the list; those that stay where they are keep their focus. */
