@@ -67,6 +67,11 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
     assert manifest.training["iterations"] == 60
 
 
+def test_a_training_leaves_a_picture_of_itself(finished: Path) -> None:
+    with Image.open(finished / "preview.jpg") as preview, Image.open(finished / "scene" / "thumbnail.jpg") as thumbnail:
+        assert preview.size == thumbnail.size
+
+
 def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) -> None:
     manifest = load_manifest(finished / "scene" / "manifest.json")
     trained = [camera for camera in manifest.cameras if camera.name not in CONFIG.capture.hold_out]
