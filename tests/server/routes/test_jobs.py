@@ -97,12 +97,16 @@ def test_captures_that_are_not_there_are_422(server: Any) -> None:
 def test_captures_that_cannot_be_read_are_422(server: Any) -> None:
     server.jobs.refuse = InputError("cam03.mp4", "59 frames, the others have 60", "record it again")
     response = server.request("POST", "/v1/jobs", json={"capture": "studio"})
-    assert_problem(response, 422, "capture-invalid", "cam03.mp4: 59 frames, the others have 60; record it again")
+    problem = assert_problem(
+        response, 422, "capture-invalid", "cam03.mp4: 59 frames, the others have 60; record it again"
+    )
+    assert problem["field"] == "capture"
 
 
 def test_hold_out_that_the_capture_lacks_is_a_bad_config(server: Any) -> None:
     server.jobs.refuse = InputError("config.capture.hold_out", "no camera 99")
-    assert_problem(server.request("POST", "/v1/jobs", json={"capture": "studio"}), 422, "config-invalid")
+    problem = assert_problem(server.request("POST", "/v1/jobs", json={"capture": "studio"}), 422, "config-invalid")
+    assert problem["field"] == "hold_out"
 
 
 def test_pages_of_other_origins_may_not_submit(server: Any) -> None:
