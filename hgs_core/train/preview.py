@@ -16,7 +16,7 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["Preview"]
 
-_PICTURES = 40  # of a training, evenly spread; each costs about as much as one step at thumbnail size
+_PICTURES = 40  # of a training, evenly spread
 
 
 class Preview:
