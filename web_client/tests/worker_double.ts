@@ -40,6 +40,6 @@ export class WorkerDouble {
 
   /** An order of one splat. */
   order(): void {
-    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, sortTime: 1 });
+    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, unchanged: 0, sortTime: 1 });
   }
 }

@@ -1,15 +1,16 @@
 /** Keeps the order of the splats up to date: asks the worker for one at a time, and remembers what the last one is of. */
 
 import type { SplatSink } from "../renderer/splat_drawer";
-import { type SplatDepth, sameDepth } from "../worker/depth";
 import type { OrderedSplats } from "../worker/messages";
 import type { SceneWorker } from "../worker/scene_worker";
 import type { Moment } from "./moment";
 import { OrderLead } from "./order_lead";
+import { type Sight, sameSight } from "./sight";
 
 /** What an order is of. */
-export interface OrderKey extends Moment {
-  readonly depth: SplatDepth;
+export interface OrderKey extends Moment, Sight {
+  /** Of a view that stands; one that moves has an order that is quicker and may swap splats of all but the same depth. */
+  readonly exact: boolean;
   /** Counts what the worker has decoded. */
   readonly version: number;
 }
@@ -101,14 +102,13 @@ export class OrderRequests {
     this.#shown = this.#asked;
     this.#asked = null;
     this.#fresh = true;
-    this.sink.setOrder(order.ids, order.count);
+    this.sink.setOrder(order.ids, order.count, order.unchanged);
   }
 
   shows(key: OrderKey): boolean {
     const shown = this.shown;
-    return (
-      shown !== null && shown.version === key.version && shown.time === key.time && sameDepth(shown.depth, key.depth)
-    );
+    if (key.exact && !shown?.exact) return false;
+    return shown !== null && shown.version === key.version && shown.time === key.time && sameSight(shown, key);
   }
 
   /** The renderer has lost its order. */

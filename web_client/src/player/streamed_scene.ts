@@ -15,12 +15,12 @@ import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
 import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
-import { depthOf } from "./depth_of_views";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
 import { LineRate } from "./line_rate";
 import { drawnTime, type Moment, momentOf, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
+import { type Sight, sameSight, sightOf } from "./sight";
 import type { View } from "./view";
 
 /** For at least so long an order can be drawn while the scene moves, seconds, should the next one be late. */
@@ -70,6 +70,7 @@ export class StreamedScene {
   #state: SourceState = "connecting";
   #bytes = 0;
   #pictureTime = 0;
+  #lastSight: Sight | null = null;
 
   constructor(options: SceneOptions, events: SceneEvents) {
     this.#options = options;
@@ -159,7 +160,10 @@ export class StreamedScene {
     if (!playback) return null;
     this.orders.frame(now);
     playback.tick(now / 1000);
-    const wanted = { depth: depthOf(views), ...this.#nextMoment(playback), version: this.#version };
+    const sight = sightOf(views);
+    const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
+    this.#lastSight = sight;
+    const wanted = { ...sight, exact, ...this.#nextMoment(playback), version: this.#version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
@@ -190,7 +194,7 @@ export class StreamedScene {
   #settled(wanted: OrderKey): boolean {
     const { shown } = this.orders;
     const playback = this.#playback;
-    if (!shown || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
+    if (!shown?.exact || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
     return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
   }
 

@@ -35,8 +35,11 @@ export interface SplatSink {
   writeStatics(first: number, texels: Float32Array): void;
   /** Take packed dynamic splats; `first` is the id of the first, at the start of a row. `fifth` may be empty. */
   writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void;
-  /** Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. */
-  setOrder(ids: Uint32Array, count: number): void;
+  /**
+   * Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. The first `unchanged` of them are
+   * those of the order before.
+   */
+  setOrder(ids: Uint32Array, count: number, unchanged: number): void;
 }
 
 export class SplatDrawer implements SplatSink {
@@ -78,8 +81,8 @@ export class SplatDrawer implements SplatSink {
     this.#fifth.write(this.gl, row, fifth);
   }
 
-  setOrder(ids: Uint32Array, count: number): void {
-    this.#order.write(this.gl, ids, count);
+  setOrder(ids: Uint32Array, count: number, unchanged = 0): void {
+    this.#order.write(this.gl, ids, count, unchanged);
     this.#count = count;
   }
 

@@ -1,62 +1,171 @@
-/** Depth sorting by full 32-bit float keys: a stable radix sort of 11-bit digits, and the merge of two sorted lists. */
+/** Sorting by depth, exactly: lists of (depth, id), and the merge of two sorted ones. */
 
 const DIGIT = 11;
 const BINS = 1 << DIGIT;
 const MASK = BINS - 1;
-
-/** Sorts (key, value) pairs in place; keeps its scratch memory between calls. */
-export class RadixSorter {
-  #keys = new Uint32Array(0);
-  #values = new Uint32Array(0);
-  readonly #bins = new Uint32Array(3 * BINS);
-
-  /**
-   * Sort the first `count` pairs by ascending key; equal keys keep their order.
-   *
-   * A non-negative float32 sorts as its bits, so depths beyond the near plane need no conversion.
-   */
-  sort(keys: Uint32Array, values: Uint32Array, count: number): void {
-    if (this.#keys.length < count) {
-      this.#keys = new Uint32Array(count);
-      this.#values = new Uint32Array(count);
-    }
-    const bins = this.#bins.fill(0);
-    for (let i = 0; i < count; i++) {
-      const key = keys[i];
-      bins[key & MASK]++;
-      bins[BINS + ((key >>> DIGIT) & MASK)]++;
-      bins[2 * BINS + (key >>> (2 * DIGIT))]++;
-    }
-    let [fromKeys, toKeys] = [keys, this.#keys as Uint32Array];
-    let [fromValues, toValues] = [values, this.#values as Uint32Array];
-    for (let pass = 0; pass < 3; pass++) {
-      const offset = pass * BINS;
-      const shift = pass * DIGIT;
-      let sum = 0;
-      for (let b = offset; b < offset + BINS; b++) {
-        const size = bins[b];
-        bins[b] = sum;
-        sum += size;
-      }
-      for (let i = 0; i < count; i++) {
-        const key = fromKeys[i];
-        const at = bins[offset + ((key >>> shift) & MASK)]++;
-        toKeys[at] = key;
-        toValues[at] = fromValues[i];
-      }
-      [fromKeys, toKeys] = [toKeys, fromKeys];
-      [fromValues, toValues] = [toValues, fromValues];
-    }
-    keys.set(fromKeys.subarray(0, count));
-    values.set(fromValues.subarray(0, count));
-  }
-}
+/** Bits by which two passes sort; the rest is left to insertion. */
+const QUICK_BITS = 2 * DIGIT;
+/** So many moves per splat may insertion make; what takes more is sorted by all bits. */
+const MOST_MOVES = 2;
 
 /** Splats sorted by ascending depth. */
 export interface SortedSplats {
-  readonly keys: Uint32Array; // bits of the float32 depth
+  readonly keys: Int32Array; // bits of the float32 depth
   readonly ids: Uint32Array;
   readonly count: number;
+}
+
+/**
+ * A list of (depth, id) that sorts itself; it keeps its memory from use to use.
+ *
+ * A non-negative float32 sorts as its bits, so that depths beyond the near plane need no conversion. Of these bits only
+ * those are looked at in which the depths of the list differ: the upper 22 by two passes of a radix sort, and what little
+ * is left by insertion into the nearly sorted list.
+ */
+export class DepthList implements SortedSplats {
+  count = 0;
+  keys = new Int32Array(0);
+  ids = new Uint32Array(0);
+  /** The keys as floats: write the first `count` of them, and of `ids`, and sort. */
+  depths = new Float32Array(0);
+  #otherKeys = new Int32Array(0);
+  #otherIds = new Uint32Array(0);
+  #digits = new Uint16Array(0); // in the memory of the other keys
+  readonly #bins = new Uint32Array(2 * BINS);
+
+  /** Empty the list and make room for so many. */
+  reset(capacity: number): void {
+    this.count = 0;
+    this.makeRoom(capacity);
+  }
+
+  /** Make room for so many more. */
+  makeRoom(more: number): void {
+    const capacity = this.count + more;
+    if (this.keys.length >= capacity) return;
+    const [keys, ids] = [this.keys.subarray(0, this.count), this.ids.subarray(0, this.count)];
+    const length = Math.ceil(capacity * 1.25);
+    this.keys = new Int32Array(length);
+    this.ids = new Uint32Array(length);
+    this.keys.set(keys);
+    this.ids.set(ids);
+    this.depths = new Float32Array(this.keys.buffer);
+    this.#otherKeys = new Int32Array(length);
+    this.#otherIds = new Uint32Array(length);
+    this.#digits = new Uint16Array(this.#otherKeys.buffer);
+  }
+
+  /** Sort by ascending depth; equal depths keep their order. */
+  sort(): void {
+    const { low, shift } = this.#range();
+    this.#twoPasses(low, shift);
+    if (shift === 0 || this.#insert(MOST_MOVES * this.count)) return;
+    this.#twoPasses(low, 0, MASK); // by the lower 22 bits, and then by the upper ones
+    this.#twoPasses(low, 32 - QUICK_BITS);
+  }
+
+  /**
+   * Write the ids into `out`, farthest first, in about two thirds of the time; the list itself is left in disorder. Depths
+   * whose bits differ in less than a 2^22nd of the list's range count as equal.
+   */
+  writeQuickly(out: Uint32Array): void {
+    const { keys, ids, count } = this;
+    const { low, shift } = this.#range();
+    const bins = this.#countDigits(low, shift, -1);
+    const upper = shift + DIGIT;
+    const digits = this.#digits;
+    const otherIds = this.#otherIds;
+    for (let i = 0; i < count; i++) {
+      const key = keys[i] - low;
+      const at = bins[(key >>> shift) & MASK]++;
+      digits[at] = key >>> upper;
+      otherIds[at] = ids[i];
+    }
+    const last = count - 1;
+    for (let i = 0; i < count; i++) out[last - bins[BINS + digits[i]]++] = otherIds[i];
+  }
+
+  /** The lowest key, and from which bit on the upper 22 bits of the differences to it lie. */
+  #range(): { low: number; shift: number } {
+    const { keys, count } = this;
+    let low = 0x7fffffff;
+    let high = 0;
+    for (let i = 0; i < count; i++) {
+      const key = keys[i];
+      if (key < low) low = key;
+      if (key > high) high = key;
+    }
+    let shift = 0;
+    while (count > 0 && (high - low) >>> shift >= 1 << QUICK_BITS) shift++;
+    return { low, shift };
+  }
+
+  /** Where the splats of each digit begin: of the 11 bits of `key - low` from `shift` on, and of those above, cut by `mask`. */
+  #countDigits(low: number, shift: number, mask: number): Uint32Array {
+    const { keys, count } = this;
+    const bins = this.#bins.fill(0);
+    const upper = shift + DIGIT;
+    for (let i = 0; i < count; i++) {
+      const key = keys[i] - low;
+      bins[(key >>> shift) & MASK]++;
+      bins[BINS + ((key >>> upper) & mask)]++;
+    }
+    for (let offset = 0; offset < 2 * BINS; offset += BINS) {
+      let sum = 0;
+      for (let bin = offset; bin < offset + BINS; bin++) {
+        const size = bins[bin];
+        bins[bin] = sum;
+        sum += size;
+      }
+    }
+    return bins;
+  }
+
+  /** A radix sort by 22 bits of `key - low` from `shift` on; `mask` cuts what lies above them, if anything does. */
+  #twoPasses(low: number, shift: number, mask = -1): void {
+    const { keys, ids, count } = this;
+    const [otherKeys, otherIds] = [this.#otherKeys, this.#otherIds];
+    const bins = this.#countDigits(low, shift, mask);
+    const upper = shift + DIGIT;
+    for (let i = 0; i < count; i++) {
+      const key = keys[i];
+      const at = bins[((key - low) >>> shift) & MASK]++;
+      otherKeys[at] = key;
+      otherIds[at] = ids[i];
+    }
+    for (let i = 0; i < count; i++) {
+      const key = otherKeys[i];
+      const at = bins[BINS + (((key - low) >>> upper) & mask)]++;
+      keys[at] = key;
+      ids[at] = otherIds[i];
+    }
+  }
+
+  /** Sort a nearly sorted list; returns false, and leaves the rest as it is, if that would take more than `most` moves. */
+  #insert(most: number): boolean {
+    const { keys, ids, count } = this;
+    let moves = 0;
+    let last = count > 0 ? keys[0] : 0;
+    for (let i = 1; i < count; i++) {
+      const key = keys[i];
+      if (key >= last) {
+        last = key;
+        continue;
+      }
+      const id = ids[i];
+      let at = i;
+      do {
+        keys[at] = keys[at - 1];
+        ids[at] = ids[at - 1];
+        at--;
+      } while (at > 0 && keys[at - 1] > key);
+      keys[at] = key;
+      ids[at] = id;
+      moves += i - at;
+      if (moves > most) return false;
+    }
+    return true;
+  }
 }
 
 /**

@@ -1,18 +1,25 @@
 /**
  * Which splats are drawn, and in which order: the statics before the camera, and the dynamics alive at the time, where
- * they have moved to by then.
+ * they have moved to by then; without those that the picture cannot show.
  */
 
 import { chunksOf, sliceAt } from "../codec/slices";
-import type { DecodedChunk, Manifest, StaticChunk } from "../codec/types";
-import { DYNAMIC_BIT, TEXTURE_WIDTH } from "../renderer/layout";
-import { type PlanarDepth, type RadialDepth, type SplatDepth, sameDepth } from "./depth";
+import type { DecodedChunk, Manifest } from "../codec/types";
+import { TEXTURE_WIDTH } from "../renderer/layout";
+import { BLOCK, StaticBlocks } from "./blocks";
+import { type SplatDepth, sameDepth } from "./depth";
+import { Dynamics } from "./dynamics";
+import { type Frustum, sameFrustum } from "./frustum";
 import type { Placement } from "./placement";
-import { mergeBackToFront, RadixSorter, type SortedSplats } from "./sort";
+import { DepthList, mergeBackToFront } from "./sort";
 
 /** What is to be ordered; times in seconds, of one segment. */
 export interface OrderRequest {
   readonly depth: SplatDepth;
+  /** Splats that it keeps are ordered alone; all, wherever they are, if null. */
+  readonly frustum: Frustum | null;
+  /** Whether the order must be exact; else it may take splats of all but the same depth for equal, which is faster. */
+  readonly exact: boolean;
   /** Dynamics are sorted where they are at this moment. */
   readonly time: number;
   /** All dynamics are in the order that are alive at any moment from `from` until `until`; `time` lies between. */
@@ -26,45 +33,17 @@ export interface SplatOrder {
   readonly count: number;
   /** Living dynamic splats among them. */
   readonly dynamic: number;
-}
-
-interface Statics {
-  readonly first: number;
-  readonly means: Float32Array;
-}
-
-interface Dynamics {
-  readonly count: number;
-  readonly first: number;
-  readonly motion: Float32Array;
-  readonly centers: Float32Array;
-  /** ln(255 sigma) / s: the square of how far from its centre in time a splat can be seen. */
-  readonly reach: Float32Array;
-}
-
-/** A list of (depth, id) that grows and sorts itself. */
-class DepthList implements SortedSplats {
-  count = 0;
-  keys = new Uint32Array(0);
-  ids = new Uint32Array(0);
-  depths = new Float32Array(0);
-
-  reset(capacity: number): void {
-    this.count = 0;
-    if (this.keys.length >= capacity) return;
-    this.keys = new Uint32Array(Math.ceil(capacity * 1.25));
-    this.ids = new Uint32Array(this.keys.length);
-    this.depths = new Float32Array(this.keys.buffer);
-  }
+  /** So many of the first ids are those of the order before. */
+  readonly unchanged: number;
 }
 
 export class SplatOrderer {
-  readonly #sorter = new RadixSorter();
-  readonly #statics: Statics[] = []; // by id
+  readonly #statics: StaticBlocks[] = []; // by id
   readonly #dynamics = new Map<string, Dynamics>();
   readonly #staticList = new DepthList();
   readonly #dynamicList = new DepthList();
-  #sortedBy: SplatDepth | null = null; // of the static list; null when it is out of date
+  #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // the static list; null when it is out of date
+  #lastStatics = 0; // statics behind all dynamics in the last order
 
   constructor(
     readonly manifest: Manifest,
@@ -74,128 +53,83 @@ export class SplatOrderer {
   add(id: string, chunk: DecodedChunk): void {
     const first = this.placement.first.get(id);
     if (first === undefined) return;
-    if (chunk.kind === "static") {
-      this.#addStatics(first, chunk);
+    if (chunk.kind === "dynamic") {
+      this.#dynamics.set(id, new Dynamics(first, chunk));
       return;
     }
-    const reach = new Float32Array(chunk.count);
-    for (let i = 0; i < chunk.count; i++) {
-      reach[i] = Math.log(255 * chunk.opacities[i]) / Math.exp(chunk.timeLogPrecisions[i]);
-    }
-    const { count, motion, timeCenters: centers } = chunk;
-    this.#dynamics.set(id, { count, first, motion, centers, reach });
+    this.#statics.push(new StaticBlocks(first, chunk));
+    this.#statics.sort((a, b) => a.first - b.first);
+    this.#sortedFor = null;
   }
 
   /** `recycled` is an earlier array of ids that may be written again. */
   order(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
-    this.#sortStatics(request.depth);
-    this.#sortDynamics(request);
-    const count = this.#staticList.count + this.#dynamicList.count;
-    const length = Math.ceil(count / TEXTURE_WIDTH) * TEXTURE_WIDTH;
-    const ids = recycled && recycled.length >= length ? recycled : new Uint32Array(length);
-    mergeBackToFront(this.#staticList, this.#dynamicList, ids);
-    return { ids, count, dynamic: this.#dynamicList.count };
+    return request.exact ? this.#exactly(request, recycled) : this.#quickly(request, recycled);
   }
 
-  #addStatics(first: number, chunk: StaticChunk): void {
-    this.#statics.push({ first, means: chunk.means });
-    this.#statics.sort((a, b) => a.first - b.first);
-    this.#sortedBy = null;
+  /** For a view that stands: only the dynamics are sorted anew. */
+  #exactly(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
+    const kept = this.#sortStatics(request);
+    const [statics, dynamics] = [this.#staticList, this.#dynamicList];
+    dynamics.reset(0);
+    this.#addDynamics(request, dynamics);
+    dynamics.sort();
+    const count = statics.count + dynamics.count;
+    const ids = rowsFor(count, recycled);
+    mergeBackToFront(statics, dynamics, ids);
+    const behind = staticsBehind(statics, dynamics);
+    const unchanged = kept ? Math.min(behind, this.#lastStatics) : 0;
+    this.#lastStatics = behind;
+    return { ids, count, dynamic: dynamics.count, unchanged };
   }
 
-  #sortStatics(depth: SplatDepth): void {
-    const last = this.#sortedBy;
-    if (last && sameDepth(last, depth)) return;
-    this.#sortedBy = depth;
+  /** For a view that moves: everything is sorted anew. */
+  #quickly(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
+    this.#sortedFor = null;
     const list = this.#staticList;
-    list.reset(this.#statics.reduce((sum, { means }) => sum + means.length / 3, 0));
-    if (depth.kind === "planar") this.#planarStatics(depth);
-    else this.#radialStatics(depth);
-    this.#sorter.sort(list.keys, list.ids, list.count);
+    this.#addStatics(request, list);
+    const statics = list.count;
+    this.#addDynamics(request, list);
+    const ids = rowsFor(list.count, recycled);
+    list.writeQuickly(ids);
+    return { ids, count: list.count, dynamic: list.count - statics, unchanged: 0 };
   }
 
-  #planarStatics({ x, y, z, offset, near }: PlanarDepth): void {
-    const list = this.#staticList;
-    const { depths, ids } = list;
-    let n = 0;
-    for (const { first, means } of this.#statics) {
-      for (let i = 0, at = 0; at < means.length; i++, at += 3) {
-        const depth = x * means[at] + y * means[at + 1] + z * means[at + 2] + offset;
-        if (!(depth >= near)) continue;
-        depths[n] = depth;
-        ids[n++] = first + i;
+  /** Returns false if the list had to be made anew. */
+  #sortStatics(request: OrderRequest): boolean {
+    const last = this.#sortedFor;
+    const { depth, frustum } = request;
+    if (last && sameDepth(last.depth, depth) && sameFrustum(last.frustum, frustum)) return true;
+    this.#sortedFor = { depth, frustum };
+    this.#addStatics(request, this.#staticList);
+    this.#staticList.sort();
+    return false;
+  }
+
+  /** Fill a list with the statics. */
+  #addStatics({ depth, frustum }: OrderRequest, list: DepthList): void {
+    list.reset(this.#statics.reduce((sum, { count }) => sum + count, 0));
+    for (const blocks of this.#statics) {
+      for (let begin = 0; begin < blocks.count; begin += BLOCK) {
+        if (!blocks.mayShow(begin, depth, frustum)) continue;
+        const end = Math.min(blocks.count, begin + BLOCK);
+        if (depth.kind === "planar") addPlanar(list, blocks, begin, end, depth);
+        else addRadial(list, blocks, begin, end, depth);
       }
     }
-    list.count = n;
   }
 
-  /** By the square of the distance, which grows as it does. */
-  #radialStatics({ x, y, z, near }: RadialDepth): void {
-    const list = this.#staticList;
-    const { depths, ids } = list;
-    const nearest = near * near;
-    let n = 0;
-    for (const { first, means } of this.#statics) {
-      for (let i = 0, at = 0; at < means.length; i++, at += 3) {
-        const dx = means[at] - x;
-        const dy = means[at + 1] - y;
-        const dz = means[at + 2] - z;
-        const square = dx * dx + dy * dy + dz * dz;
-        if (!(square >= nearest)) continue;
-        depths[n] = square;
-        ids[n++] = first + i;
-      }
-    }
-    list.count = n;
-  }
-
-  #sortDynamics({ depth: by, time, from, until }: OrderRequest): void {
-    const list = this.#dynamicList;
-    list.count = 0;
+  /** Add the living dynamics to a list. */
+  #addDynamics({ depth, frustum, time, from, until }: OrderRequest, list: DepthList): void {
     const { slices, segments } = this.manifest;
     const { segment } = slices[sliceAt(slices, time)] ?? {};
     if (segment === undefined) return;
     const { start, end } = segments[segment];
     const normalised = (moment: number) => (end > start ? (moment - start) / (end - start) : 0);
-    const t = normalised(time);
-    const [first, last] = [normalised(from), normalised(until)];
+    const span = [normalised(time), normalised(from), normalised(until)] as const;
     const chunks = this.#chunksBetween(segment, from, until);
-    list.reset(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
-    const { depths, ids } = list;
-    const planar = by.kind === "planar";
-    const offset = planar ? by.offset : 0;
-    const nearest = planar ? by.near : by.near * by.near;
-    let n = 0;
-    for (const { count, first: id, motion, centers, reach } of chunks) {
-      const width = motion.length / count;
-      const fifth = width > 12;
-      for (let i = 0; i < count; i++) {
-        const center = centers[i];
-        const outside = center < first ? first - center : center > last ? center - last : 0;
-        if (!(outside * outside <= reach[i])) continue;
-        const d = t - center;
-        const m = width * i;
-        let cx = motion[m + 9];
-        let cy = motion[m + 10];
-        let cz = motion[m + 11];
-        if (fifth) {
-          cx += d * (motion[m + 12] + d * motion[m + 15]);
-          cy += d * (motion[m + 13] + d * motion[m + 16]);
-          cz += d * (motion[m + 14] + d * motion[m + 17]);
-        }
-        const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * cx));
-        const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * cy));
-        const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * cz));
-        const depth = planar
-          ? by.x * x + by.y * y + by.z * z + offset
-          : (x - by.x) * (x - by.x) + (y - by.y) * (y - by.y) + (z - by.z) * (z - by.z);
-        if (!(depth >= nearest)) continue;
-        depths[n] = depth;
-        ids[n++] = (DYNAMIC_BIT | (id + i)) >>> 0;
-      }
-    }
-    list.count = n;
-    this.#sorter.sort(list.keys, ids, n);
+    list.makeRoom(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
+    for (const chunk of chunks) chunk.addTo(list, depth, frustum, ...span);
   }
 
   /** Those of a segment with splats alive from `from` until `until`, seconds, in order of their ids. */
@@ -207,4 +141,69 @@ export class SplatOrderer {
     }
     return [...ids].flatMap((id) => this.#dynamics.get(id) ?? []).sort((a, b) => a.first - b.first);
   }
+}
+
+/** An array of whole rows of the order texture. */
+function rowsFor(count: number, recycled?: Uint32Array<ArrayBuffer>): Uint32Array<ArrayBuffer> {
+  const length = Math.ceil(count / TEXTURE_WIDTH) * TEXTURE_WIDTH;
+  return recycled && recycled.length >= length ? recycled : new Uint32Array(length);
+}
+
+type Of<Kind> = Extract<SplatDepth, { kind: Kind }>;
+
+function addPlanar(
+  list: DepthList,
+  { first, means }: StaticBlocks,
+  begin: number,
+  end: number,
+  by: Of<"planar">,
+): void {
+  const { depths, ids } = list;
+  const { x, y, z, offset, near } = by;
+  let n = list.count;
+  for (let i = begin, at = 3 * begin; i < end; i++, at += 3) {
+    const depth = x * means[at] + y * means[at + 1] + z * means[at + 2] + offset;
+    if (!(depth >= near)) continue;
+    depths[n] = depth;
+    ids[n++] = first + i;
+  }
+  list.count = n;
+}
+
+/** By the square of the distance, which grows as it does. */
+function addRadial(
+  list: DepthList,
+  { first, means }: StaticBlocks,
+  begin: number,
+  end: number,
+  by: Of<"radial">,
+): void {
+  const { depths, ids } = list;
+  const { x, y, z } = by;
+  const nearest = by.near * by.near;
+  let n = list.count;
+  for (let i = begin, at = 3 * begin; i < end; i++, at += 3) {
+    const dx = means[at] - x;
+    const dy = means[at + 1] - y;
+    const dz = means[at + 2] - z;
+    const square = dx * dx + dy * dy + dz * dz;
+    if (!(square >= nearest)) continue;
+    depths[n] = square;
+    ids[n++] = first + i;
+  }
+  list.count = n;
+}
+
+/** How many of the sorted statics lie behind all dynamics: so many are drawn first. */
+function staticsBehind(statics: DepthList, dynamics: DepthList): number {
+  if (dynamics.count === 0) return statics.count;
+  const farthest = dynamics.keys[dynamics.count - 1];
+  let low = 0;
+  let high = statics.count;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (statics.keys[middle] <= farthest) low = middle + 1;
+    else high = middle;
+  }
+  return statics.count - low;
 }

@@ -65,6 +65,17 @@ describe("StreamedScene.step", () => {
     expect(shots?.map(({ pose }) => pose.translation[0])).toEqual([-0.03, 0.03]);
     expect(orders()).toHaveLength(1);
   });
+
+  it("has a view that moves ordered quickly, and exactly once it stands", () => {
+    begin();
+    const shown = [0, 1, 2, 2, 2].map((x, i) => {
+      const { settled } = scene.step(16 * i, [view(x)]) ?? {};
+      if (orders().length > i) answer();
+      return settled;
+    });
+    expect(orders().map(({ request }) => request.exact)).toEqual([true, false, false, true]);
+    expect(shown).toEqual([false, false, false, false, true]);
+  });
 });
 
 describe("a scene that plays", () => {

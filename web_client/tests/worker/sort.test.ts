@@ -1,55 +1,88 @@
+import fc from "fast-check";
 import { describe, expect, it } from "vitest";
-import { mergeBackToFront, RadixSorter, type SortedSplats } from "../../src/worker/sort";
+import { DepthList, mergeBackToFront, type SortedSplats } from "../../src/worker/sort";
+import { random } from "../random";
 
-const bits = (values: number[]) => new Uint32Array(new Float32Array(values).buffer);
+const bits = (values: number[]) => new Int32Array(new Float32Array(values).buffer);
 const list = (depths: number[], ids: number[]): SortedSplats => ({
   keys: bits(depths),
   ids: new Uint32Array(ids),
   count: ids.length,
 });
 
-/** Deterministic pseudo-random numbers in [0, 1) (a linear congruential generator). */
-function random(seed: number): () => number {
-  let state = seed;
-  return () => {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    return state / 2 ** 32;
-  };
+/** The list of (depth, index), sorted. */
+function sorted(depths: readonly number[], made = new DepthList()): DepthList {
+  made.reset(depths.length);
+  made.depths.set(depths);
+  made.ids.set(depths.map((_, i) => i));
+  made.count = depths.length;
+  made.sort();
+  return made;
 }
 
-describe("RadixSorter", () => {
-  it("sorts positive floats by their bits as Array.sort does", () => {
+const idsOf = ({ ids, count }: DepthList) => Array.from(ids.subarray(0, count));
+
+/** As Array.sort sorts them. */
+const expected = (depths: readonly number[]) =>
+  depths
+    .map((depth, id) => ({ depth: Math.fround(depth), id }))
+    .sort((a, b) => a.depth - b.depth || a.id - b.id)
+    .map(({ id }) => id);
+
+describe("DepthList", () => {
+  it.each([
+    ["of a room", (u: number) => 1.5 + 4 * u],
+    ["over many octaves", (u: number) => 10 ** (16 * u - 8)],
+    ["that are all but equal", (u: number) => 5 + 1e-5 * u],
+    ["of a room with one splat far away", (u: number, i: number) => (i === 77 ? 1e18 : 2 + u)],
+    [
+      "on one small place, with others near and far",
+      (u: number, i: number) => (i % 500 === 0 ? 10 ** (8 * u) : 3 + 1e-3 * u),
+    ],
+    ["of few values", (u: number) => Math.floor(8 * u)],
+    ["that are equal", () => 3],
+    ["up to infinity", (u: number) => (u < 0.01 ? Infinity : u)],
+  ])("sorts depths %s as Array.sort does, equal ones by index", (_, depthOf) => {
     const next = random(1);
-    const depths = Array.from({ length: 10000 }, () => Math.fround(10 ** (6 * next() - 2)));
-    const keys = bits(depths);
-    const ids = Uint32Array.from(depths, (_, i) => i);
-    new RadixSorter().sort(keys, ids, ids.length);
-    const expected = depths.map((depth, id) => ({ depth, id })).sort((a, b) => a.depth - b.depth || a.id - b.id);
-    expect(Array.from(ids)).toEqual(expected.map(({ id }) => id));
-    expect(Array.from(new Float32Array(keys.buffer))).toEqual(expected.map(({ depth }) => depth));
+    const depths = Array.from({ length: 20_000 }, (_, i) => depthOf(next(), i));
+    const list = sorted(depths);
+    expect(idsOf(list)).toEqual(expected(depths));
+    expect(Array.from(list.depths.subarray(0, list.count))).toEqual(idsOf(list).map((id) => Math.fround(depths[id])));
   });
 
-  it("tells neighbouring floats apart", () => {
-    const keys = Uint32Array.of(0x41000001, 0x41000000, 0x41000002);
-    const ids = Uint32Array.of(0, 1, 2);
-    new RadixSorter().sort(keys, ids, 3);
-    expect(Array.from(ids)).toEqual([1, 0, 2]);
+  it("sorts any list", () => {
+    const depth = fc.oneof(fc.float({ min: 0, noNaN: true }), fc.constantFrom(0, 1, 1.0000001, 2));
+    fc.assert(
+      fc.property(fc.array(depth, { maxLength: 200 }), (depths) => {
+        expect(idsOf(sorted(depths))).toEqual(expected(depths));
+      }),
+    );
   });
 
-  it("keeps the order of equal keys", () => {
-    const keys = bits([2, 1, 2, 1, 2]);
-    const ids = Uint32Array.of(10, 11, 12, 13, 14);
-    new RadixSorter().sort(keys, ids, 5);
-    expect(Array.from(ids)).toEqual([11, 13, 10, 12, 14]);
+  it("writes quickly what is sorted but for depths that are all but the same", () => {
+    const next = random(2);
+    const depths = Float32Array.from({ length: 50_000 }, () => 10 ** (4 * next() - 1));
+    const list = new DepthList();
+    list.reset(depths.length);
+    list.depths.set(depths);
+    list.ids.set(depths.map((_, i) => i));
+    list.count = depths.length;
+    const out = new Uint32Array(depths.length);
+    list.writeQuickly(out);
+    expect(new Set(out).size).toBe(depths.length);
+    for (let i = 1; i < out.length; i++) {
+      const [back, front] = [out[i - 1], out[i]];
+      expect(depths[front] / depths[back]).toBeLessThan(1 + 1e-5);
+      if (depths[front] === depths[back]) expect(front).toBeLessThan(back);
+    }
   });
 
-  it("leaves what lies behind the count alone, and sorts short after long", () => {
-    const sorter = new RadixSorter();
-    sorter.sort(bits([3, 2, 1]), Uint32Array.of(0, 1, 2), 3);
-    const keys = bits([2, 1, 0.5]);
-    const ids = Uint32Array.of(7, 8, 9);
-    sorter.sort(keys, ids, 2);
-    expect(Array.from(ids)).toEqual([8, 7, 9]);
+  it("forgets what it held before", () => {
+    const list = sorted([3, 2, 1]);
+    expect(idsOf(sorted([2, 1], list))).toEqual([1, 0]);
+    list.reset(0);
+    list.sort();
+    expect(list.count).toBe(0);
   });
 });
 

@@ -3,6 +3,7 @@ import { DYNAMIC_BIT } from "../../src/renderer/layout";
 import type { SplatDepth } from "../../src/worker/depth";
 import { placeChunks } from "../../src/worker/placement";
 import { SplatOrderer } from "../../src/worker/splat_order";
+import { random } from "../random";
 import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";
 
 const AXIS: SplatDepth = { kind: "planar", x: 0, y: 0, z: 1, offset: 0, near: 0.01 };
@@ -17,7 +18,7 @@ function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatO
 }
 
 const drawn = (o: SplatOrderer, time = 0, depth: SplatDepth = AXIS) => {
-  const { ids, count } = o.order({ depth, time, from: time, until: time });
+  const { ids, count } = o.order({ depth, frustum: null, exact: true, time, from: time, until: time });
   return Array.from(ids.subarray(0, count));
 };
 
@@ -63,7 +64,7 @@ describe("SplatOrderer", () => {
   it("holds what is alive at any moment of an interval, sorted as at its time", () => {
     const o = orderer([], dynamicChunk([1, 2, 3], [0, 0, 0], [0, 0.5, 1], 4)); // seen for 0.298 about their centres
     const ids = (time: number, from: number, until: number) => {
-      const order = o.order({ depth: AXIS, time, from, until });
+      const order = o.order({ depth: AXIS, frustum: null, exact: true, time, from, until });
       return Array.from(order.ids.subarray(0, order.count));
     };
     expect(ids(0.5, 0.5, 0.5)).toEqual([dynamic(1), dynamic(0)]); // in normalised time: 0.25
@@ -81,7 +82,7 @@ describe("SplatOrderer", () => {
     const m = manifest({ segments, slices });
     const o = new SplatOrderer(m, placeChunks(m));
     for (const id of ["a", "b", "c"]) o.add(id, dynamicChunk([1], [0], [0.5], -9));
-    const { count } = o.order({ depth: AXIS, time: 0.4, from: 0.4, until: 1 });
+    const { count } = o.order({ depth: AXIS, frustum: null, exact: true, time: 0.4, from: 0.4, until: 1 });
     expect(count).toBe(2);
   });
 
@@ -121,9 +122,54 @@ describe("SplatOrderer", () => {
     expect(drawn(o, 3)).toEqual([dynamic(256)]);
   });
 
+  it("tells how much of the order is as it was: the statics behind all that moves", () => {
+    const o = orderer([0, 0, 1, 0, 0, 5, 0, 0, 4, 0, 0, 3], dynamicChunk([2], [1], [0], 0));
+    const unchanged = (time: number, depth: SplatDepth = AXIS) =>
+      o.order({ depth, frustum: null, exact: true, time, from: time, until: time }).unchanged;
+    expect(unchanged(0)).toBe(0); // the first
+    expect(unchanged(0.1)).toBe(3);
+    expect(unchanged(1)).toBe(3); // t = 0.5: at z = 2.5
+    expect(unchanged(2)).toBe(2); // t = 1: at z = 3, behind the splat there
+    expect(unchanged(0)).toBe(2);
+    expect(unchanged(0, { ...AXIS, offset: 1 })).toBe(0);
+  });
+
+  it("leaves out what the picture cannot show", () => {
+    const o = orderer([0, 0, 1, 50, 0, 1], dynamicChunk([1], [0], [0], -9));
+    const frustum = [{ x: 1, y: 0, z: 0, offset: -10, spread: 1 }];
+    const order = o.order({ depth: AXIS, frustum, exact: true, time: 0, from: 0, until: 0 });
+    expect([order.count, order.dynamic]).toEqual([2, 0]); // the statics are neighbours, and kept or left out together
+  });
+
+  it("orders a moving view as a standing one but for splats of all but the same depth", () => {
+    const next = random(3);
+    const means = Array.from({ length: 600 }, (_, i) => (i % 3 === 2 ? 1 + 4 * next() : next() - 0.5));
+    const depths = Array.from({ length: 100 }, () => 1 + 4 * next());
+    const zeros = depths.map(() => 0);
+    const o = orderer(means, dynamicChunk(depths, zeros, zeros, -9));
+    for (const depth of [AXIS, { kind: "radial", x: 0.1, y: 0.2, z: 0, near: 0.1 }] as const) {
+      const order = (exact: boolean) => o.order({ depth, frustum: null, exact, time: 0, from: 0, until: 0 });
+      const [quick, slow] = [order(false), order(true)];
+      expect(quick.dynamic).toBe(100);
+      expect(Array.from(quick.ids)).toEqual(Array.from(slow.ids)); // of so few none are that close
+      expect(order(false)).toEqual(quick);
+    }
+  });
+
+  it("takes up splats that come while the view moves", () => {
+    const m = manifest({ static: [entry("a"), entry("b")] });
+    const o = new SplatOrderer(m, placeChunks(m));
+    const request = { depth: AXIS, frustum: null, exact: false, time: 0, from: 0, until: 0 };
+    o.add("b", staticChunk([0, 0, 1]));
+    expect(o.order(request).count).toBe(1);
+    o.add("a", staticChunk([0, 0, 2]));
+    expect(o.order({ ...request, exact: true }).count).toBe(2);
+    expect(o.order(request).count).toBe(2);
+  });
+
   it("writes into a recycled array that is long enough", () => {
     const o = orderer([0, 0, 1]);
-    const request = { depth: AXIS, time: 0, from: 0, until: 0 };
+    const request = { depth: AXIS, frustum: null, exact: true, time: 0, from: 0, until: 0 };
     const first = o.order(request);
     expect(o.order(request, first.ids).ids).toBe(first.ids);
   });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { poseAt, project } from "../../src/camera/pinhole";
 import { apply, fromRows, type Mat3, rotateAbout, type Vec3 } from "../../src/camera/vector";
-import { depthOf } from "../../src/player/depth_of_views";
+import { sightOf } from "../../src/player/sight";
 import type { View } from "../../src/player/view";
 
 const HEAD: Vec3 = [0.3, -1.6, 2.5];
@@ -22,11 +22,11 @@ function eyes(angle: number): [View, View] {
   return [eye(-0.032), eye(0.032)];
 }
 
-describe("depthOf", () => {
+describe("sightOf", () => {
   it("is a single view's depth along its axis", () => {
     const rotation = turned(0.7);
     const pose = poseAt(HEAD, rotation);
-    const depth = depthOf([{ pose, camera }]);
+    const { depth } = sightOf([{ pose, camera }]);
     const point: Vec3 = [2, 0.5, -1];
     if (depth.kind !== "planar") throw new Error(depth.kind);
     const along = depth.x * point[0] + depth.y * point[1] + depth.z * point[2] + depth.offset;
@@ -37,7 +37,7 @@ describe("depthOf", () => {
 
   it("is the distance from the middle of a head's eyes, whichever way it looks", () => {
     for (const angle of [0, 0.4, 3]) {
-      const { kind, x, y, z } = depthOf(eyes(angle));
+      const { kind, x, y, z } = sightOf(eyes(angle)).depth;
       expect(kind).toBe("radial");
       [x, y, z].forEach((value, i) => {
         expect(value).toBeCloseTo(HEAD[i], 6);
@@ -45,7 +45,12 @@ describe("depthOf", () => {
     }
   });
 
+  it("keeps splats all around a head, and those that a single view may show", () => {
+    expect(sightOf(eyes(0)).frustum).toBeNull();
+    expect(sightOf([eyes(0)[0]]).frustum).toHaveLength(4);
+  });
+
   it("leaves out nothing that either eye could see", () => {
-    expect(depthOf(eyes(1)).near).toBeCloseTo(0.05 - 0.032, 6);
+    expect(sightOf(eyes(1)).depth.near).toBeCloseTo(0.05 - 0.032, 6);
   });
 });

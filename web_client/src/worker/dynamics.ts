@@ -1,0 +1,75 @@
+/** The splats of a chunk that move: which of them are alive when, and where. */
+
+import type { DynamicChunk } from "../codec/types";
+import { DYNAMIC_BIT } from "../renderer/layout";
+import type { SplatDepth } from "./depth";
+import { type Frustum, mayShow, reachOf } from "./frustum";
+import type { DepthList } from "./sort";
+
+const CUBIC = 12; // numbers of a motion that goes no further
+
+export class Dynamics {
+  readonly count: number;
+  readonly #motion: Float32Array;
+  readonly #centers: Float32Array;
+  /** ln(255 sigma) / s: the square of how far from its centre in time a splat can be seen. */
+  readonly #lives: Float32Array;
+  readonly #reaches: Float32Array; // world units
+
+  /** @param first id of its first splat, without DYNAMIC_BIT. */
+  constructor(
+    readonly first: number,
+    { count, motion, timeCenters, timeLogPrecisions, opacities, logScales }: DynamicChunk,
+  ) {
+    this.count = count;
+    this.#motion = motion;
+    this.#centers = timeCenters;
+    this.#lives = new Float32Array(count);
+    this.#reaches = new Float32Array(count);
+    for (let i = 0; i < count; i++) {
+      this.#lives[i] = Math.log(255 * opacities[i]) / Math.exp(timeLogPrecisions[i]);
+      this.#reaches[i] = reachOf(opacities[i], logScales[3 * i], logScales[3 * i + 1], logScales[3 * i + 2]);
+    }
+  }
+
+  /** Add those that are alive at any time from `from` until `until` and may show where they are at `t`; normalised times. */
+  addTo(list: DepthList, by: SplatDepth, frustum: Frustum | null, t: number, from: number, until: number): void {
+    const { depths, ids } = list;
+    const { count, first } = this;
+    const motion = this.#motion;
+    const centers = this.#centers;
+    const lives = this.#lives;
+    const reaches = this.#reaches;
+    const planar = by.kind === "planar";
+    const offset = planar ? by.offset : 0;
+    const nearest = planar ? by.near : by.near * by.near;
+    const width = motion.length / count;
+    const fifth = width > CUBIC;
+    let n = list.count;
+    for (let i = 0; i < count; i++) {
+      const center = centers[i];
+      const outside = center < from ? from - center : center > until ? center - until : 0;
+      if (!(outside * outside <= lives[i])) continue;
+      const d = t - center;
+      const m = width * i;
+      let cx = motion[m + 9];
+      let cy = motion[m + 10];
+      let cz = motion[m + 11];
+      if (fifth) {
+        cx += d * (motion[m + 12] + d * motion[m + 15]);
+        cy += d * (motion[m + 13] + d * motion[m + 16]);
+        cz += d * (motion[m + 14] + d * motion[m + 17]);
+      }
+      const x = motion[m] + d * (motion[m + 3] + d * (motion[m + 6] + d * cx));
+      const y = motion[m + 1] + d * (motion[m + 4] + d * (motion[m + 7] + d * cy));
+      const z = motion[m + 2] + d * (motion[m + 5] + d * (motion[m + 8] + d * cz));
+      const depth = planar
+        ? by.x * x + by.y * y + by.z * z + offset
+        : (x - by.x) * (x - by.x) + (y - by.y) * (y - by.y) + (z - by.z) * (z - by.z);
+      if (!(depth >= nearest) || (frustum !== null && !mayShow(frustum, x, y, z, reaches[i]))) continue;
+      depths[n] = depth;
+      ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
+    }
+    list.count = n;
+  }
+}
