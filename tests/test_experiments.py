@@ -8,6 +8,7 @@ import torch
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
 from scripts.experiments.near_duplicates import has_duplicate
+from scripts.experiments.outside_views import degrees_outside
 from scripts.experiments.unseen_pixels import times_seen
 
 
@@ -26,6 +27,15 @@ def test_a_wall_is_seen_where_pictures_overlap_and_nothing_stands_before_it() ->
     assert np.array_equal(times_seen(camera_at(0.0), wall, [(beside, wall)])[0], [0, 0, 1, 1, 1, 1, 1, 1])
     assert np.array_equal(times_seen(camera_at(0.0), wall, [(beside, hidden)])[0], [0, 0, 1, 1, 1, 1, 0, 0])
     assert times_seen(camera_at(0.0), wall, [(beside, wall), (camera_at(0.0), wall)])[0, 7] == 2
+
+
+def test_a_view_is_as_far_outside_as_the_nearest_camera_is() -> None:
+    def towards(degrees: float) -> np.ndarray:
+        return np.array([np.cos(np.deg2rad(degrees)), 0.0, np.sin(np.deg2rad(degrees))])
+
+    others = [towards(degrees) for degrees in (-30, 0, 25)]
+    for degrees, expected in ((-48, 18), (-30, 0), (10, 10), (14, 11), (205, 125)):
+        assert abs(degrees_outside(towards(degrees), others) - expected) < 1e-3
 
 
 def test_duplicates_are_alike_in_place_shape_and_colour() -> None:

@@ -113,6 +113,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
 _RANGES: dict[str, Range] = {
     "iterations": (1, 1_000_000),  # 25 times those of `best`: days of a machine
     "segment_frames": (2, 1_000_000),  # nine hours at 30 frames per second: never cut
+    "elongation": (1.0, 1e6),  # no picture is a million pixels long
     "dssim": _SHARE,
     "coarse_until": _SHARE,
     "settle_from": _SHARE,
@@ -130,6 +131,7 @@ class TrainConfig:
     motion_order: int = 3  # degree of the position polynomial: 1, 2, 3 or 5
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
     antialiased: bool = True  # draw so, now and in every viewer: right from any distance (docs/training.md)
+    elongation: float = 20.0  # longest axis of a splat in multiples of its middle one, at most (docs/training.md)
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution

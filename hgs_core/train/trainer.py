@@ -191,12 +191,22 @@ class Trainer:
             state.history.follow(step.loss, decibels(max(error, 1e-10)))
 
     def _constrain(self) -> None:
-        """Keep colours displayable and lives no shorter than frames can tell."""
+        """Keep colours displayable, lives no shorter than frames can tell, and needles short."""
         frames = max(2, self.segment.frames)
         sharpest = math.log(math.log(2) * ((frames - 1) / _SHORTEST_LIFE) ** 2)
         self.state.static.rgb.clamp_(0, 1)
         self.state.dynamic.rgb.clamp_(0, 1)
         self.state.dynamic.time_log_precisions.clamp_(max=sharpest)
+        _shorten_needles(self.state.dynamic.log_scales, self.config.elongation)
+        if self.statics_learn:
+            _shorten_needles(self.state.static.log_scales, self.config.elongation)
+
+
+def _shorten_needles(log_scales: Tensor, elongation: float) -> None:
+    """Let no axis [N, 3] be longer than `elongation` times the middle one, in place."""
+    if len(log_scales):
+        middle = log_scales.median(dim=1, keepdim=True).values
+        torch.minimum(log_scales, middle + math.log(elongation), out=log_scales)
 
 
 def _copied(array: Tensor) -> npt.NDArray[np.float32]:

@@ -18,7 +18,7 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
-from hgs_core.train.config import DensityConfig, TrainConfig
+from hgs_core.train.config import DensityConfig, LearningRates, TrainConfig
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.segments import cut_into_segments
@@ -78,6 +78,30 @@ def test_pictures_get_closer_to_the_truth(capture_folder: Path, tmp_path: Path) 
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(coarse_until=0.0, iterations=150))
     training.run(lambda progress: figures.append(progress.figures["psnr"]))
     assert figures[-1] > figures[0] + 2
+
+
+@pytest.mark.parametrize("elongation", [3.0, 1e6])
+def test_no_axis_is_longer_than_the_middle_one_times_the_elongation(
+    capture_folder: Path, tmp_path: Path, elongation: float
+) -> None:
+    settings = config(elongation=elongation, learning_rates=LearningRates(log_scale=0.1))
+    scene = trainer(capture_folder, tmp_path / "checkpoint.pt", settings).run(silent)
+    for splats in (scene.static, scene.segments[0].dynamic):
+        axes = np.sort(np.exp(splats.log_scales.astype(np.float64)), axis=1)
+        longest = (axes[:, 2] / axes[:, 1]).max()
+        assert longest <= 3.0 + 1e-4 if elongation == 3.0 else longest > 4  # as long as pictures want it
+
+
+def test_a_later_segment_leaves_the_needles_of_the_first_alone(capture_folder: Path, tmp_path: Path) -> None:
+    first = trainer(capture_folder, tmp_path / "first.pt", config(iterations=1)).state
+    first.static.log_scales[:, 0] += 5.0
+    before = first.static.log_scales.clone()
+    settings = config(iterations=5, elongation=3.0)
+    capture = open_capture(capture_folder)
+    (segment,) = cut_into_segments(capture.times, settings.segment_frames)
+    start = initial_splats(points(), segment.clock, 2)
+    second = Trainer(capture, seen(capture), settings, 0, segment, start, tmp_path / "second.pt", after=first)
+    assert torch.equal(second.state.static.log_scales, before)
 
 
 def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> None:
