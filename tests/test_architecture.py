@@ -120,7 +120,6 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.base.arrays": "names of array types",
     "hgs_core.base.progress": "a report, a signal and a callback that does nothing",
     "hgs_core.bench.operations": "constants",
-    "hgs_core.capture.layout": "a record",
     "hgs_core.interchange.file_format": "records",
     "hgs_core.render.constants": "constants",
     **dict.fromkeys(
@@ -150,7 +149,6 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
             "jobs.recovery",
             "jobs.training_queue",
             "jobs.workflows",
-            "server.scene_watchers",
         ),
         NOT_YET,
     ),

@@ -12,12 +12,13 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   camera: ["codec"],
   source: ["codec", "protocol"],
   renderer: ["camera"],
-  worker: ["codec", "protocol", "renderer"],
+  worker: ["camera", "codec", "protocol", "renderer"],
   player: ["camera", "codec", "renderer", "source", "worker"],
-  ui: ["camera", "codec", "player", "protocol", "renderer", "source"],
+  ui: ["camera", "codec", "player", "renderer", "source"],
+  console: ["protocol", "ui"],
   element: ["player", "ui"],
   "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],
-  "main.ts": ["ui"],
+  "main.ts": ["console", "ui"],
 };
 
 const SRC = join(import.meta.dirname, "../src");
