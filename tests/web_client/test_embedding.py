@@ -20,6 +20,7 @@ import pytest
 
 from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
 from hgs_core.codec.format.folder import load_manifest
+from server.web_folder import publish_to_folder
 from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH
 
 if TYPE_CHECKING:
@@ -238,6 +239,22 @@ def test_declarations_of_the_package_are_those_of_its_scripts(tmp_path: Path) ->
     assert done.returncode == 0, done.stdout
 
 
+def test_a_folder_that_hgs_publish_writes_plays_by_itself(browser: Browser, site: Site, tmp_path: Path) -> None:
+    publish_to_folder(site.folder.parent, tmp_path / "site", player=PLAYER)
+    context = browser.new_context(viewport={"width": 800, "height": 600})
+    with hosting(tmp_path / "site") as host:
+        try:
+            page = context.new_page()
+            page.goto(host.address)
+            page.wait_for_function("() => document.querySelector('hgs-player').currentTime > 0.1")
+            size = "({ player }) => [player.width, player.height]"
+            assert page.locator("hgs-player").evaluate(size) == [800, 600]
+            assert page.get_by_role("button", name="Pause").is_visible()
+        finally:
+            context.close()
+    assert len(host.requests) == len(set(host.requests))
+
+
 def test_a_page_of_another_origin_takes_player_and_scene_from_a_cdn(
     browser: Browser, host: Host, served_picture: np.ndarray, tmp_path: Path
 ) -> None:
@@ -306,6 +323,7 @@ def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
         page.evaluate("() => { one.controls = true; one.loop = true; one.playbackRate = 4 }")
         assert page.locator("#one .transport").is_visible()
         assert page.evaluate("() => [one.getAttribute('loop'), one.hasAttribute('controls')]") == ["", True]
+        assert page.evaluate("() => one.player.loop")
         page.evaluate("() => { one.removeAttribute('loop'); one.currentTime = 1.9 }")
         page.evaluate(STOOD, "one")
         assert page.evaluate("() => one.currentTime") == 1.9

@@ -249,6 +249,16 @@ describe("a chunk that does not come", () => {
     expect(events.state).toHaveBeenLastCalledWith("open");
   });
 
+  it("because the line breaks again and again is not given up", async () => {
+    await begun();
+    for (let i = 0; i < 5; i++) {
+      await request("a").fail();
+      await vi.advanceTimersByTimeAsync(8000);
+    }
+    expect(events.missing).not.toHaveBeenCalled();
+    expect(asked()).toContain("a");
+  });
+
   it("within ten seconds of silence is asked for again", async () => {
     await begun();
     const silent = request("a");
