@@ -7,6 +7,7 @@ import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import { checkedRate } from "./clock";
 import type { Beginning, HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
+import type { ScenePlayer } from "./player";
 import { PlayerCamera } from "./player_camera";
 import type { PlayerStats } from "./player_types";
 import { ScreenedScene } from "./screened_scene";
@@ -215,6 +216,11 @@ export class HgsPlayer extends Target {
 
   get height(): number {
     return this.#scene?.canvas.height ?? 0;
+  }
+
+  /** The scene that is there, for a loop of frames other than the page's, such as a headset's; null without one. */
+  get scene(): ScenePlayer | null {
+    return this.#scene?.player ?? null;
   }
 
   /** Figures of the scene that is there; null without one. */

@@ -34,6 +34,7 @@ uniform vec2 size;            // picture, pixels
 uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
+uniform vec2 closeUp;         // depth from which on nothing fades, world units; deviation from which on all does, pixels
 
 flat out vec2 mean2d;         // pixels from the top left
 flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y)
@@ -122,13 +123,15 @@ void main() {
   float sharp = dot(area, area);
   float determinant = sharp + LOW_PASS * (dot(jx, jx) + dot(jy, jy)) + LOW_PASS * LOW_PASS;
   if (antialiased) paint.a *= sqrt(max(FAINTEST, sharp / determinant));
+  float half_ = 0.5 * (xx - yy);
+  float radius = length(vec2(half_, xy));
+  float major = 0.5 * (xx + yy) + radius;
+  if (p.z < closeUp.x) paint.a *= (p.z - near) / (closeUp.x - near);
+  paint.a *= clamp(2.0 - sqrt(major) / closeUp.y, 0.0, 1.0);
   if (!(paint.a >= VISIBLE)) return;
 
   // The ellipse on which alpha falls to 1/255, spanned along its own axes: fewer pixels than its upright box.
   float reach = sqrt(2.0 * log(255.0 * paint.a));
-  float half_ = 0.5 * (xx - yy);
-  float radius = length(vec2(half_, xy));
-  float major = 0.5 * (xx + yy) + radius;
   float minor = determinant / major;
   vec2 axis = half_ >= 0.0 ? vec2(half_ + radius, xy) : vec2(xy, radius - half_);
   float norm = length(axis);

@@ -2,6 +2,14 @@
 
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
+/** What becomes of splats that an eye comes close to; for eyes that go anywhere, such as in a headset. */
+export interface CloseUp {
+  /** Depth from which on splats are drawn in full, world units; towards the near plane they fade. */
+  readonly clear: number;
+  /** Standard deviation, pixels, from which on a splat fades; one twice as wide is not drawn. */
+  readonly widest: number;
+}
+
 export interface Shot {
   readonly pose: Pose;
   readonly camera: Intrinsics;
@@ -13,6 +21,8 @@ export interface Shot {
    * shimmer as the head moves. A scene that was trained without it looks fainter so.
    */
   readonly antialiased: boolean;
+  /** Left out, nothing fades: the picture of docs/numerics.md. */
+  readonly closeUp?: CloseUp;
 }
 
 /** Rows from the top, RGBA; bytes from the canvas, floats (linear in the same units, 0 to 1) from the float target. */

@@ -25,7 +25,11 @@ const UNIFORMS = [
   "time",
   "near",
   "antialiased",
+  "closeUp",
 ] as const;
+
+/** Wider than anything that is drawn, pixels. */
+const LARGEST = 1e9;
 
 /** Where a scene's decoded splats and their order go. */
 export interface SplatSink {
@@ -107,7 +111,7 @@ export class SplatDrawer implements SplatSink {
    * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
    * is `origin`, in pixels of that framebuffer. Depth is neither tested nor written.
    */
-  draw({ pose, camera, time, antialiased }: Shot, origin: readonly [number, number] = [0, 0]): void {
+  draw({ pose, camera, time, antialiased, closeUp }: Shot, origin: readonly [number, number] = [0, 0]): void {
     if (this.#count === 0) return;
     const { gl } = this;
     const u = this.#program.uniforms;
@@ -138,6 +142,7 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.time, time);
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
+    gl.uniform2f(u.closeUp, closeUp?.clear ?? 0, closeUp?.widest ?? LARGEST);
     const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
     gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
     gl.bindVertexArray(null);

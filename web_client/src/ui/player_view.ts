@@ -7,6 +7,7 @@ import type { HgsPlayerOptions } from "../player/hgs_player_events";
 import { CameraMenu } from "./camera_menu";
 import { element, icon } from "./element";
 import { toggleFullscreen } from "./full_screen";
+import { HeadsetButtons } from "./headset_buttons";
 import { BACK, FULLSCREEN, STATS } from "./icons";
 import { IdleHiding } from "./idle_hiding";
 import { Notices } from "./notices";
@@ -48,6 +49,7 @@ export class PlayerView {
   readonly #title: HTMLElement;
   readonly #notices: Notices;
   readonly #stats: StatsPanel;
+  readonly #headset: HeadsetButtons;
   #transport: Transport | null = null;
 
   /** @param host gets a shadow root, unless it has an open one that is empty. */
@@ -62,6 +64,7 @@ export class PlayerView {
       home: page?.home ?? null,
     });
     this.#stats = new StatsPanel(this.player);
+    this.#headset = new HeadsetButtons(this.player);
     this.controls = options.controls ?? true;
     this.poster = options.poster ?? null;
     this.root.classList.toggle("whole-page", page !== undefined);
@@ -167,6 +170,7 @@ export class PlayerView {
       page ? element("a", { ...round, href: page.home }, icon(BACK)) : null,
       this.#title,
       new CameraMenu(player).node,
+      this.#headset.node,
       button("Statistics (S)", STATS, () => this.#stats.toggle()),
       // Where the browser has it at all: on a phone of Apple only videos can fill the screen.
       "requestFullscreen" in this.#host ? button("Full screen (F)", FULLSCREEN, () => this.toggleFullscreen()) : null,

@@ -1,0 +1,41 @@
+import { describe, expect, it, vi } from "vitest";
+import { panelState, sceneCommands } from "../../src/xr/transport";
+
+const player = (start: number, end: number) => ({
+  start,
+  end,
+  currentTime: start,
+  paused: true,
+  play: vi.fn(function (this: { paused: boolean }) {
+    this.paused = false;
+  }),
+  pause: vi.fn(function (this: { paused: boolean }) {
+    this.paused = true;
+  }),
+});
+
+describe("the playhead in a headset", () => {
+  it("is shown with its time and share", () => {
+    const at = player(10, 80);
+    at.currentTime = 75.25;
+    expect(panelState(at, null)).toMatchObject({ moves: true, playing: false, time: "1:05.3 / 1:10.0" });
+    expect(panelState(at, null).share).toBeCloseTo(65.25 / 70, 12);
+  });
+
+  it("is not shown in a still scene, nor before the scene is there", () => {
+    expect(panelState(player(0, 0), null).moves).toBe(false);
+    expect(panelState(player(0, Number.NaN), null).moves).toBe(false);
+  });
+
+  it("goes to a share of the scene, and on by one, and plays and pauses", () => {
+    const at = player(10, 30);
+    const commands = sceneCommands(at);
+    commands.seek(0.5);
+    expect(at.currentTime).toBe(20);
+    commands.scrub(-0.25);
+    expect(at.currentTime).toBe(15);
+    commands.togglePlay();
+    commands.togglePlay();
+    expect([at.play, at.pause].map((call) => call.mock.calls.length)).toEqual([1, 1]);
+  });
+});
