@@ -196,10 +196,10 @@ def sites(tmp_path_factory: pytest.TempPathFactory) -> Iterator[list[Site]]:
     for run, encode in zip(runs, (_encode_clouds, _encode_dust), strict=True):
         encode(run / "scene")
     with serving(runs, tmp_path_factory.mktemp("home")) as pages:
-        yield [_site(page, run / "scene") for page, run in zip(pages, runs, strict=True)]
+        yield [site_of(page, run / "scene") for page, run in zip(pages, runs, strict=True)]
 
 
-def _site(page: str, folder: Path) -> Site:
+def site_of(page: str, folder: Path) -> Site:
     manifest = load_manifest(folder)
     address = page.partition("/view/")[0]
     return Site(address, page, decode_scene(folder), manifest.cameras, manifest.start, manifest.end, folder)
