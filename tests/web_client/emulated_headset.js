@@ -56,7 +56,9 @@
   };
   const getViewerPose = XRFrame.prototype.getViewerPose;
   XRFrame.prototype.getViewerPose = function (space) {
-    return headset.tracking ? getViewerPose.call(this, space) : null;
+    if (!headset.tracking) return null;
+    const { transform, views } = getViewerPose.call(this, space);
+    return { transform, views: headset.oneEye ? views.slice(0, 1) : views };
   };
 
   // What the page asks of its worker and of the graphics card, frame by frame.
@@ -96,6 +98,7 @@
     session: null,
     refusal: null, // name of the DOMException with which a session is refused
     tracking: true,
+    oneEye: false,
     width: 256, // of an eye, pixels
     height: 256,
     projections: null, // { left, right }: 16 numbers by columns; null for those of IWER
