@@ -221,6 +221,7 @@ def manifest() -> dict[str, object]:
         ],
         "totals": {"splats_static": 30, "splats_dynamic": 70, "bytes_static": 300, "bytes_dynamic": 700},
         "thumbnail": True, "training": {"psnr": 31.5}, "antialiased": True, "later": "ignored",
+        "metres_per_unit": 0.5,
         "captured_space": {
             "front": [0, 0, -1], "azimuth": 0.7, "elevation": [-0.25, 0.3], "distance": [1.0, 2.5],
         },
@@ -298,6 +299,8 @@ WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["thumbnail"], "yes", "manifest.thumbnail"),
     (["training"], [], "manifest.training"),
     (["antialiased"], 1, "manifest.antialiased"),
+    (["metres_per_unit"], 0, "manifest.metres_per_unit"),
+    (["metres_per_unit"], "1", "manifest.metres_per_unit"),
     (["captured_space"], [], "manifest.captured_space"),
     (["captured_space", "front"], None, "manifest.captured_space.front"),
     (["captured_space", "front", 2], "ahead", "manifest.captured_space.front[2]"),

@@ -28,7 +28,7 @@ SCRIPT = Path(__file__).with_name("emulated_headset.js")
 
 EYES_APART = 0.064  # metres
 EYE_HEIGHT = 1.6  # metres, of somebody who stands at the origin
-CAPTURE_DISTANCE = 2.5  # metres: the `extent` of every scene
+CAPTURE_DISTANCE = 2.5  # metres: the `extent` of a scene that does not say how large it is
 NEAR = 0.05  # metres
 
 
@@ -152,7 +152,8 @@ class Headset:
         forward = forward - up * (forward @ up)
         forward /= np.linalg.norm(forward)
         turn = np.stack([np.cross(forward, up), up, -forward], axis=1)
-        units = manifest.extent / CAPTURE_DISTANCE
+        known = manifest.metres_per_unit
+        units = manifest.extent / CAPTURE_DISTANCE if known is None else 1 / known
         return turn, units, camera.position - units * turn @ [0, EYE_HEIGHT, 0]
 
     def cameras(

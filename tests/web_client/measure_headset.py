@@ -7,7 +7,6 @@ In every frame the head moves, so that every frame has a new order; each frame w
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import statistics
 import tempfile
@@ -18,16 +17,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from hgs_core.bench.browser import find_chromium
+from hgs_core.bench.browser import find_chromium, open_viewer
 from hgs_core.bench.process_time import descendants_cpu_seconds
-from hgs_core.bench.scenes import bench_camera, bench_scene
+from hgs_core.bench.scenes import bench_scene
 from hgs_core.codec import encode_scene
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
+from hgs_core.scene.camera import Camera
 from tests.web_client.conftest import serving, site_of
-from tests.web_client.emulated_headset import headset_page
+from tests.web_client.emulated_headset import FRUSTA, headset_page
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
+
+    from playwright.sync_api import Browser, Page
 
     from tests.web_client.conftest import Site
 
@@ -44,6 +46,17 @@ FRAMES = """async ({ frames, eyes }) => {
 }"""
 
 
+PAGE = "async (frames) => { for (let i = 0; i < frames; i++) await hgs.readPixels(); }"
+SIDE = round(EYE * math.sqrt(2))  # of one picture with the pixels of two eyes
+
+
+def camera() -> Camera:
+    """Return one that sees what the left eye sees of somebody who stands there."""
+    eye = FRUSTA[0]
+    f = SIDE / (eye.left + eye.right)
+    return Camera("eye", SIDE, SIDE, f, f, f * eye.left, f * eye.up, np.eye(4))
+
+
 @contextmanager
 def published(splats: int) -> Iterator[Site]:
     with tempfile.TemporaryDirectory() as folder:
@@ -52,28 +65,41 @@ def published(splats: int) -> Iterator[Site]:
         assert still is not None
         statics = still.map(lambda array: np.asarray(array, np.float32))
         scene = HybridScene(statics, (Segment(0.0, 0.0, DynamicSplats.empty()),))
-        encode_scene(scene, run / "scene", cameras=[bench_camera(960, 540)], times=np.zeros(1), title="Bench")
+        encode_scene(scene, run / "scene", cameras=[camera()], times=np.zeros(1), title="Bench")
         with serving([run], Path(folder)) as (page,):
             yield site_of(page, run / "scene")
 
 
-def cost(site: Site, frames: int, *, one_eye: bool) -> float:
-    """Return processor milliseconds of a frame."""
-    # One picture of the same field of view as an eye's, with the pixels of two.
-    side = round(EYE * math.sqrt(2)) if one_eye else EYE
+@contextmanager
+def swiftshader() -> Iterator[Browser]:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=FLAGS)
-        with headset_page(browser, site, "", size=(side, side)) as headset:
-            headset.page.set_default_timeout(600_000)
-            headset.page.evaluate("(one) => { headset.oneEye = one; }", one_eye)
-            headset.enter()
-            times = []
-            for count in (2, frames):  # the first ones warm up
-                before = descendants_cpu_seconds()
-                headset.page.evaluate(FRAMES, {"frames": count, "eyes": 1 if one_eye else 2})
-                times.append((descendants_cpu_seconds() - before) * 1000 / count)
+        yield browser
         browser.close()
-    return times[-1]
+
+
+def cost(page: Page, script: str, frames: int, **more: object) -> float:
+    """Return processor milliseconds of a frame."""
+    page.set_default_timeout(600_000)
+    page.evaluate(script, {"frames": 2, **more} if more else 2)  # to warm up
+    before = descendants_cpu_seconds()
+    page.evaluate(script, {"frames": frames, **more} if more else frames)
+    return (descendants_cpu_seconds() - before) * 1000 / frames
+
+
+def cost_of_eyes(site: Site, frames: int, *, eyes: int) -> float:
+    side = EYE if eyes == 2 else SIDE
+    with swiftshader() as browser, headset_page(browser, site, "", size=(side, side)) as headset:
+        headset.page.evaluate("(one) => { headset.oneEye = one; }", eyes == 1)
+        headset.enter()
+        return cost(headset.page, FRAMES, frames, eyes=eyes)
+
+
+def cost_of_page(site: Site, frames: int) -> float:
+    """Of the page's own picture, drawn as finely as it can be, and read."""
+    address = f"{site.page}?paused=1&exact=1&antialiased=1&width={SIDE}&height={SIDE}"
+    with swiftshader() as browser, open_viewer(browser, address, width=SIDE, height=SIDE) as page:
+        return cost(page, PAGE, frames)
 
 
 def main() -> None:
@@ -82,13 +108,18 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=20)
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
+    kinds: dict[str, Callable[[Site], float]] = {
+        "both eyes": lambda site: cost_of_eyes(site, options.frames, eyes=2),
+        "one eye of as many pixels": lambda site: cost_of_eyes(site, options.frames, eyes=1),
+        "the page's picture of as many pixels": lambda site: cost_of_page(site, options.frames),
+    }
+    found: dict[str, list[float]] = {kind: [] for kind in kinds}
     with published(options.splats) as site:
-        both, one = [], []
         for _ in range(options.rounds):
-            both.append(cost(site, options.frames, one_eye=False))
-            one.append(cost(site, options.frames, one_eye=True))
-    ratio = statistics.median(both) / statistics.median(one)
-    print(json.dumps({"both eyes, ms": both, "one picture, ms": one, "ratio of the medians": round(ratio, 3)}))
+            for kind, measure in kinds.items():
+                found[kind].append(round(measure(site)))
+    for kind, times in found.items():
+        print(f"{kind}: {statistics.median(times)} ms of {times}")
 
 
 if __name__ == "__main__":

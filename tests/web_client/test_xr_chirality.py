@@ -26,7 +26,8 @@ WIDTH, HEIGHT = 320, 240
 def letters_site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
     run = tmp_path_factory.mktemp("runs") / "letters"
     cameras = views(WIDTH, HEIGHT)
-    encode_scene(letters(moving=True), run / "scene", cameras=cameras, times=np.linspace(0, 1, 5), title="Letters")
+    scene, times = letters(moving=True), np.linspace(0, 1, 5)
+    encode_scene(scene, run / "scene", cameras=cameras, times=times, title="Letters", metres_per_unit=0.4)
     with serving([run], tmp_path_factory.mktemp("home")) as (page,):
         yield site_of(page, run / "scene")
 

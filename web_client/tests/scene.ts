@@ -33,6 +33,7 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   thumbnail: false,
   training: {},
   antialiased: false,
+  metresPerUnit: null,
   capturedSpace: null,
   ...fields,
 });

@@ -55,6 +55,7 @@ def encode_scene(
     utility: Utility | None = None,
     closer: Sequence[Camera] = (),
     trained: Sequence[Camera] = (),
+    metres_per_unit: float | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
@@ -62,8 +63,9 @@ def encode_scene(
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
     names the former. `trained` are the cameras whose pictures made the scene: they tell the manifest's captured space,
-    which it lacks without them. Equal arguments give equal bytes. The manifest appears last and atomically; chunks of
-    an earlier scene in the same folder are removed after that.
+    which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known.
+    Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
+    folder are removed after that.
 
     Raises:
         InputError: the scene, the cameras or the times hold what cannot be encoded.
@@ -113,6 +115,7 @@ def encode_scene(
         training=dict(training or {}),
         antialiased=scene.antialiased,
         captured_space=find_captured_space(trained, view.center, view.up) if trained else None,
+        metres_per_unit=metres_per_unit,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
     _write(out, manifest, coded, thumbnail)

@@ -95,6 +95,7 @@ class Manifest:
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
     captured_space: CapturedSpace | None = None  # from where it can be looked at with trust; None: not known
+    metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
     version: int = VERSIONS[0]  # of the format: the latest of any chunk
 
     @property
@@ -146,6 +147,8 @@ class Manifest:
         }
         if self.captured_space is not None:
             document["captured_space"] = self.captured_space.to_json()
+        if self.metres_per_unit is not None:
+            document["metres_per_unit"] = self.metres_per_unit
         return document
 
     @classmethod
@@ -182,6 +185,7 @@ class Manifest:
             training=root["training"].mapping(),
             antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
             captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
+            metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
             version=version,
         )
         _check_references(manifest, root)

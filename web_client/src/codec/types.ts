@@ -148,6 +148,8 @@ export interface Manifest {
   readonly training: Readonly<Record<string, unknown>>;
   /** True if the splats were trained to be drawn with antialiasing; false where the document does not say. */
   readonly antialiased: boolean;
+  /** Length of a world unit; null where it is not known. */
+  readonly metresPerUnit: number | null;
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }

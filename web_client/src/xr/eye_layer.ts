@@ -1,13 +1,13 @@
 /** What a session's eyes are drawn into: their framebuffer, and how finely. */
 
-import { comfortableRate, QualityControl } from "./quality";
+import { comfortableRate, EyeQualityControl } from "./eye_quality";
 
 /** The near and far planes of the session's projections, metres; flat things are drawn between them. */
 export const NEAR = 0.05;
 const FAR = 100;
 
 export class EyeLayer {
-  readonly #quality: QualityControl;
+  readonly #quality: EyeQualityControl;
   #lost: XRWebGLLayer | null = null;
 
   constructor(
@@ -15,7 +15,7 @@ export class EyeLayer {
     readonly gl: WebGL2RenderingContext,
   ) {
     const rate = comfortableRate(session.supportedFrameRates);
-    this.#quality = new QualityControl(rate ?? session.frameRate ?? 72);
+    this.#quality = new EyeQualityControl(rate ?? session.frameRate ?? 72);
     // Some headsets name rates that they then refuse, and keep their own.
     if (rate !== null) void session.updateTargetFrameRate?.(rate).catch(() => {});
     session.addEventListener("frameratechange", () => {

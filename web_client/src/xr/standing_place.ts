@@ -11,14 +11,17 @@ export const EYE_HEIGHT = 1.6;
 /** How far from what they capture people put their cameras, metres: it makes people in the scene as large as people. */
 const CAPTURE_DISTANCE = 2.5;
 
-/** World units to a metre, as far as the scene tells: it knows only how far from its centre the cameras stood. */
-export const unitsPerMetre = ({ extent }: Pick<Manifest, "extent">): number => extent / CAPTURE_DISTANCE;
+type Size = Pick<Manifest, "extent" | "metresPerUnit">;
+
+/** World units to a metre: as the scene says; else guessed from how far from its centre the cameras stood. */
+export const unitsPerMetre = ({ extent, metresPerUnit }: Size): number =>
+  metresPerUnit === null ? extent / CAPTURE_DISTANCE : 1 / metresPerUnit;
 
 /**
  * The scene from the room, so that somebody at the room's origin, whose eyes are `eyeHeight` metres above it, looks from
  * where the camera `start` stood and to where it looked, with the scene's vertical upright.
  */
-export function standingPlace(start: Pose, manifest: Pick<Manifest, "extent" | "up">, eyeHeight: number): Similarity {
+export function standingPlace(start: Pose, manifest: Size & Pick<Manifest, "up">, eyeHeight: number): Similarity {
   const { up } = manifest;
   const forward = horizontal(row(start.rotation, 2), up, row(start.rotation, 1));
   const units = unitsPerMetre(manifest);

@@ -20,6 +20,7 @@ describe("parseManifest", () => {
     expect(manifest.totals).toEqual({ splatsStatic: 30, splatsDynamic: 70, bytesStatic: 300, bytesDynamic: 700 });
     expect(manifest.training).toEqual({ psnr: 31.5 });
     expect(manifest.antialiased).toBe(true);
+    expect(manifest.metresPerUnit).toBe(0.5);
     expect(manifest.capturedSpace).toEqual({
       front: [0, 0, -1],
       azimuth: 0.7,
@@ -28,10 +29,12 @@ describe("parseManifest", () => {
     });
   });
 
-  it("takes a document without the optional field for one of a scene that is not antialiased", () => {
-    const { antialiased, ...document } = json("manifest.json");
+  it("takes a document without the optional fields for one of a scene that is not antialiased, of a size not known", () => {
+    const { antialiased, metres_per_unit, ...document } = json("manifest.json");
     expect(antialiased).toBe(true);
     expect(parseManifest(document).antialiased).toBe(false);
+    expect(metres_per_unit).toBe(0.5);
+    expect(parseManifest(document).metresPerUnit).toBeNull();
   });
 
   it("leaves the captured space unknown where the document does not tell", () => {

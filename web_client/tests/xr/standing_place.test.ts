@@ -7,7 +7,7 @@ import { standingPlace } from "../../src/xr/standing_place";
 const close = (a: Vec3, b: Vec3) => {
   for (const i of [0, 1, 2]) expect(a[i]).toBeCloseTo(b[i], 10);
 };
-const scene = { up: [0, -1, 0], extent: 5 } as const; // two units are a metre
+const scene = { up: [0, -1, 0], extent: 5, metresPerUnit: null } as const; // taken for two units to a metre
 const [c, s] = [Math.cos(0.4), Math.sin(0.4)];
 /** Looks along z and 0.4 down (y points down). */
 const tilted: Mat3 = [1, 0, 0, 0, c, -s, 0, s, c];
@@ -16,6 +16,11 @@ describe("the standing place", () => {
   it("puts the eyes of somebody who stands there where the camera was", () => {
     close(transformed(standingPlace(poseAt([1, 2, 3], tilted), scene, 1.6), [0, 1.6, 0]), [1, 2, 3]);
     close(transformed(standingPlace(poseAt([1, 2, 3], tilted), scene, 0), [0, 0, 0]), [1, 2, 3]);
+  });
+
+  it("is as large as the scene says it is", () => {
+    const place = standingPlace(poseAt([1, 2, 3], tilted), { ...scene, metresPerUnit: 0.1 }, 0);
+    close(transformed(place, [0, 1, 0]), [1, -8, 3]); // a metre up
   });
 
   it("keeps the scene upright and ahead, although the camera looked down, and nothing mirrored", () => {

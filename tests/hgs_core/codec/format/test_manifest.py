@@ -28,6 +28,14 @@ def test_a_manifest_without_the_optional_field_is_one_of_a_scene_that_is_not_ant
     assert Manifest.from_json(older).antialiased is False
 
 
+def test_a_manifest_may_leave_the_size_of_a_unit_unknown() -> None:
+    older = document()
+    assert older.pop("metres_per_unit") == 0.5
+    assert Manifest.from_json(document()).metres_per_unit == 0.5
+    assert Manifest.from_json(older).metres_per_unit is None
+    assert "metres_per_unit" not in Manifest.from_json(older).to_json()
+
+
 def test_a_manifest_may_leave_the_captured_space_unknown_or_open_all_round() -> None:
     older = document()
     space = older.pop("captured_space")

@@ -3,7 +3,7 @@
  * whole body, a coarser picture hardly.
  */
 
-export interface Quality {
+export interface EyeQuality {
   /** Of the full width and height. */
   readonly scale: number;
   /** Fixed foveation, 0 to 1. */
@@ -11,7 +11,7 @@ export interface Quality {
 }
 
 /** Finest first. */
-export const QUALITIES: readonly Quality[] = [
+export const EYE_QUALITIES: readonly EyeQuality[] = [
   { scale: 1, foveation: 0.25 },
   { scale: 0.85, foveation: 0.5 },
   { scale: 0.7, foveation: 0.75 },
@@ -28,7 +28,7 @@ const TOO_MANY = 0.15;
 const PATIENCE = 4;
 const LONGEST_PATIENCE = 64;
 
-export class QualityControl {
+export class EyeQualityControl {
   #step = 0;
   #last: number | null = null; // ms
   #frames = 0;
@@ -40,8 +40,8 @@ export class QualityControl {
   /** @param frameRate that the device aims at, frames per second. */
   constructor(public frameRate: number) {}
 
-  get quality(): Quality {
-    return QUALITIES[this.#step];
+  get quality(): EyeQuality {
+    return EYE_QUALITIES[this.#step];
   }
 
   /** Note a frame at `now`, milliseconds; returns whether the quality has changed. */
@@ -71,7 +71,7 @@ export class QualityControl {
       if (this.#tried) this.#patience = Math.min(LONGEST_PATIENCE, 2 * this.#patience);
       this.#tried = false;
       this.#calm = 0;
-      return Math.min(QUALITIES.length - 1, this.#step + 1);
+      return Math.min(EYE_QUALITIES.length - 1, this.#step + 1);
     }
     this.#calm++;
     if (this.#calm < this.#patience || this.#step === 0) return this.#step;

@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { comfortableRate, QUALITIES, QualityControl } from "../../src/xr/quality";
+import { comfortableRate, EYE_QUALITIES, EyeQualityControl } from "../../src/xr/eye_quality";
 
 /** Frames at 72 a second, of which every `late`th comes a frame late; returns how many changes there were. */
-function run(control: QualityControl, frames: number, late = 0, from = 0): number {
+function run(control: EyeQualityControl, frames: number, late = 0, from = 0): number {
   let now = from;
   let changes = 0;
   for (let i = 1; i <= frames; i++) {
@@ -14,30 +14,30 @@ function run(control: QualityControl, frames: number, late = 0, from = 0): numbe
 
 describe("the quality of a headset's pictures", () => {
   it("stays the finest while frames come in time, or a few are late", () => {
-    const control = new QualityControl(72);
+    const control = new EyeQualityControl(72);
     expect(run(control, 720)).toBe(0);
     expect(run(control, 720, 10)).toBe(0);
-    expect(control.quality).toBe(QUALITIES[0]);
+    expect(control.quality).toBe(EYE_QUALITIES[0]);
   });
 
   it("goes down step by step while many frames are late, and no further than there are steps", () => {
-    const control = new QualityControl(72);
+    const control = new EyeQualityControl(72);
     expect(run(control, 72, 2)).toBe(1);
-    expect(control.quality).toBe(QUALITIES[1]);
+    expect(control.quality).toBe(EYE_QUALITIES[1]);
     run(control, 720, 2);
-    expect(control.quality).toBe(QUALITIES.at(-1));
+    expect(control.quality).toBe(EYE_QUALITIES.at(-1));
   });
 
   it("comes back when frames are in time for a while", () => {
-    const control = new QualityControl(72);
+    const control = new EyeQualityControl(72);
     run(control, 72, 2);
     expect(run(control, 3 * 72)).toBe(0);
     expect(run(control, 72)).toBe(1);
-    expect(control.quality).toBe(QUALITIES[0]);
+    expect(control.quality).toBe(EYE_QUALITIES[0]);
   });
 
   it("waits twice as long before it tries again what did not work", () => {
-    const control = new QualityControl(72);
+    const control = new EyeQualityControl(72);
     run(control, 72, 2);
     run(control, 4 * 72);
     run(control, 72, 2);
@@ -46,7 +46,7 @@ describe("the quality of a headset's pictures", () => {
   });
 
   it("does not take a headset that was put away for a slow one", () => {
-    const control = new QualityControl(72);
+    const control = new EyeQualityControl(72);
     run(control, 71, 6);
     control.interrupted();
     expect(run(control, 72, 0, 100_000)).toBe(0);
