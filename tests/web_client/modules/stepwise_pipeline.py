@@ -15,18 +15,21 @@ from pathlib import Path
 
 from PIL import Image
 
+from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.train.config import TrainConfig
+from hgs_core.runs.config import RunConfig
 
 TOTAL = 400
 
 
-def create_run(run: Path, capture: Path, config: TrainConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
-    left = cameras - len(config.hold_out)
+    left = cameras - len(config.capture.hold_out)
     if left < 2:
-        raise InputError("config.hold_out", f"leaves {left} of {cameras} cameras to train on", "keep at least 2")
+        raise InputError(
+            "config.capture.hold_out", f"leaves {left} of {cameras} cameras to train on", "keep at least 2"
+        )
     if not (capture / "scene").is_dir():
         raise InputError(capture / "left.png", "the picture is unreadable", "restore the file")
     run.mkdir(parents=True)
@@ -51,7 +54,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
             checkpoint.write_text(str(done))
             file = io.BytesIO()
             Image.new("RGB", (160, 90), (done * 255 // TOTAL, 90, 120)).save(file, "JPEG")
-            (run / "preview.jpg").write_bytes(file.getvalue())
+            write_bytes(run / "preview.jpg", file.getvalue())
         time.sleep(0.02)
         if done == TOTAL // 2 and (capture / "fail").exists():
             raise RuntimeError("the loss is not a number")

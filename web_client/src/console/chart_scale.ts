@@ -50,5 +50,6 @@ export function linePath(
     const up = height - ((b - y.low) / (y.high - y.low || 1)) * height;
     return `${across.toFixed(1)} ${up.toFixed(1)}`;
   };
+  if (points.length === 1) return `M${place(points[0])}h0`; // a dot, with round ends
   return points.length === 0 ? "" : `M${points.map(place).join("L")}`;
 }

@@ -24,8 +24,9 @@ export class JobCourse {
   /** Take the progress of a job's news. */
   follow(job: Job): void {
     // A stage that begins says 0 of 1, also when it goes on from a checkpoint: that takes nothing back.
-    if (job.state !== "running" || !job.progress || job.progress.done === 0) return;
-    this.#add({ ...job.progress, attempt: job.attempt, time: job.updated });
+    const { progress } = job;
+    if (job.state !== "running" || !progress || (progress.done === 0 && progress.total <= 1)) return;
+    this.#add({ ...progress, attempt: job.attempt, time: job.updated });
   }
 
   #add(point: JobPoint): void {

@@ -32,6 +32,10 @@ describe("linePath", () => {
     );
   });
 
+  it("draws a dot of one point", () => {
+    expect(linePath([[5, 1]], { low: 0, high: 10 }, { low: 0, high: 2 }, 10, 10)).toBe("M5.0 5.0h0");
+  });
+
   it("draws nothing of nothing", () => {
     expect(linePath([], { low: 0, high: 1 }, { low: 0, high: 1 }, 10, 10)).toBe("");
   });

@@ -58,9 +58,15 @@ describe("JobCourse", () => {
 
   it("keeps its curve when a stage says that it begins, and while a job waits", () => {
     const made = course(point(100));
-    made.follow(news(0));
-    made.follow(news(100, { state: "queued" }));
-    expect(made.points).toHaveLength(1);
+    made.follow(news(0, { progress: { stage: "train", done: 0, total: 1, figures: {} } }));
+    made.follow(news(50, { state: "queued" }));
+    expect(made.points.map(({ done }) => done)).toEqual([100]);
+  });
+
+  it("begins with the first report of all", () => {
+    const made = new JobCourse();
+    for (const done of [0, 80]) made.follow(news(done));
+    expect(made.curve("train", "psnr")).toHaveLength(2);
   });
 
   it("lists the figures of a stage, PSNR and loss first", () => {
