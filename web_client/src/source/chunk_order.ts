@@ -7,6 +7,12 @@ import type { Playhead } from "./scene_source";
 /** Slices are to be here so long before they are shown, seconds: a line is not always as fast as it was. */
 const MARGIN = 2;
 
+/** The chunks without which there is no picture at a time: the first static one, and those of the slice that is shown. */
+export function chunksOfPicture({ static: stills, slices }: Manifest, time: number): ReadonlySet<string> {
+  const slice = slices[sliceAt(slices, time)];
+  return new Set([...stills.slice(0, 1).map((chunk) => chunk.id), ...(slice ? chunksOf(slice) : [])]);
+}
+
 /** A slice and its dynamic chunks that are not here. */
 interface Stretch {
   readonly chunks: ChunkEntry[];

@@ -5,7 +5,7 @@
 
 import { parseManifest } from "../codec/manifest";
 import type { ChunkEntry, Manifest } from "../codec/types";
-import { chunkOrder } from "./chunk_order";
+import { chunkOrder, chunksOfPicture } from "./chunk_order";
 import { download, LengthError, StatusError } from "./download";
 import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
@@ -62,7 +62,7 @@ export class HttpSource implements SceneSource {
   /** What is under way and not needed soon gives way to what is. */
   seek(time: number): void {
     this.#playhead = { ...this.#playhead, time };
-    const needed = new Set(this.#next(PARALLEL).map((chunk) => chunk.id));
+    const needed = new Set(this.#next().map((chunk) => chunk.id));
     for (const [id, abort] of this.#fetching) if (!needed.has(id)) abort.abort();
     this.#fetchMore();
   }
@@ -122,19 +122,26 @@ export class HttpSource implements SceneSource {
 
   #fetchMore(): void {
     if (this.#retry !== undefined || this.#undecoded > UNDECODED || this.hidden()) return;
-    for (const chunk of this.#next(PARALLEL)) {
+    for (const chunk of this.#next()) {
       if (this.#fetching.size >= PARALLEL) return;
       if (!this.#fetching.has(chunk.id)) void this.#fetchChunk(chunk);
     }
   }
 
-  /** The chunks that are needed first, at most so many, also those under way. */
-  #next(count: number): ChunkEntry[] {
+  /**
+   * The chunks to be under way now, those first that are needed first: what makes a picture has the line for itself, and
+   * then a few share it.
+   */
+  #next(): ChunkEntry[] {
     if (!this.#manifest || this.#abort.signal.aborted) return [];
     const { bytesPerSecond } = this.#throughput;
+    const first = chunksOfPicture(this.#manifest, this.#playhead.time ?? this.#manifest.start);
     const order = chunkOrder(this.#manifest, this.#playhead, bytesPerSecond, (id) => this.#settled.has(id));
     const chunks: ChunkEntry[] = [];
-    for (const chunk of order) if (chunks.push(chunk) === count) break;
+    for (const chunk of order) {
+      if (chunks.length === PARALLEL || (first.has(chunks[0]?.id) && !first.has(chunk.id))) break;
+      chunks.push(chunk);
+    }
     return chunks;
   }
 

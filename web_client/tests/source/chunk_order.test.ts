@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { chunkOrder } from "../../src/source/chunk_order";
+import { chunkOrder, chunksOfPicture } from "../../src/source/chunk_order";
 import { entry, manifest, slice } from "../scene";
 
 // Every chunk has 100 bytes, every slice is shown for ten seconds.
@@ -50,4 +50,9 @@ it("asks for every chunk once, and for none that is here", () => {
 it("takes a scene that has not begun for one at its start", () => {
   const first = chunkOrder(scene, { time: null, rate: 1 }, 1e9, (id) => id === "s0").next();
   expect(first.value?.id).toBe("a");
+});
+
+it("knows what makes a picture: the first static chunk and the slice that is shown, with its needs", () => {
+  expect([...chunksOfPicture(scene, 15)].sort()).toEqual(["a", "b", "s0"]);
+  expect([...chunksOfPicture({ ...scene, static: [], slices: [] }, 15)]).toEqual([]);
 });

@@ -25,7 +25,7 @@ const MANIFEST = JSON.stringify({
   version: 2,
   title: "test",
   start: 0,
-  end: 40,
+  end: 50,
   frame_rate: 30,
   background: [0, 0, 0],
   up: [0, -1, 0],
@@ -49,10 +49,10 @@ const MANIFEST = JSON.stringify({
       ],
     },
   ],
-  segments: [{ start: 0, end: 40 }],
+  segments: [{ start: 0, end: 50 }],
   static: [chunk("1"), chunk("2")],
-  slices: [slice(0, "a"), slice(10, "b"), slice(20, "c"), slice(30, "d")],
-  totals: { splats_static: 2, splats_dynamic: 4, bytes_static: 200, bytes_dynamic: 400 },
+  slices: [slice(0, "a"), slice(10, "b"), slice(20, "c"), slice(30, "d"), slice(40, "e")],
+  totals: { splats_static: 2, splats_dynamic: 5, bytes_static: 200, bytes_dynamic: 500 },
   thumbnail: false,
   training: {},
 });
@@ -127,10 +127,17 @@ function open(url = "https://cdn.example/studio/manifest.json?v=2"): HttpSource 
   return source;
 }
 
-/** A source that has its manifest, and asks for chunks. */
+/** A source that has its manifest, and asks for what makes a picture: chunks 1 and a. */
 async function begun(): Promise<HttpSource> {
   const opened = open();
   await requests[0].answer(MANIFEST);
+  return opened;
+}
+
+/** A source that has a picture, and asks for chunks 2, b, c and d. */
+async function pictured(): Promise<HttpSource> {
+  const opened = await begun();
+  for (const letter of "1a") await request(letter).answer(whole());
   return opened;
 }
 
@@ -177,55 +184,62 @@ describe("the manifest", () => {
 });
 
 describe("chunks", () => {
-  it("lie beside the manifest, and come four at a time, those first that are needed first", async () => {
+  it("lie beside the manifest, and those come first and alone that make a picture", async () => {
     await begun();
     expect(requests.map(({ url }) => url)).toEqual([
       `https://cdn.example/studio/chunks/${id("1")}`,
       `https://cdn.example/studio/chunks/${id("a")}`,
-      `https://cdn.example/studio/chunks/${id("2")}`,
-      `https://cdn.example/studio/chunks/${id("b")}`,
     ]);
     await request("1").answer(whole());
-    expect(asked()).toBe("a2bc");
+    expect(asked()).toBe("a");
     expect(events.chunk).toHaveBeenCalledExactlyOnceWith(id("1"), whole());
     expect(events.progress).toHaveBeenCalledExactlyOnceWith(100);
+  });
+
+  it("come four at a time from then on", async () => {
+    await pictured();
+    expect(asked()).toBe("2bcd");
+    await request("b").answer(whole());
+    expect(asked()).toBe("2cde");
   });
 
   it("are all fetched once", async () => {
     await begun();
     while (requests.length > 0) await requests[0].answer(whole());
-    expect(events.chunk.mock.calls.map(([name]) => name).sort()).toEqual(Array.from("12abcd", id));
+    expect(events.chunk.mock.calls.map(([name]) => name).sort()).toEqual(Array.from("12abcde", id));
     expect(events.missing).not.toHaveBeenCalled();
   });
 
   it("wait for a decoder that cannot keep up", async () => {
-    const opened = await begun();
+    const opened = await pictured();
     opened.consumed(-(17 << 20)); // as if so much had come
-    await request("1").answer(whole());
-    expect(asked()).toBe("a2b");
+    await request("b").answer(whole());
+    expect(asked()).toBe("2cd");
     opened.consumed(17 << 20);
-    expect(asked()).toBe("a2bc");
+    expect(asked()).toBe("2cde");
   });
 
   it("that a seek makes useless give way to those that it needs", async () => {
-    const opened = await begun();
+    const opened = await pictured();
     const given = request("b");
-    opened.seek(35);
+    opened.seek(45);
     await passed();
     expect(given.signal.aborted).toBe(true);
-    expect(asked()).toBe("1a2d");
+    expect(asked()).toBe("e");
     expect(events.missing).not.toHaveBeenCalled();
     expect(events.state).toHaveBeenLastCalledWith("open");
+    await request("e").answer(whole());
+    expect(asked()).toBe("2bcd");
   });
 
   it("are left where they are while nobody sees the page", async () => {
-    const opened = await begun();
+    const opened = await pictured();
     hidden = true;
     while (requests.length > 0) await requests[0].answer(whole());
-    expect(events.chunk).toHaveBeenCalledTimes(4);
+    expect(events.chunk).toHaveBeenCalledTimes(6);
     hidden = false;
     opened.wake();
-    expect(asked()).toBe("cd");
+    expect(asked()).toBe("e");
   });
 });
 
@@ -235,16 +249,16 @@ describe("a chunk that does not come", () => {
     await request("a").answer("", status);
     expect(events.missing).toHaveBeenCalledExactlyOnceWith(id("a"));
     while (requests.length > 0) await requests[0].answer(whole());
-    expect(events.chunk).toHaveBeenCalledTimes(5);
+    expect(events.chunk).toHaveBeenCalledTimes(6);
   });
 
   it("is asked for again later, and then told to be there", async () => {
     await begun();
     await request("a").fail();
     expect(events.state).toHaveBeenLastCalledWith("retrying");
-    expect(asked()).toBe("12b");
+    expect(asked()).toBe("1");
     await vi.advanceTimersByTimeAsync(500);
-    expect(asked()).toBe("12ba");
+    expect(asked()).toBe("1a");
     await request("a").answer(whole());
     expect(events.state).toHaveBeenLastCalledWith("open");
   });
