@@ -335,6 +335,31 @@ def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
         )
 
 
+def test_an_element_that_a_script_makes_is_moved_taken_away_and_put_back(browser: Browser, host: Host) -> None:
+    """Moved it goes on; taken away it gives everything back; put back it loads again."""
+    body = SCRIPT + '<div id="here"></div><div id="there"></div>'
+    with embedding(browser, host, body) as page:
+        page.evaluate(
+            """async () => {
+              await customElements.whenDefined("hgs-player");
+              const made = document.createElement("hgs-player");
+              Object.assign(made, { id: "one", src: "clouds/", loop: true });
+              window.loads = 0;
+              made.addEventListener("loadstart", () => window.loads++);
+              here.append(made);
+            }"""
+        )
+        wait_for_picture(page)
+        page.evaluate("() => there.append(one)")
+        page.evaluate(STOOD, "one")
+        assert page.evaluate("() => [loads, one.loop, one.player.manifest !== null]") == [1, True, True]
+        page.evaluate("() => { window.kept = one; one.remove() }")
+        page.wait_for_function("() => kept.player.manifest === null")
+        page.evaluate("() => here.append(kept)")
+        wait_for_picture(page)
+        assert page.evaluate("() => loads") == 2
+
+
 def test_the_poster_is_shown_until_there_is_a_picture(browser: Browser, host: Host) -> None:
     names = [entry.id for entry in load_manifest(host.folder / "clouds").chunks]
     waiting = threading.Event()
