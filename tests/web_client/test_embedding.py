@@ -21,7 +21,7 @@ import pytest
 from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
 from hgs_core.codec.format.folder import load_manifest
 from server.web_folder import publish_to_folder
-from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH
+from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH, serving
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -267,6 +267,21 @@ def test_a_page_of_another_origin_takes_player_and_scene_from_a_cdn(
     loaded = [path for path in host.requests if path.startswith("/player/")]
     assert {"/player/hgs-player.js", "/player/worker.js", "/player/zstd.wasm"} <= set(loaded)
     assert len(loaded) == len(set(loaded))
+
+
+def test_a_page_of_another_origin_takes_player_and_stream_from_a_server(
+    browser: Browser, site: Site, served_picture: np.ndarray, tmp_path: Path
+) -> None:
+    for folder in ("page", "home"):
+        (tmp_path / folder).mkdir()
+    with hosting(tmp_path / "page") as page_host:
+        options = ("--allow-origin", page_host.address)
+        with serving([site.folder.parent], tmp_path / "home", *options) as [scene]:
+            script = SCRIPT.replace("player/", f"{scene.partition('/view/')[0]}/player/")
+            element = player('time="0.4" camera="side"').replace("clouds/manifest.json", scene)
+            with embedding(browser, page_host, script + element) as page:
+                wait_for_picture(page)
+                assert np.array_equal(pixels(page), served_picture)
 
 
 def test_players_on_one_page_obey_their_own_keys_and_wheel(browser: Browser, host: Host) -> None:
