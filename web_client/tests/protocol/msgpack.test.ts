@@ -3,6 +3,9 @@ import fc from "fast-check";
 import { describe, expect, it } from "vitest";
 import { type Packable, pack, unpack } from "../../src/protocol/msgpack";
 
+/** But for `__proto__`, which the library refuses. */
+const keys = fc.string().filter((key) => key !== "__proto__");
+
 /** Whatever a message may hold, deep and wide. */
 const values = fc.letrec<{ value: Packable }>((tie) => ({
   value: fc.oneof(
@@ -15,7 +18,7 @@ const values = fc.letrec<{ value: Packable }>((tie) => ({
     fc.string({ unit: "binary", maxLength: 300 }),
     fc.uint8Array({ maxLength: 300 }),
     fc.array(tie("value"), { maxLength: 20 }),
-    fc.dictionary(fc.string(), tie("value"), { maxKeys: 20, noNullPrototype: true }),
+    fc.dictionary(keys, tie("value"), { maxKeys: 20, noNullPrototype: true }),
   ),
 })).value;
 
@@ -61,6 +64,12 @@ describe("against the library @msgpack/msgpack", () => {
       expect(Buffer.from(pack(value)).equals(Buffer.from(encode(value)))).toBe(true);
       expect(unpack(encode(value))).toEqual(value);
     }
+  });
+
+  it("takes a key that is called __proto__ for a field like any other", () => {
+    const bytes = pack(Object.fromEntries([["__proto__", 7]]));
+    expect(Object.entries(unpack(bytes) as object)).toEqual([["__proto__", 7]]);
+    expect(({} as Record<string, unknown>).__proto__).not.toBe(7);
   });
 
   it("unpacks numbers of every width", () => {
