@@ -19,7 +19,7 @@ from obstore.store import LocalStore, ObjectStore, from_url
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import MANIFEST, THUMBNAIL, chunk_bytes, load_manifest
+from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest
 
 if TYPE_CHECKING:
     from obstore import ObjectMeta
@@ -61,18 +61,20 @@ class ArtifactStore:
     def put_scene(self, folder: Path, scene_id: str, progress: ProgressCallback = silent) -> None:
         """Publish an encoded scene: its chunks, then the thumbnail, then the manifest.
 
-        The manifest comes last, so whoever sees the scene sees all of it. Publishing again does nothing.
+        Every chunk is decoded before it is stored, and the manifest comes last, so whoever sees the scene sees all of
+        it. Publishing again does nothing.
 
         Raises:
-            InputError: a malformed scene id, an unreadable manifest, or a file that is missing or damaged.
+            InputError: a malformed scene id, an unreadable manifest, or a file that is missing or damaged. The store
+                may then hold chunks that no scene names.
         """
         if not SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
         manifest = load_manifest(folder)
         total = len(manifest.chunks) + 1
-        for done, chunk in enumerate(manifest.chunks):
+        for done, (chunk, data) in enumerate(checked_chunks(folder, manifest)):
             progress(Progress("publish", done, total))
-            self._create(f"chunks/{chunk.id}", chunk_bytes(folder, chunk))
+            self._create(f"chunks/{chunk.id}", data)
         progress(Progress("publish", total - 1, total))
         if manifest.thumbnail:
             self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
@@ -161,4 +163,4 @@ def _read(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "encode the scene again") from error
+        raise InputError(path, f"cannot be read ({error.strerror})", ENCODE_AGAIN) from error

@@ -8,10 +8,10 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
-from hgs_core.codec.format.folder import MANIFEST, chunk_bytes, load_manifest
+from hgs_core.codec.format.folder import MANIFEST
 from jobs.artifacts import ArtifactStore
 
-__all__ = ["checked_manifest", "publish_run"]
+__all__ = ["encoded_scene", "publish_run"]
 
 
 def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: ProgressCallback = silent) -> str:
@@ -21,9 +21,10 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
     added.
 
     Raises:
-        InputError: the run has no encoded scene, the scene is damaged, or the id is malformed or taken.
+        InputError: the run has no encoded scene, the scene is damaged, or the id is malformed or taken. No scene is
+            published then.
     """
-    folder, manifest = checked_manifest(run)
+    folder, manifest = encoded_scene(run)
     if scene_id:
         if store.manifest(scene_id) not in (None, manifest):
             raise InputError(f"--id {scene_id}", "another scene has this id", "choose another id")
@@ -35,15 +36,13 @@ def publish_run(store: ArtifactStore, run: Path, scene_id: str = "", progress: P
     return scene_id
 
 
-def checked_manifest(run: Path) -> tuple[Path, bytes]:
-    """Return the folder of a run's encoded scene and its manifest's bytes; its chunks are all there and whole.
+def encoded_scene(run: Path) -> tuple[Path, bytes]:
+    """Return the folder of a run's encoded scene and its manifest's bytes.
 
     Raises:
-        InputError: the run has no encoded scene, or the scene is damaged.
+        InputError: the run has no encoded scene.
     """
     folder = run / "scene"
     if not (folder / MANIFEST).is_file():
         raise InputError(run, "has no encoded scene", "give a run that hgs train has finished")
-    for entry in load_manifest(folder).chunks:
-        chunk_bytes(folder, entry)
     return folder, (folder / MANIFEST).read_bytes()

@@ -11,9 +11,9 @@ from pathlib import Path
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_bytes, chunk_id, load_manifest
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, checked_chunks, chunk_id, load_manifest
 from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest
-from server.publishing import checked_manifest
+from server.publishing import encoded_scene
 
 __all__ = ["PLAYER", "PLAYER_SCRIPT", "publish_to_folder"]
 
@@ -50,16 +50,18 @@ def publish_to_folder(
 ) -> None:
     """Write the scene of a finished run to the folder `to`, which a web server can then serve as it is.
 
-    The manifest comes last, so whoever finds one finds all that it names. Called again, after a kill too, it reuses the
-    chunks that are there and whole. `player` is the folder with the built player, None: only the scene's data is
-    written. `replace` allows another scene to take the place of the one that is there; that one can be seen until the
-    new manifest is written, and its chunks are removed afterwards.
+    Every chunk is decoded before it is written, and the manifest comes last, so whoever finds one finds all that it
+    names. Called again, after a kill too, it reuses the chunks that are there and whole. `player` is the folder with
+    the built player, None: only the scene's data is written. `replace` allows another scene to take the place of the
+    one that is there; that one can be seen until the new manifest is written, and its chunks are removed afterwards.
 
     Raises:
         InputError: the run has no encoded scene or a damaged one, the player is not built, or `to` holds another
-            scene, something else than a scene, or cannot be written. Nothing is written then, but for the last case.
+            scene, something else than a scene, or cannot be written. A folder that has no manifest gets none then, and
+            a scene that is there stays whole.
     """
-    scene, manifest = checked_manifest(run)
+    scene, text = encoded_scene(run)
+    manifest = load_manifest(scene)
     if player is not None and not (player / PLAYER_SCRIPT).is_file():
         raise InputError(
             player / PLAYER_SCRIPT,
@@ -67,8 +69,8 @@ def publish_to_folder(
             "run scripts/install, which builds it, or give --data-only",
         )
     try:
-        _refuse_other_contents(to, manifest, replace)
-        _write(scene, to, manifest, player, progress)
+        _refuse_other_contents(to, text, replace)
+        _write(scene, to, manifest, text, player, progress)
     except OSError as error:
         raise InputError(to, f"cannot be written ({error})", "give a folder on a disk with room for it") from error
 
@@ -101,13 +103,14 @@ def _is_scene(manifest: bytes) -> bool:
     return isinstance(document, dict) and document.get("format") == FORMAT
 
 
-def _write(scene: Path, to: Path, text: bytes, player: Path | None, progress: ProgressCallback) -> None:
-    manifest = load_manifest(scene)
+def _write(
+    scene: Path, to: Path, manifest: Manifest, text: bytes, player: Path | None, progress: ProgressCallback
+) -> None:
     total = len(manifest.chunks) + 1
-    for done, entry in enumerate(manifest.chunks):
+    for done, (entry, data) in enumerate(checked_chunks(scene, manifest)):
         progress(Progress("publish", done, total))
         if not _is_whole(to / CHUNKS / entry.id, entry):
-            write_bytes(to / CHUNKS / entry.id, chunk_bytes(scene, entry))
+            write_bytes(to / CHUNKS / entry.id, data)
     progress(Progress("publish", total - 1, total))
     if player is not None:
         for name in _files(player):

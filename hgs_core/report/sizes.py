@@ -10,7 +10,7 @@ from hgs_core.codec import Manifest
 from hgs_core.codec.format.attributes import BY_ID, Kind
 from hgs_core.codec.format.chunk import unpack
 from hgs_core.codec.format.errors import ChunkError
-from hgs_core.codec.format.folder import CHUNKS
+from hgs_core.codec.format.folder import CHUNKS, ENCODE_AGAIN
 from hgs_core.runs.folder import RunFolder
 
 __all__ = ["CONTAINER", "ChunkSize", "chunk_sizes"]
@@ -44,9 +44,9 @@ def chunk_sizes(folder: RunFolder, manifest: Manifest) -> list[ChunkSize]:
             data = file.read_bytes()
             chunk = unpack(data)
         except OSError as error:
-            raise InputError(file, f"cannot be read ({error.strerror})", "encode the scene again") from error
+            raise InputError(file, f"cannot be read ({error.strerror})", ENCODE_AGAIN) from error
         except ChunkError as error:
-            raise InputError(file, str(error), "encode the scene again") from error
+            raise InputError(file, str(error), ENCODE_AGAIN) from error
         streams = {_name(stream.attribute): sum(map(len, stream.planes)) for stream in chunk.streams}
         rest = len(data) - sum(streams.values())
         sizes.append(ChunkSize(chunk.kind, number, chunk.count, streams | {CONTAINER: rest}))

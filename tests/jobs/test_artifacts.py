@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
@@ -9,11 +10,23 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
+from hgs_core.codec.format.chunk import pack, unpack
 from jobs.artifacts import ArtifactStore
+from tests.chunks import static_chunk
+
+ONE, TWO = static_chunk(b"one"), static_chunk(b"two")
 
 
 def name_of(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
+
+
+def poked(chunk: bytes) -> bytes:
+    """Return a chunk whose first plane is no zstd frame, under a right checksum."""
+    container = unpack(chunk)
+    first = container.streams[0]
+    damaged = first._replace(planes=(memoryview(b"no frame"), *first.planes[1:]))
+    return pack(dataclasses.replace(container, streams=(damaged, *container.streams[1:])))
 
 
 @pytest.fixture
@@ -23,7 +36,7 @@ def store(tmp_path: Path) -> ArtifactStore:
 
 @pytest.fixture
 def scene(tmp_path: Path, write_scene: Callable[..., list[str]]) -> Path:
-    """Return a scene folder with the chunks "one" and "two"."""
+    """Return a scene folder with the chunks ONE and TWO."""
     write_scene(tmp_path / "scene")
     return tmp_path / "scene"
 
@@ -32,7 +45,7 @@ def test_a_published_scene_can_be_read(store: ArtifactStore, scene: Path) -> Non
     store.put_scene(scene, "studio-1")
     assert store.manifest("studio-1") == (scene / "manifest.json").read_bytes()
     assert store.thumbnail("studio-1") == b"a picture"
-    assert [store.chunk(name_of(data)) for data in (b"one", b"two")] == [b"one", b"two"]
+    assert [store.chunk(name_of(data)) for data in (ONE, TWO)] == [ONE, TWO]
 
 
 def test_scenes_are_listed_newest_first(store: ArtifactStore, scene: Path, tmp_path: Path) -> None:
@@ -84,7 +97,7 @@ def test_only_what_the_manifest_names_is_published(store: ArtifactStore, scene: 
 
 
 def test_a_missing_chunk_is_refused(store: ArtifactStore, scene: Path) -> None:
-    path = scene / "chunks" / name_of(b"two")
+    path = scene / "chunks" / name_of(TWO)
     path.unlink()
     with pytest.raises(InputError, match=f"{path.name}: cannot be read"):
         store.put_scene(scene, "a")
@@ -105,12 +118,36 @@ def test_a_manifest_that_is_not_one_is_refused(store: ArtifactStore, scene: Path
 
 
 def test_a_damaged_chunk_is_refused_and_the_scene_stays_unseen(store: ArtifactStore, scene: Path) -> None:
-    path = scene / "chunks" / name_of(b"two")
-    path.write_bytes(b"tw0")
+    path = scene / "chunks" / name_of(TWO)
+    path.write_bytes(TWO.replace(b"two", b"tw0"))
     with pytest.raises(InputError, match=f"{path.name}: has the SHA-256"):
         store.put_scene(scene, "a")
     assert store.list_scenes() == []
     assert store.chunk(path.name) is None
+
+
+def test_a_chunk_that_cannot_be_decoded_is_refused_with_the_cure(
+    store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
+) -> None:
+    broken = poked(TWO)
+    name = write_scene(tmp_path / "scene", (ONE, broken))[1]
+    with pytest.raises(InputError, match=rf"chunks/{name}: cannot be decoded .*; encode the scene again: hgs encode"):
+        store.put_scene(tmp_path / "scene", "a")
+    assert store.list_scenes() == []
+    assert store.chunk(name) is None
+
+
+def test_every_chunk_is_read_once(store: ArtifactStore, scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[str] = []
+    read_bytes = Path.read_bytes
+
+    def counted(path: Path) -> bytes:
+        read.append(path.name)
+        return read_bytes(path)
+
+    monkeypatch.setattr(Path, "read_bytes", counted)
+    store.put_scene(scene, "a")
+    assert sorted(name for name in read if len(name) == 64) == sorted(map(name_of, (ONE, TWO)))
 
 
 def test_a_folder_without_a_manifest_is_refused(store: ArtifactStore, scene: Path) -> None:
@@ -151,7 +188,7 @@ def test_a_removed_scene_is_gone_and_its_chunks_stay(store: ArtifactStore, scene
     store.remove_scene("a")
     assert store.list_scenes() == []
     assert store.thumbnail("a") is None
-    assert store.chunk(name_of(b"one")) == b"one"
+    assert store.chunk(name_of(ONE)) == ONE
 
 
 def test_a_renamed_scene_keeps_its_manifest(store: ArtifactStore, scene: Path) -> None:

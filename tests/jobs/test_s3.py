@@ -14,6 +14,9 @@ from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
 from jobs.store import Job, JobState
+from tests.chunks import static_chunk
+
+CHUNK = static_chunk(b"a chunk")
 
 
 def new_server() -> S3Server:
@@ -40,15 +43,15 @@ def store(server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_published_scene_can_be_read_and_removed(
     store: ArtifactStore, tmp_path: Path, write_scene: Callable[..., list[str]]
 ) -> None:
-    (chunk,) = write_scene(tmp_path / "scene", (b"a chunk",))
+    (chunk,) = write_scene(tmp_path / "scene", (CHUNK,))
     manifest = (tmp_path / "scene" / "manifest.json").read_bytes()
     store.put_scene(tmp_path / "scene", "a")
     assert [entry.id for entry in store.list_scenes()] == ["a"]
-    assert (store.manifest("a"), store.thumbnail("a"), store.chunk(chunk)) == (manifest, b"a picture", b"a chunk")
+    assert (store.manifest("a"), store.thumbnail("a"), store.chunk(chunk)) == (manifest, b"a picture", CHUNK)
     store.remove_scene("a")
     store.remove_scene("a")
     assert store.list_scenes() == []
-    assert store.chunk(chunk) == b"a chunk"
+    assert store.chunk(chunk) == CHUNK
 
 
 def test_a_scene_looked_up_has_the_version_of_the_listed_one(

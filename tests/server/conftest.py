@@ -27,6 +27,7 @@ from server.app import create_app
 from server.capture_folders import CaptureFolders
 from server.scene_index import Chunk, SceneIndex, Slice
 from server.serving import HttpServer, bind
+from tests.chunks import dynamic_chunk, splats_of, static_chunk
 
 SliceSpec = tuple[float, float, Sequence[int]]  # start, end, sizes of the chunks
 
@@ -195,9 +196,10 @@ class Server:
 
 def small_manifest(static: Sequence[bytes], slices: Sequence[tuple[float, float, Sequence[bytes]]]) -> Manifest:
     """Return the manifest of a scene of the given chunks; each slice after the first needs the one before it."""
+    box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
     def entry(data: bytes) -> ChunkEntry:
-        return ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), 5, ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)))
+        return ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), splats_of(data), box)
 
     pieces: list[SliceEntry] = []
     for start, end, chunks in slices:
@@ -224,7 +226,10 @@ def small_manifest(static: Sequence[bytes], slices: Sequence[tuple[float, float,
 @pytest.fixture
 def chunks() -> list[bytes]:
     """The chunks of the scene `studio`: two static layers, then one chunk in each of its three slices."""
-    return [chunk_bytes(f"chunk {k}", size) for k, size in enumerate((150_000, 80_000, 70_000, 9_000, 5_000))]
+    contents = [chunk_bytes(f"chunk {k}", size) for k, size in enumerate((150_000, 80_000, 70_000, 9_000, 5_000))]
+    return [static_chunk(content) for content in contents[:2]] + [
+        dynamic_chunk(content, (0.0, 3.0)) for content in contents[2:]
+    ]
 
 
 @pytest.fixture

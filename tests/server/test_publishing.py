@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 from pathlib import Path
 
@@ -41,13 +43,29 @@ def test_run_without_a_scene_is_refused(store: ArtifactStore, tmp_path: Path) ->
         publish_run(store, tmp_path)
 
 
-@pytest.mark.parametrize("damage", ["wrong bytes", "missing", "wrong hash in the manifest"])
+def replace_chunk(scene: Path, name: str, data: bytes) -> None:
+    """Put other bytes in the place of a chunk, and say so in the manifest."""
+    document = json.loads((scene / "manifest.json").read_text())
+    lists = {"static": document["static"], "dynamic": [c for piece in document["slices"] for c in piece["chunks"]]}
+    (entry,) = (entry for chunks in lists.values() for entry in chunks if entry["id"] == name)
+    for piece in document["slices"]:
+        piece["needs"] = []
+    entry |= {"id": hashlib.sha256(data).hexdigest(), "bytes": len(data)}
+    for kind, chunks in lists.items():
+        document["totals"][f"bytes_{kind}"] = sum(chunk["bytes"] for chunk in chunks)
+    (scene / "chunks" / entry["id"]).write_bytes(data)
+    (scene / "manifest.json").write_text(json.dumps(document))
+
+
+@pytest.mark.parametrize("damage", ["wrong bytes", "missing", "wrong hash in the manifest", "no chunk"])
 def test_nothing_of_a_broken_scene_is_published(store: ArtifactStore, scene_folder: Path, damage: str) -> None:
     chunk = sorted((scene_folder / "scene" / "chunks").iterdir())[-1]
     if damage == "wrong bytes":
         chunk.write_bytes(b"damaged")
     elif damage == "missing":
         chunk.unlink()
+    elif damage == "no chunk":
+        replace_chunk(scene_folder / "scene", chunk.name, b"bytes whose hash and length the manifest states")
     else:
         file = scene_folder / "scene" / "manifest.json"
         file.write_bytes(file.read_bytes().replace(chunk.name.encode(), b"0" * 64))

@@ -21,7 +21,7 @@ def test_a_manifest_is_read_with_the_chunks_that_each_slice_needs(manifest: byte
     assert [[chunk.id for chunk in piece.chunks] for piece in scene.slices] == [[ids[2]], ids[2:4], ids[3:5]]
     assert scene.sizes == dict(zip(ids, map(len, chunks), strict=True))
     assert (scene.title, scene.start, scene.end) == ("Studio", 0.0, 3.0)
-    assert (scene.splats_static, scene.splats_dynamic) == (10, 15)
+    assert (scene.splats_static, scene.splats_dynamic) == (2, 60)
 
 
 def test_sizes_are_of_every_chunk_once_and_of_the_manifest(manifest: bytes, chunks: list[bytes]) -> None:

@@ -166,11 +166,29 @@ def test_a_file_of_that_name_is_refused(scene_folder: Path, tmp_path: Path) -> N
         publish_to_folder(scene_folder, tmp_path / "web", player=None)
 
 
-def test_nothing_of_a_broken_scene_is_written(scene_folder: Path, tmp_path: Path) -> None:
-    sorted((scene_folder / "scene" / "chunks").iterdir())[-1].unlink()
+def test_a_broken_scene_is_written_without_manifest_and_page(scene_folder: Path, player: Path, tmp_path: Path) -> None:
+    entry = load_manifest(scene_folder / "scene").chunks[-1]
+    (scene_folder / "scene" / "chunks" / entry.id).unlink()
     with pytest.raises(InputError, match="cannot be read"):
-        publish_to_folder(scene_folder, tmp_path / "web", player=None)
-    assert not (tmp_path / "web").exists()
+        publish_to_folder(scene_folder, tmp_path / "web", player=player)
+    assert {name.split("/")[0] for name in tree(tmp_path / "web")} == {"chunks"}
+
+
+def test_a_broken_scene_leaves_the_one_that_it_should_replace(
+    scene_folder: Path, other_scene: Path, tmp_path: Path
+) -> None:
+    web = tmp_path / "web"
+    publish_to_folder(other_scene, web, player=None)
+    document = json.loads((scene_folder / "scene" / "manifest.json").read_text())
+    document["static"][1]["splats"] += 1
+    document["totals"]["splats_static"] += 1
+    (scene_folder / "scene" / "manifest.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=r"splats, the manifest says.*hgs encode RUN"):
+        publish_to_folder(scene_folder, web, player=None, replace=True)
+    manifest = load_manifest(web)
+    assert manifest.title == "<Other> & more"
+    for entry in manifest.chunks:
+        chunk_bytes(web, entry)
 
 
 def test_a_title_and_a_missing_picture_leave_a_sound_page(other_scene: Path, player: Path, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,28 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.errors import ChunkError
-from hgs_core.codec.format.manifest import ChunkEntry, Manifest
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
-__all__ = ["CHUNKS", "MANIFEST", "THUMBNAIL", "chunk_bytes", "chunk_id", "decode_scene", "load_manifest", "read_chunk"]
+__all__ = [
+    "CHUNKS",
+    "ENCODE_AGAIN",
+    "MANIFEST",
+    "THUMBNAIL",
+    "checked_chunks",
+    "chunk_bytes",
+    "chunk_id",
+    "decode_scene",
+    "load_manifest",
+    "read_chunk",
+]
 
 MANIFEST = "manifest.json"
 CHUNKS = "chunks"
 THUMBNAIL = "thumbnail.jpg"
+
+ENCODE_AGAIN = "encode the scene again: hgs encode RUN"
+"""What helps when a scene folder is damaged."""
 
 
 def load_manifest(path: Path) -> Manifest:
@@ -43,7 +58,7 @@ def load_manifest(path: Path) -> Manifest:
             file, f"cannot be read ({error.strerror})", "give a scene folder or its manifest.json"
         ) from error
     except (ValueError, RecursionError) as error:
-        raise InputError(file, f"is not JSON ({error})", "encode the scene again") from error
+        raise InputError(file, f"is not JSON ({error})", ENCODE_AGAIN) from error
     return Manifest.from_json(document, f"{file}: manifest")
 
 
@@ -62,13 +77,13 @@ def chunk_bytes(folder: Path, entry: ChunkEntry) -> bytes:
     try:
         size = file.stat().st_size
         if size != entry.bytes:
-            raise InputError(file, f"has {size} bytes, the manifest says {entry.bytes}", "encode the scene again")
+            raise InputError(file, f"has {size} bytes, the manifest says {entry.bytes}", ENCODE_AGAIN)
         data = file.read_bytes()
     except OSError as error:
-        raise InputError(file, f"cannot be read ({error.strerror})", "encode the scene again") from error
+        raise InputError(file, f"cannot be read ({error.strerror})", ENCODE_AGAIN) from error
     actual = chunk_id(data)
     if actual != entry.id:
-        raise InputError(file, f"has the SHA-256 {actual}, the manifest says {entry.id}", "encode the scene again")
+        raise InputError(file, f"has the SHA-256 {actual}, the manifest says {entry.id}", ENCODE_AGAIN)
     return data
 
 
@@ -78,16 +93,22 @@ def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
     Raises:
         InputError: as `chunk_bytes`, or it is not a valid chunk.
     """
-    data, file = chunk_bytes(folder, entry), folder / CHUNKS / entry.id
-    try:
-        decoded = decode_chunk(data)
-    except ChunkError as error:
-        raise InputError(file, str(error)) from error
-    if decoded.count != entry.splats:
-        raise InputError(
-            file, f"has {decoded.count} splats, the manifest says {entry.splats}", "encode the scene again"
-        )
-    return decoded
+    return _decoded(folder, entry, chunk_bytes(folder, entry))
+
+
+def checked_chunks(folder: Path, manifest: Manifest) -> Iterator[tuple[ChunkEntry, bytes]]:
+    """Yield the chunks of a scene folder in the manifest's order, with their bytes; each is read once.
+
+    Before a chunk is yielded it has been decoded, so what it holds is known to be what the manifest says of it.
+
+    Raises:
+        InputError: a chunk is missing or wrong; names its file.
+    """
+    for entry in manifest.static:
+        yield entry, _in_place(folder, entry, None)[0]
+    for piece in manifest.slices:
+        for entry in piece.chunks:
+            yield entry, _in_place(folder, entry, manifest.segments[piece.segment])[0]
 
 
 def decode_scene(path: Path) -> HybridScene[Floats]:
@@ -105,19 +126,12 @@ def decode_scene(path: Path) -> HybridScene[Floats]:
     """
     manifest = load_manifest(path)
     folder = path if path.is_dir() else path.parent
-    static = [_of_kind(folder, entry, Kind.STATIC).static() for entry in manifest.static]
+    static = [_in_place(folder, entry, None)[1].static() for entry in manifest.static]
     dynamic: list[list[DynamicSplats[Floats]]] = [[] for _ in manifest.segments]
     for piece in manifest.slices:
         segment = manifest.segments[piece.segment]
         for entry in piece.chunks:
-            chunk = _of_kind(folder, entry, Kind.DYNAMIC)
-            if chunk.time_range != (segment.start, segment.end):
-                raise InputError(
-                    folder / CHUNKS / entry.id,
-                    f"is of the time {chunk.time_range}, its segment of {(segment.start, segment.end)}",
-                    "encode the scene again",
-                )
-            dynamic[piece.segment].append(chunk.dynamic())
+            dynamic[piece.segment].append(_in_place(folder, entry, segment)[1].dynamic())
     segments = tuple(
         Segment(segment.start, segment.end, joined([DynamicSplats.empty(), *sets]))
         for segment, sets in zip(manifest.segments, dynamic, strict=True)
@@ -126,8 +140,27 @@ def decode_scene(path: Path) -> HybridScene[Floats]:
     return HybridScene(static_set, segments, manifest.background, manifest.antialiased)
 
 
-def _of_kind(folder: Path, entry: ChunkEntry, kind: Kind) -> DecodedChunk:
-    chunk = read_chunk(folder, entry)
-    if chunk.kind != kind:
-        raise InputError(folder / CHUNKS / entry.id, f"is a {chunk.kind.name.lower()} chunk, listed as the other kind")
+def _in_place(folder: Path, entry: ChunkEntry, segment: SegmentEntry | None) -> tuple[bytes, DecodedChunk]:
+    """Read and decode a chunk that the manifest lists as static (segment None) or as one of a segment."""
+    data, file = chunk_bytes(folder, entry), folder / CHUNKS / entry.id
+    chunk = _decoded(folder, entry, data)
+    if chunk.kind != (Kind.STATIC if segment is None else Kind.DYNAMIC):
+        raise InputError(file, f"is a {chunk.kind.name.lower()} chunk, listed as the other kind", ENCODE_AGAIN)
+    if segment is not None and chunk.time_range != (segment.start, segment.end):
+        raise InputError(
+            file,
+            f"is of the time {chunk.time_range}, its segment of {(segment.start, segment.end)}",
+            ENCODE_AGAIN,
+        )
+    return data, chunk
+
+
+def _decoded(folder: Path, entry: ChunkEntry, data: bytes) -> DecodedChunk:
+    file = folder / CHUNKS / entry.id
+    try:
+        chunk = decode_chunk(data)
+    except ChunkError as error:
+        raise InputError(file, f"cannot be decoded ({error})", ENCODE_AGAIN) from error
+    if chunk.count != entry.splats:
+        raise InputError(file, f"has {chunk.count} splats, the manifest says {entry.splats}", ENCODE_AGAIN)
     return chunk

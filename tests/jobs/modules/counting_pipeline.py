@@ -22,6 +22,7 @@ from scene_folder import write_scene
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.config import RunConfig
+from tests.chunks import static_chunk
 
 CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
@@ -67,7 +68,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 
 def encode(run: Path, progress: ProgressCallback) -> None:
-    write_scene(run / "scene", ((run / "iterations.log").read_bytes(),))
+    write_scene(run / "scene", (static_chunk((run / "iterations.log").read_bytes()),))
     progress(Progress("encode", 1, 1))
 
 

@@ -1,4 +1,4 @@
-"""Writes scene folders with a valid manifest and chunks of any content."""
+"""Writes small scene folders."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ import numpy as np
 
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
+from tests.chunks import splats_of, static_chunk
 
 
-def write_scene(folder: Path, chunks: tuple[bytes, ...] = (b"one", b"two"), title: str = "Scene") -> list[str]:
-    """Write a scene folder and return the ids of its chunks."""
+def write_scene(
+    folder: Path, chunks: tuple[bytes, ...] = (static_chunk(b"one"), static_chunk(b"two")), title: str = "Scene"
+) -> list[str]:
+    """Write a scene folder of these static chunks and return their ids."""
     (folder / "chunks").mkdir(parents=True, exist_ok=True)
     box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    entries = [ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), 1, box) for data in chunks]
+    entries = [ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), splats_of(data), box) for data in chunks]
     for entry, data in zip(entries, chunks, strict=True):
         (folder / "chunks" / entry.id).write_bytes(data)
     (folder / "thumbnail.jpg").write_bytes(b"a picture")

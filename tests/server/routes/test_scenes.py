@@ -20,8 +20,8 @@ def test_scene_is_described(server: Any, chunks: list[bytes], manifest: bytes) -
         "start": 0.0,
         "end": 3.0,
         "bytes_total": sum(map(len, chunks)) + len(manifest),
-        "splats_static": 10,
-        "splats_dynamic": 15,
+        "splats_static": 2,
+        "splats_dynamic": 60,
     }
 
 

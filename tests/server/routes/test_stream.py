@@ -21,6 +21,7 @@ from server.protocol import MAX_PAYLOAD, Hello, Seek, encode
 from server.routes import stream
 from server.scene_index import Chunk
 from server.stream_session import StreamSession
+from tests.chunks import static_chunk
 from tests.server.conftest import small_manifest
 from tests.server.test_serving import receive, receive_all, with_stream
 
@@ -80,7 +81,7 @@ def test_broken_connection_goes_on_in_the_middle_of_a_chunk(server: Any, manifes
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux refuses to take more than TCP_NOTSENT_LOWAT allows")
 def test_reader_that_stops_is_cut_off_and_holds_little_memory(server: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(websocket_protocol, "STALL_SECONDS", 1.0)
-    chunks = [bytes([k]) * 200_000 for k in range(1, 31)]
+    chunks = [static_chunk(bytes([k]) * 200_000) for k in range(1, 31)]
     manifest = json.dumps(small_manifest(chunks[:-1], [(0.0, 1.0, chunks[-1:])]).to_json()).encode()
     frames = 0
     expect = ChunkCache.expect
