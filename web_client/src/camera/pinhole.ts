@@ -3,7 +3,7 @@
  * they meet WebGL's clip space (y up).
  */
 
-import { add, apply, type Mat3, row, scale, type Vec3 } from "./vector";
+import { add, apply, type Mat3, row, scale, subtract, type Vec3 } from "./vector";
 
 /** A camera-space point is `rotation` p + `translation`; rotation is world-to-camera, row-major. */
 export interface Pose {
@@ -58,9 +58,18 @@ export function resized(camera: Intrinsics, width: number, height: number): Intr
   };
 }
 
-/** The camera on a canvas of any shape: the whole capture picture stays in view, and more is seen around it. */
+/** How much larger than wholly in view a picture may be on a screen that is no higher than wide: a little is cut off. */
+const LARGEST_CROP = 1.2;
+
+/**
+ * The camera on a canvas of any shape. Around the capture's picture there is little to see but a scene's rubbish, so the
+ * picture covers an upright canvas: its sides are cut off. On any other canvas it comes as near to that as `LARGEST_CROP`
+ * lets it, because heads and feet must stay.
+ */
 export function fitted(camera: Intrinsics, width: number, height: number): Intrinsics {
-  const s = Math.min(width / camera.width, height / camera.height);
+  const [across, down] = [width / camera.width, height / camera.height];
+  const covering = Math.max(across, down);
+  const s = height > width ? covering : Math.min(covering, LARGEST_CROP * Math.min(across, down));
   return {
     width,
     height,
@@ -81,4 +90,10 @@ export function pixelToClip(x: number, y: number, size: { width: number; height:
 export function project(point: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
   const [x, y, z] = add(apply(pose.rotation, point), pose.translation);
   return [(camera.fx * x) / z + camera.cx, (camera.fy * y) / z + camera.cy, z];
+}
+
+/** The world point at a pixel position and a depth: the inverse of `project`. */
+export function unproject([x, y, depth]: Vec3, pose: Pose, camera: Intrinsics): Vec3 {
+  const ray: Vec3 = [(x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1];
+  return eyeOf({ rotation: pose.rotation, translation: subtract(pose.translation, scale(ray, depth)) });
 }

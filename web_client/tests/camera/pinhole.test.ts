@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { eyeOf, fitted, pixelToClip, poseAt, poseOf, project, resized } from "../../src/camera/pinhole";
+import { eyeOf, fitted, pixelToClip, poseAt, poseOf, project, resized, unproject } from "../../src/camera/pinhole";
 import { apply, type Vec3 } from "../../src/camera/vector";
 
 const CAMERA = { width: 640, height: 360, fx: 500, fy: 510, cx: 330, cy: 170, near: 0.2 };
@@ -48,6 +48,13 @@ describe("poses", () => {
     expect(local).toEqual([0, 0, 0]);
   });
 
+  it("sees at a pixel the point that was projected to it", () => {
+    const point: Vec3 = [9, -4, 2];
+    unproject(project(point, pose, CAMERA), pose, CAMERA).forEach((value, i) => {
+      expect(value).toBeCloseTo(point[i]);
+    });
+  });
+
   it("is made again from its eye and rotation", () => {
     const again = poseAt(eyeOf(pose), pose.rotation);
     expect(again.translation).toEqual(pose.translation);
@@ -67,21 +74,45 @@ describe("picture sizes", () => {
     });
   });
 
-  it.each([
-    [1920, 1080],
-    [390, 844],
-    [1000, 300],
-  ])("keeps the whole capture picture in view on %s x %s", (width, height) => {
+  /** Where the edges of the capture's picture lie on a canvas. */
+  const edges = (width: number, height: number) => {
     const view = fitted(CAMERA, width, height);
-    const left = ((0 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx;
-    const right = ((640 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx;
-    const top = ((0 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy;
-    const bottom = ((360 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy;
-    expect(left).toBeGreaterThanOrEqual(-1e-9);
-    expect(top).toBeGreaterThanOrEqual(-1e-9);
-    expect(right).toBeLessThanOrEqual(width + 1e-9);
-    expect(bottom).toBeLessThanOrEqual(height + 1e-9);
-    expect(Math.min(left + width - right, top + height - bottom)).toBeCloseTo(0);
     expect(view.fx / view.fy).toBeCloseTo(500 / 510);
+    return {
+      left: ((0 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx,
+      right: ((640 - CAMERA.cx) / CAMERA.fx) * view.fx + view.cx,
+      top: ((0 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy,
+      bottom: ((360 - CAMERA.cy) / CAMERA.fy) * view.fy + view.cy,
+    };
+  };
+
+  it.each([
+    [390, 844],
+    [600, 601],
+    [1280, 800],
+  ])("covers %s x %s: upright, or little is lost by it", (width, height) => {
+    const { left, right, top, bottom } = edges(width, height);
+    expect(top).toBeCloseTo(0);
+    expect(bottom).toBeCloseTo(height);
+    expect(left).toBeLessThanOrEqual(0);
+    expect(right).toBeGreaterThanOrEqual(width);
+    expect(left + right).toBeCloseTo(width);
+  });
+
+  it.each([
+    [844, 390],
+    [1000, 300],
+    [600, 600],
+  ])("cuts no more than a sixth of the picture off on %s x %s", (width, height) => {
+    const { left, right, top, bottom } = edges(width, height);
+    const seen = { across: Math.min(1, width / (right - left)), down: Math.min(1, height / (bottom - top)) };
+    expect(Math.min(seen.across, seen.down)).toBeGreaterThan(1 / 1.2 - 1e-9);
+    expect(Math.min(seen.across, seen.down)).toBeLessThan(0.9);
+    expect(left + right).toBeCloseTo(width);
+    expect(top + bottom).toBeCloseTo(height);
+  });
+
+  it("shows a picture of the canvas's shape whole", () => {
+    expect(edges(1920, 1080)).toEqual({ left: 0, right: 1920, top: 0, bottom: 1080 });
   });
 });
