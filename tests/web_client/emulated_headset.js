@@ -50,9 +50,15 @@
     }
     return framebuffers.get(layer);
   });
+  const scales = new WeakMap();
+  XRView.prototype.requestViewportScale = function (scale) {
+    scales.set(this, scale);
+  };
   XRWebGLLayer.prototype.getViewport = (view) => {
     const { width, height } = headset;
-    return { x: view.eye === "right" ? width : 0, y: 0, width, height };
+    const scale = scales.get(view) ?? 1;
+    headset.drawn = [Math.round(width * scale), Math.round(height * scale)];
+    return { x: view.eye === "right" ? width : 0, y: 0, width: headset.drawn[0], height: headset.drawn[1] };
   };
   const getViewerPose = XRFrame.prototype.getViewerPose;
   XRFrame.prototype.getViewerPose = function (space) {
@@ -99,6 +105,7 @@
     refusal: null, // name of the DOMException with which a session is refused
     tracking: true,
     oneEye: false,
+    drawn: null, // [width, height] of an eye's picture in the last frame, pixels
     width: 256, // of an eye, pixels
     height: 256,
     projections: null, // { left, right }: 16 numbers by columns; null for those of IWER

@@ -311,6 +311,58 @@ def test_a_hand_moves_the_scene_and_the_panel_brings_it_back(browser: Browser, d
         assert np.array_equal(headset.pictures()[0], before)
 
 
+def test_a_pinching_hand_moves_the_scene(browser: Browser, dust: Site) -> None:
+    with headset_page(browser, dust) as headset:
+        headset.page.evaluate("() => { headset.device.primaryInputMode = 'hand'; }")
+        headset.enter()
+        headset.page.evaluate(
+            """() => {
+              const hand = headset.device.hands.right;
+              const frames = () => { headset.frame(); headset.frame(); };
+              hand.position.set(0.2, 1.2, -0.3);
+              frames();
+              hand.updatePinchValue(1);
+              frames();
+              hand.position.set(0.1, 1.25, -0.5);
+              frames();
+              hand.updatePinchValue(0);
+              frames();
+              hand.position.set(0.3, 1.2, -0.3); // without pinching
+              frames();
+            }"""
+        )
+        headset.settle()
+        cameras = headset.cameras(dust.cameras[0], (0.1, 1.55, 0.2))  # as if the head had moved the other way
+        for eye, camera in zip(headset.pictures(), cameras, strict=True):
+            assert psnr(eye[..., :3], reference_picture(dust, camera)) >= EYE_PSNR
+
+
+def test_pictures_become_coarser_while_frames_are_late_and_finer_again(browser: Browser, site: Site) -> None:
+    with headset_page(browser, site) as headset:
+        # The test's own clock alone, so that a busy machine makes no frame late.
+        headset.page.evaluate(
+            "() => { let time = 0; performance.now = () => time; headset.skip = (ms) => (time += ms); }"
+        )
+        headset.enter()
+
+        def drawn(frames: int, interval: float) -> list[int]:
+            size: list[int] = headset.page.evaluate(
+                """([frames, interval]) => {
+                  for (let i = 0; i < frames; i++) {
+                    headset.skip(interval);
+                    headset.frame();
+                  }
+                  return headset.drawn;
+                }""",
+                [frames, interval],
+            )
+            return size
+
+        assert drawn(100, 1000 / 72) == [256, 256]
+        assert drawn(72 * 2, 2000 / 72)[0] < 256
+        assert drawn(72 * 14, 1000 / 72) == [256, 256]
+
+
 def test_a_lost_context_comes_back_in_the_headset(browser: Browser, site: Site) -> None:
     with headset_page(browser, site) as headset:
         headset.enter()
