@@ -4,7 +4,7 @@ import type { Intrinsics, Pose } from "../src/camera/pinhole";
 import { poseAt } from "../src/camera/pinhole";
 import type { Manifest, StaticChunk } from "../src/codec/types";
 import type { PlanarDepth } from "../src/worker/depth";
-import { type Placement, placeChunks } from "../src/worker/placement";
+import { placeStatics, type StaticPlacement } from "../src/worker/placement";
 import { random } from "../tests/random";
 
 const BITS = 10;
@@ -18,7 +18,7 @@ function morton(x: number, y: number, z: number): number {
 }
 
 /** A cube of four units about the origin; splats of a centimetre. */
-export function cloud(count: number): { splats: StaticChunk; manifest: Manifest; placement: Placement } {
+export function cloud(count: number): { splats: StaticChunk; manifest: Manifest; placement: StaticPlacement } {
   const next = random(7);
   const cells = Float64Array.from({ length: count }, () => {
     const cell = () => Math.floor(next() * 2 ** BITS);
@@ -47,7 +47,7 @@ export function cloud(count: number): { splats: StaticChunk; manifest: Manifest;
   };
   const manifest = { static: [{ id: "cloud", bytes: 1, splats: count, box }], slices: [], segments: [] };
   const checked = manifest as unknown as Manifest;
-  return { splats, manifest: checked, placement: placeChunks(checked) };
+  return { splats, manifest: checked, placement: placeStatics(checked) };
 }
 
 /** A camera that has turned by `angle` about the vertical, and looks at the cube's middle from a distance, or from it. */

@@ -34,12 +34,12 @@ export class WorkerDouble {
     const empty = new Float32Array(0);
     for (const [i, kind] of (["static", "static", "dynamic", "dynamic"] as const).entries()) {
       const id = String(i + 1).padStart(64, "0");
-      this.answer({ type: "decoded", id, kind, first: 0, texels: empty, fifth: empty });
+      this.answer({ type: "decoded", id, kind, first: 0, rows: [], texels: empty, fifth: empty });
     }
   }
 
   /** An order of one splat. */
   order(): void {
-    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, unchanged: 0, sortTime: 1 });
+    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, sortTime: 1 });
   }
 }

@@ -16,3 +16,9 @@ export function sliceAt(slices: readonly SliceEntry[], time: number): number {
 
 /** The ids of all chunks that hold splats alive in a slice. */
 export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((chunk) => chunk.id), ...slice.needs];
+
+/** The ids of all chunks that hold splats alive at any time from `from` until `until`, seconds. */
+export function chunksBetween(slices: readonly SliceEntry[], from: number, until: number): string[] {
+  const [first, last] = [sliceAt(slices, from), sliceAt(slices, until)];
+  return first < 0 ? [] : slices.slice(first, last + 1).flatMap(chunksOf);
+}

@@ -5,6 +5,7 @@ import type { Manifest, SliceEntry } from "../codec/types";
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
+  readonly #away = new Set<string>(); // of those, what cannot be drawn now
   readonly #lost = new Set<string>();
   readonly #chunks: number; // of the whole scene
 
@@ -16,12 +17,25 @@ export class SceneBuffer {
   /** Note that a chunk can be drawn from now on. */
   arrived(id: string): void {
     this.#arrived.add(id);
+    this.#away.delete(id);
     this.#lost.delete(id);
+  }
+
+  /** Note that a chunk is here, but cannot be drawn yet. */
+  delivered(id: string): void {
+    if (this.#arrived.has(id)) return;
+    this.#arrived.add(id);
+    this.#away.add(id);
+  }
+
+  /** Note that a chunk has made room for others: it cannot be drawn until it arrives again. */
+  evicted(id: string): void {
+    this.#away.add(id);
   }
 
   /** Note that a chunk cannot be had: what else there is at its time is shown without it. */
   lose(id: string): void {
-    if (!this.#arrived.has(id)) this.#lost.add(id);
+    if (!this.#arrived.has(id) || this.#away.has(id)) this.#lost.add(id);
   }
 
   /** How many chunks are shown without. */
@@ -39,7 +53,7 @@ export class SceneBuffer {
     return this.manifest.static.every((chunk) => this.#settled(chunk.id));
   }
 
-  /** True if the whole scene is here. */
+  /** True if the whole scene is here, or was: what has made room since can be fetched. */
   get complete(): boolean {
     return this.#arrived.size === this.#chunks;
   }
@@ -64,6 +78,6 @@ export class SceneBuffer {
   }
 
   #settled(id: string): boolean {
-    return this.#arrived.has(id) || this.#lost.has(id);
+    return (this.#arrived.has(id) && !this.#away.has(id)) || this.#lost.has(id);
   }
 }

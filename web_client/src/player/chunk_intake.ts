@@ -4,7 +4,7 @@
 const PAUSES = [0, 1000];
 
 export interface IntakeEvents {
-  /** Decode a chunk; answered by `decoded` or `damaged`. */
+  /** Decode a chunk; answered by `done` or `damaged`. */
   decode(id: string, bytes: Uint8Array<ArrayBuffer>): void;
   /** The decoder is done with so many bytes. */
   consumed(bytes: number): void;
@@ -29,7 +29,8 @@ export class ChunkIntake {
     this.events.decode(id, bytes);
   }
 
-  decoded(id: string): void {
+  /** A chunk has been decoded, or let go of. */
+  done(id: string): void {
     this.#consume(id);
   }
 

@@ -45,6 +45,11 @@ export class OrderRequests {
     return this.#shown?.key ?? null;
   }
 
+  /** The moments of the order that is shown and of the one that is asked for. */
+  get moments(): Moment[] {
+    return [this.#shown, this.#asked].flatMap((order) => order?.key ?? []);
+  }
+
   /** Splats in the shown order. */
   get count(): number {
     return this.#count;
@@ -102,7 +107,7 @@ export class OrderRequests {
     this.#shown = this.#asked;
     this.#asked = null;
     this.#fresh = true;
-    this.sink.setOrder(order.ids, order.count, order.unchanged);
+    this.sink.setOrder(order.ids, order.count);
   }
 
   shows(key: OrderKey): boolean {

@@ -28,9 +28,9 @@ export class ScenePlayer {
   constructor(options: PlayerOptions) {
     this.#options = options;
     this.renderer = new CanvasRenderer(options.canvas, (lost) => this.#contextChanged(lost));
-    const { source: open, time, playing, antialiased } = options;
+    const { source: open, time, playing, antialiased, memoryBudget } = options;
     this.#scene = new StreamedScene(
-      { open, time, playing, antialiased, sink: this.renderer.splats },
+      { open, time, playing, antialiased, memoryBudget, sink: this.renderer.splats },
       {
         manifest: (manifest) => {
           this.renderer.background = manifest.background;
@@ -179,7 +179,7 @@ export class ScenePlayer {
   }
 
   #contextChanged(lost: boolean): void {
-    if (!lost) this.#scene.orders.forget();
+    if (!lost) this.#scene.restore();
     this.#picture.outdate();
     this.invalidate();
   }

@@ -12,6 +12,8 @@ export interface PlayerOptions {
   readonly playing: boolean;
   /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
   readonly antialiased: boolean | null;
+  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
+  readonly memoryBudget?: number;
   /** From where the scene is seen now; asked at every frame. Null while that is not known. Tell changes to `invalidate`. */
   readonly view: () => View | null;
   readonly onManifest: (manifest: Manifest) => void;

@@ -9,17 +9,15 @@ import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { OpenSource, SceneSource, SourceState } from "../source/scene_source";
-import type { DecodedSplats } from "../worker/messages";
-import { placeChunks } from "../worker/placement";
 import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
-import { ChunkIntake } from "./chunk_intake";
 import { PlayerClock } from "./clock";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
 import { LineRate } from "./line_rate";
 import { drawnTime, type Moment, momentOf, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
+import { SceneChunks } from "./scene_chunks";
 import { type Sight, sameSight, sightOf } from "./sight";
 import type { View } from "./view";
 
@@ -34,6 +32,8 @@ export interface SceneOptions {
   readonly playing: boolean;
   /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
   readonly antialiased: boolean | null;
+  /** Bytes that the scene's splats may take, of this page and of the device; by the kind of device if not given. */
+  readonly memoryBudget?: number;
 }
 
 /** What a step has come to. */
@@ -62,11 +62,10 @@ export class StreamedScene {
   readonly #events: SceneEvents;
   readonly #worker: SceneWorker;
   readonly #source: SceneSource;
-  readonly #chunks: ChunkIntake;
+  readonly #chunks: SceneChunks;
   readonly #line = new LineRate();
   #manifest: Manifest | null = null;
   #playback: Playback | null = null; // from the manifest on
-  #version = 0;
   #state: SourceState = "connecting";
   #bytes = 0;
   #pictureTime = 0;
@@ -76,8 +75,10 @@ export class StreamedScene {
     this.#options = options;
     this.#events = events;
     this.#worker = new SceneWorker({
-      decoded: (splats) => this.#decoded(splats),
-      damaged: (id, message) => void this.#chunks.damaged(id, message),
+      decoded: (splats) => this.#chunks.decoded(splats),
+      damaged: (id, message) => this.#chunks.damaged(id, message),
+      packed: (splats) => this.#chunks.packed(splats),
+      repacked: () => this.#chunks.repacked(),
       ordered: (order) => {
         this.orders.receive(order);
         events.ordered();
@@ -85,23 +86,20 @@ export class StreamedScene {
       stopped: (cause) => events.failed(DECODER_STOPPED, cause),
     });
     this.orders = new OrderRequests(this.#worker, options.sink);
-    this.#chunks = new ChunkIntake(
-      {
-        decode: (id, bytes) => this.#worker.decode(id, bytes),
-        consumed: (bytes) => this.#source.consumed(bytes),
-        lost: (id, message) => {
-          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
-          console.warn(message);
-          this.#lose(id);
-        },
+    this.#chunks = new SceneChunks({
+      worker: this.#worker,
+      sink: options.sink,
+      source: () => this.#source,
+      changed: () => {
+        this.#reside();
+        events.changed();
       },
-      (id, signal) => this.#source.fetchAgain(id, signal),
-    );
+    });
     this.#source = options.open(
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
-        missing: (id) => this.#lose(id),
+        missing: (id) => this.#chunks.missing(id),
         progress: (bytes) => {
           this.#bytes += bytes;
           this.#line.count(bytes, performance.now());
@@ -129,7 +127,7 @@ export class StreamedScene {
 
   /** Counts the chunks that the worker has decoded. */
   get version(): number {
-    return this.#version;
+    return this.#chunks.version;
   }
 
   get state(): SourceState {
@@ -160,10 +158,11 @@ export class StreamedScene {
     if (!playback) return null;
     this.orders.frame(now);
     playback.tick(now / 1000);
+    this.#reside();
     const sight = sightOf(views);
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
-    const wanted = { ...sight, exact, ...this.#nextMoment(playback), version: this.#version };
+    const wanted = { ...sight, exact, ...this.#nextMoment(playback), version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
@@ -176,6 +175,12 @@ export class StreamedScene {
     if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased };
     this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
     return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
+  }
+
+  /** The sink has lost all that it was given, and takes it again. */
+  restore(): void {
+    this.orders.forget();
+    this.#chunks.restore();
   }
 
   /** The network or the page is back. */
@@ -194,7 +199,13 @@ export class StreamedScene {
   #settled(wanted: OrderKey): boolean {
     const { shown } = this.orders;
     const playback = this.#playback;
-    if (!shown?.exact || !playback?.buffer.staticComplete || !playback.buffer.ready(shown.time)) return false;
+    if (
+      this.#chunks.restoring ||
+      !shown?.exact ||
+      !playback?.buffer.staticComplete ||
+      !playback.buffer.ready(shown.time)
+    )
+      return false;
     return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
   }
 
@@ -212,13 +223,13 @@ export class StreamedScene {
   #begin(bytes: Uint8Array): void {
     try {
       const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
-      const { staticRows, dynamicRows } = placeChunks(manifest);
-      this.#options.sink.allocate(staticRows, dynamicRows);
+      const buffer = new SceneBuffer(manifest);
+      this.#chunks.begin(manifest, buffer, this.#options.memoryBudget);
       this.#worker.begin(manifest);
       const clock = new PlayerClock(manifest.start, manifest.end);
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
-      this.#playback = new Playback(clock, new SceneBuffer(manifest), this.#source);
+      this.#playback = new Playback(clock, buffer, this.#source);
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();
@@ -230,20 +241,9 @@ export class StreamedScene {
     }
   }
 
-  #decoded({ id, kind, first, texels, fifth }: DecodedSplats): void {
-    const { sink } = this.#options;
-    if (kind === "static") sink.writeStatics(first, texels);
-    else sink.writeDynamics(first, texels, fifth);
-    this.#playback?.buffer.arrived(id);
-    this.#version++;
-    this.#chunks.decoded(id);
-    if (this.#playback?.buffer.complete) this.#source.close(); // nothing more can come
-    this.#events.changed();
-  }
-
-  /** Go on without a chunk. */
-  #lose(id: string): void {
-    this.#playback?.buffer.lose(id);
-    this.#events.changed();
+  /** Keep in memory what the playhead needs. */
+  #reside(): void {
+    const clock = this.#playback?.clock;
+    if (clock) this.#chunks.reside(clock.time, () => this.orders.moments);
   }
 }

@@ -6,9 +6,13 @@ export class OrderTexture {
   #texture: WebGLTexture | null = null;
   #rows = 0;
 
-  /** Upload the first `count` ids. `ids` is whole rows long; the first `unchanged` ids are those of the last time. */
-  write(gl: WebGL2RenderingContext, ids: Uint32Array, count: number, unchanged: number): void {
-    let begin = Math.floor(unchanged / TEXTURE_WIDTH);
+  /** Bytes on the device. */
+  get bytes(): number {
+    return 4 * TEXTURE_WIDTH * this.#rows;
+  }
+
+  /** Upload the first `count` ids. `ids` is whole rows long. */
+  write(gl: WebGL2RenderingContext, ids: Uint32Array, count: number): void {
     const rows = Math.ceil(count / TEXTURE_WIDTH);
     if (rows > this.#rows || !this.#texture) {
       gl.deleteTexture(this.#texture);
@@ -18,13 +22,10 @@ export class OrderTexture {
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
       gl.texStorage2D(gl.TEXTURE_2D, 1, gl.R32UI, TEXTURE_WIDTH, this.#rows);
-      begin = 0;
     }
-    if (begin >= rows) return;
+    if (rows === 0) return;
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
-    const part = ids.subarray(begin * TEXTURE_WIDTH, rows * TEXTURE_WIDTH);
-    const [width, height] = [TEXTURE_WIDTH, rows - begin];
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, begin, width, height, gl.RED_INTEGER, gl.UNSIGNED_INT, part);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, TEXTURE_WIDTH, rows, gl.RED_INTEGER, gl.UNSIGNED_INT, ids);
   }
 
   bind(gl: WebGL2RenderingContext, unit: number): void {

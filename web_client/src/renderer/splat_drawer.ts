@@ -3,7 +3,7 @@
  * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
  */
 
-import { DYNAMICS_PER_ROW, FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW } from "./layout";
+import { FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW, TEXTURE_WIDTH } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
 import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders";
@@ -33,17 +33,16 @@ const LARGEST = 1e9;
 
 /** Where a scene's decoded splats and their order go. */
 export interface SplatSink {
+  /** Rows that a texture can have on this device. */
+  readonly mostRows: number;
   /** Make room for a scene; `staticRows` and `dynamicRows` are texture rows. */
   allocate(staticRows: number, dynamicRows: number): void;
   /** Take packed static splats; `first` is the id of the first, at the start of a row. */
   writeStatics(first: number, texels: Float32Array): void;
-  /** Take packed dynamic splats; `first` is the id of the first, at the start of a row. `fifth` may be empty. */
-  writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void;
-  /**
-   * Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. The first `unchanged` of them are
-   * those of the order before.
-   */
-  setOrder(ids: Uint32Array, count: number, unchanged: number): void;
+  /** Take packed dynamic splats into these rows, one after the other. `fifth` may be empty. */
+  writeDynamics(rows: readonly number[], texels: Float32Array, fifth: Float32Array): void;
+  /** Set what is drawn: `count` ids, farthest first, in an array of whole texture rows. */
+  setOrder(ids: Uint32Array, count: number): void;
 }
 
 export class SplatDrawer implements SplatSink {
@@ -61,6 +60,16 @@ export class SplatDrawer implements SplatSink {
     this.rebuild();
   }
 
+  get mostRows(): number {
+    return this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) as number;
+  }
+
+  /** What the splats and their order take on the device, bytes. */
+  get bytes(): number {
+    const textures = [this.#statics, this.#dynamics, this.#fifth, this.#order];
+    return textures.reduce((sum, { bytes }) => sum + bytes, 0);
+  }
+
   /** Splats in the current order. */
   get count(): number {
     return this.#count;
@@ -74,23 +83,25 @@ export class SplatDrawer implements SplatSink {
   }
 
   writeStatics(first: number, texels: Float32Array): void {
-    this.#statics.write(this.gl, first / STATICS_PER_ROW, texels);
+    const row = first / STATICS_PER_ROW;
+    const rows = texels.length / (4 * TEXTURE_WIDTH);
+    const all = Array.from({ length: rows }, (_, i) => row + i);
+    this.#statics.write(this.gl, all, texels);
   }
 
-  writeDynamics(first: number, texels: Float32Array, fifth: Float32Array): void {
-    const row = first / DYNAMICS_PER_ROW;
-    this.#dynamics.write(this.gl, row, texels);
+  writeDynamics(rows: readonly number[], texels: Float32Array, fifth: Float32Array): void {
+    this.#dynamics.write(this.gl, rows, texels);
     if (fifth.length === 0) return;
     if (!this.#fifth.filled) this.#fifth.allocate(this.gl, this.#dynamicRows);
-    this.#fifth.write(this.gl, row, fifth);
+    this.#fifth.write(this.gl, rows, fifth);
   }
 
-  setOrder(ids: Uint32Array, count: number, unchanged = 0): void {
-    this.#order.write(this.gl, ids, count, unchanged);
+  setOrder(ids: Uint32Array, count: number): void {
+    this.#order.write(this.gl, ids, count);
     this.#count = count;
   }
 
-  /** Make everything anew in a context that was lost and has come back; then a new order must be set. */
+  /** Make everything anew in a context that was lost and has come back; then the splats and an order must be set again. */
   rebuild(): void {
     const { gl } = this;
     this.#program = new Program(gl, VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);

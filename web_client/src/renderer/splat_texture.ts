@@ -1,11 +1,11 @@
-/** A data texture of splats, filled chunk by chunk, with a copy in memory from which a lost context is restored. */
+/** A data texture of splats, filled chunk by chunk. */
 
 import { TEXTURE_WIDTH } from "./layout";
 
 export class SplatTexture {
   #texture: WebGLTexture | null = null;
   #rows = 1;
-  #chunks: { row: number; texels: Float32Array }[] = [];
+  #filled = false;
 
   constructor(
     readonly what: string,
@@ -14,7 +14,12 @@ export class SplatTexture {
 
   /** Whether anything was written since room was made. */
   get filled(): boolean {
-    return this.#chunks.length > 0;
+    return this.#filled;
+  }
+
+  /** Bytes on the device. */
+  get bytes(): number {
+    return this.#texture ? 16 * this.width * this.#rows : 0;
   }
 
   /** Make room for `rows` rows, empty. */
@@ -24,18 +29,26 @@ export class SplatTexture {
       throw new Error(`this device holds ${most} rows of ${this.what} splats, and the scene has ${rows}`);
     }
     this.#rows = Math.max(1, rows);
-    this.#chunks = [];
+    this.#filled = false;
     this.create(gl);
   }
 
-  /** Write whole rows, beginning with `row`. The texels are kept. */
-  write(gl: WebGL2RenderingContext, row: number, texels: Float32Array): void {
+  /** Write whole rows of texels, one after the other, to these rows of the texture. */
+  write(gl: WebGL2RenderingContext, rows: readonly number[], texels: Float32Array): void {
     if (texels.length === 0) return;
-    this.#chunks.push({ row, texels });
-    this.#upload(gl, row, texels);
+    this.#filled = true;
+    const row = 4 * this.width;
+    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
+    for (let i = 0; i < rows.length; ) {
+      let end = i + 1;
+      while (end < rows.length && rows[end] === rows[end - 1] + 1) end++;
+      const part = texels.subarray(i * row, end * row);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, rows[i], this.width, end - i, gl.RGBA, gl.FLOAT, part);
+      i = end;
+    }
   }
 
-  /** Create the texture anew and fill it with all that was written. */
+  /** Create the texture, empty. */
   create(gl: WebGL2RenderingContext): void {
     gl.deleteTexture(this.#texture);
     this.#texture = gl.createTexture();
@@ -43,7 +56,6 @@ export class SplatTexture {
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, this.width, this.#rows);
-    for (const { row, texels } of this.#chunks) this.#upload(gl, row, texels);
   }
 
   bind(gl: WebGL2RenderingContext, unit: number): void {
@@ -51,16 +63,9 @@ export class SplatTexture {
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
   }
 
-  /** Delete the texture and let go of what was written. */
   dispose(gl: WebGL2RenderingContext): void {
     gl.deleteTexture(this.#texture);
     this.#texture = null;
-    this.#chunks = [];
-  }
-
-  #upload(gl: WebGL2RenderingContext, row: number, texels: Float32Array): void {
-    const rows = texels.length / (4 * this.width);
-    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, this.width, rows, gl.RGBA, gl.FLOAT, texels);
+    this.#filled = false;
   }
 }

@@ -1,14 +1,18 @@
 /** A chunk over HTTP. */
 
 /**
- * The bytes of a chunk, past every cache, in which a damaged copy may lie.
+ * The bytes of a chunk; unless told else past every cache, in which a damaged copy may lie.
  *
  * @throws Error with one line for people
  */
-export async function fetchChunk(url: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+export async function fetchChunk(
+  url: string,
+  signal: AbortSignal,
+  cache: "reload" | "default" = "reload",
+): Promise<Uint8Array<ArrayBuffer>> {
   let response: Response;
   try {
-    response = await fetch(url, { signal, cache: "reload" });
+    response = await fetch(url, { signal, cache });
     if (response.ok) return new Uint8Array(await response.arrayBuffer());
   } catch {
     throw new Error("The server cannot be reached.");

@@ -76,9 +76,13 @@ export class HttpSource implements SceneSource {
     this.#fetchMore();
   }
 
-  async fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+  async fetchAgain(
+    id: string,
+    signal: AbortSignal,
+    cache: "reload" | "default" = "reload",
+  ): Promise<Uint8Array<ArrayBuffer>> {
     const entry = this.#entries().find((chunk) => chunk.id === id);
-    return (await download(this.#chunkUrl(id), signal, "reload", entry?.bytes)).bytes;
+    return (await download(this.#chunkUrl(id), signal, cache, entry?.bytes)).bytes;
   }
 
   wake(): void {

@@ -38,11 +38,11 @@ export interface SceneSource {
   /** A complete chunk of so many bytes has been decoded. */
   consumed(bytes: number): void;
   /**
-   * Bring a chunk's bytes once more, past every cache, in which a damaged copy may lie.
+   * Bring a chunk's bytes once more, also after `close`: past every cache, in which a damaged copy may lie, or from one.
    *
    * @throws Error with one line for people
    */
-  fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
+  fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>>;
   /** The network or the page is back: try now. */
   wake(): void;
   /** Leave for good. */

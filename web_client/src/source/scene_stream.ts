@@ -83,8 +83,8 @@ export class SceneStream implements SceneSource {
     this.#grant();
   }
 
-  fetchAgain(id: string, signal: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
-    return fetchChunk(chunkUrl(this.url, id), signal);
+  fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>> {
+    return fetchChunk(chunkUrl(this.url, id), signal, cache);
   }
 
   /** The network or the page is back: connect now, or find out whether the connection has survived. */

@@ -1,11 +1,12 @@
 /** The splats of a chunk that move: which of them are alive when, and where. */
 
 import type { DynamicChunk } from "../codec/types";
-import { DYNAMIC_BIT } from "../renderer/layout";
+import { DYNAMIC_BIT, DYNAMICS_PER_ROW } from "../renderer/layout";
 import type { SplatDepth } from "./depth";
 import { type Frustum, mayShow, reachOf } from "./frustum";
 import type { DepthList } from "./sort";
 
+const ROW_BITS = Math.log2(DYNAMICS_PER_ROW);
 const CUBIC = 12; // numbers of a motion that goes no further
 
 export class Dynamics {
@@ -16,9 +17,9 @@ export class Dynamics {
   readonly #lives: Float32Array;
   readonly #reaches: Float32Array; // world units
 
-  /** @param first id of its first splat, without DYNAMIC_BIT. */
+  /** @param rows of the texture, which hold its splats one after the other. */
   constructor(
-    readonly first: number,
+    readonly rows: readonly number[],
     { count, motion, timeCenters, timeLogPrecisions, opacities, logScales }: DynamicChunk,
   ) {
     this.count = count;
@@ -35,7 +36,7 @@ export class Dynamics {
   /** Add those that are alive at any time from `from` until `until` and may show where they are at `t`; normalised times. */
   addTo(list: DepthList, by: SplatDepth, frustum: Frustum | null, t: number, from: number, until: number): void {
     const { depths, ids } = list;
-    const { count, first } = this;
+    const { count, rows } = this;
     const motion = this.#motion;
     const centers = this.#centers;
     const lives = this.#lives;
@@ -68,7 +69,7 @@ export class Dynamics {
         : (x - by.x) * (x - by.x) + (y - by.y) * (y - by.y) + (z - by.z) * (z - by.z);
       if (!(depth >= nearest) || (frustum !== null && !mayShow(frustum, x, y, z, reaches[i]))) continue;
       depths[n] = depth;
-      ids[n++] = (DYNAMIC_BIT | (first + i)) >>> 0;
+      ids[n++] = (DYNAMIC_BIT | (rows[i >> ROW_BITS] * DYNAMICS_PER_ROW + (i & (DYNAMICS_PER_ROW - 1)))) >>> 0;
     }
     list.count = n;
   }

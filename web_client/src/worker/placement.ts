@@ -1,31 +1,24 @@
-/** Where the splats of every chunk of a manifest lie in the data textures: whole rows per chunk, in manifest order. */
+/** Where splats lie in the data textures. */
 
 import type { ChunkEntry, Manifest } from "../codec/types";
 import { DYNAMICS_PER_ROW, STATICS_PER_ROW } from "../renderer/layout";
 
-export interface Placement {
-  /** Chunk id -> splat id of its first splat (without DYNAMIC_BIT); the others follow. */
+export interface StaticPlacement {
+  /** Chunk id -> id of its first splat; the others follow. */
   readonly first: ReadonlyMap<string, number>;
-  readonly staticRows: number;
-  readonly dynamicRows: number;
+  readonly rows: number;
 }
 
-/** Statics and dynamics have id spaces, and textures, of their own. */
-export function placeChunks(manifest: Manifest): Placement {
+/** Statics stay: whole rows per chunk, in manifest order. */
+export function placeStatics(manifest: Manifest): StaticPlacement {
   const first = new Map<string, number>();
-  const place = (chunks: readonly ChunkEntry[], perRow: number): number => {
-    let row = 0;
-    for (const chunk of chunks) {
-      if (first.has(chunk.id)) continue;
-      first.set(chunk.id, row * perRow);
-      row += Math.ceil(chunk.splats / perRow);
-    }
-    return row;
-  };
-  const staticRows = place(manifest.static, STATICS_PER_ROW);
-  const dynamicRows = place(
-    manifest.slices.flatMap((slice) => slice.chunks),
-    DYNAMICS_PER_ROW,
-  );
-  return { first, staticRows, dynamicRows };
+  let rows = 0;
+  for (const chunk of manifest.static) {
+    first.set(chunk.id, rows * STATICS_PER_ROW);
+    rows += Math.ceil(chunk.splats / STATICS_PER_ROW);
+  }
+  return { first, rows };
 }
+
+/** Dynamics come and go: so many rows of a texture, whichever are free. */
+export const rowsOf = (chunk: ChunkEntry): number => Math.ceil(chunk.splats / DYNAMICS_PER_ROW);

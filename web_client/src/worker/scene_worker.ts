@@ -9,6 +9,9 @@ import { startWorker } from "./start_worker";
 export interface SceneWorkerEvents {
   /** A chunk's splats, packed for the renderer. */
   decoded(splats: DecodedSplats): void;
+  /** A chunk's splats once more. */
+  packed(splats: DecodedSplats): void;
+  repacked(): void;
   /** A chunk cannot be decoded; `message` says why. */
   damaged(id: string, message: string): void;
   ordered(order: OrderedSplats): void;
@@ -33,9 +36,22 @@ export class SceneWorker {
     this.#tell({ type: "scene", manifest });
   }
 
-  /** Decode a complete chunk, which is transferred; answered by `decoded` or `damaged`. */
-  decode(id: string, bytes: Uint8Array<ArrayBuffer>): void {
-    this.#tell({ type: "chunk", id, bytes }, [bytes.buffer]);
+  /**
+   * Decode a complete chunk, which is transferred; answered by `decoded` or `damaged`. `rows` are those of the texture that
+   * its splats take, if they move.
+   */
+  decode(id: string, bytes: Uint8Array<ArrayBuffer>, rows: readonly number[] = []): void {
+    this.#tell({ type: "chunk", id, bytes, rows }, [bytes.buffer]);
+  }
+
+  /** Forget a decoded chunk. */
+  evict(id: string): void {
+    this.#tell({ type: "evict", id });
+  }
+
+  /** Pack what there is once more; answered by `packed` for every chunk, and then by `repacked`. */
+  repack(): void {
+    this.#tell({ type: "repack" });
   }
 
   /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
@@ -57,6 +73,12 @@ export class SceneWorker {
     switch (message.type) {
       case "decoded":
         this.events.decoded(message);
+        break;
+      case "packed":
+        this.events.packed(message);
+        break;
+      case "repacked":
+        this.events.repacked();
         break;
       case "failed":
         this.events.damaged(message.id, message.message);

@@ -10,7 +10,7 @@ import { BLOCK, StaticBlocks } from "./blocks";
 import { type SplatDepth, sameDepth } from "./depth";
 import { Dynamics } from "./dynamics";
 import { type Frustum, sameFrustum } from "./frustum";
-import type { Placement } from "./placement";
+import type { StaticPlacement } from "./placement";
 import { DepthList, mergeBackToFront } from "./sort";
 
 /** What is to be ordered; times in seconds, of one segment. */
@@ -33,8 +33,6 @@ export interface SplatOrder {
   readonly count: number;
   /** Living dynamic splats among them. */
   readonly dynamic: number;
-  /** So many of the first ids are those of the order before. */
-  readonly unchanged: number;
 }
 
 export class SplatOrderer {
@@ -43,23 +41,31 @@ export class SplatOrderer {
   readonly #staticList = new DepthList();
   readonly #dynamicList = new DepthList();
   #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // the static list; null when it is out of date
-  #lastStatics = 0; // statics behind all dynamics in the last order
+  readonly #ranks: ReadonlyMap<string, number>; // of the chunks that move, in the manifest: so ties are broken
 
   constructor(
     readonly manifest: Manifest,
-    readonly placement: Placement,
-  ) {}
+    readonly placement: StaticPlacement,
+  ) {
+    this.#ranks = new Map(manifest.slices.flatMap(({ chunks }) => chunks).map(({ id }, rank) => [id, rank]));
+  }
 
-  add(id: string, chunk: DecodedChunk): void {
-    const first = this.placement.first.get(id);
-    if (first === undefined) return;
+  /** @param rows of the texture that the chunk's splats take, if they move. */
+  add(id: string, chunk: DecodedChunk, rows: readonly number[] = []): void {
     if (chunk.kind === "dynamic") {
-      this.#dynamics.set(id, new Dynamics(first, chunk));
+      this.#dynamics.set(id, new Dynamics(rows, chunk));
       return;
     }
+    const first = this.placement.first.get(id);
+    if (first === undefined) return;
     this.#statics.push(new StaticBlocks(first, chunk));
     this.#statics.sort((a, b) => a.first - b.first);
     this.#sortedFor = null;
+  }
+
+  /** Forget a chunk that moves. */
+  evict(id: string): void {
+    this.#dynamics.delete(id);
   }
 
   /** `recycled` is an earlier array of ids that may be written again. */
@@ -69,7 +75,7 @@ export class SplatOrderer {
 
   /** For a view that stands: only the dynamics are sorted anew. */
   #exactly(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
-    const kept = this.#sortStatics(request);
+    this.#sortStatics(request);
     const [statics, dynamics] = [this.#staticList, this.#dynamicList];
     dynamics.reset(0);
     this.#addDynamics(request, dynamics);
@@ -77,10 +83,7 @@ export class SplatOrderer {
     const count = statics.count + dynamics.count;
     const ids = rowsFor(count, recycled);
     mergeBackToFront(statics, dynamics, ids);
-    const behind = staticsBehind(statics, dynamics);
-    const unchanged = kept ? Math.min(behind, this.#lastStatics) : 0;
-    this.#lastStatics = behind;
-    return { ids, count, dynamic: dynamics.count, unchanged };
+    return { ids, count, dynamic: dynamics.count };
   }
 
   /** For a view that moves: everything is sorted anew. */
@@ -92,18 +95,16 @@ export class SplatOrderer {
     this.#addDynamics(request, list);
     const ids = rowsFor(list.count, recycled);
     list.writeQuickly(ids);
-    return { ids, count: list.count, dynamic: list.count - statics, unchanged: 0 };
+    return { ids, count: list.count, dynamic: list.count - statics };
   }
 
-  /** Returns false if the list had to be made anew. */
-  #sortStatics(request: OrderRequest): boolean {
+  #sortStatics(request: OrderRequest): void {
     const last = this.#sortedFor;
     const { depth, frustum } = request;
-    if (last && sameDepth(last.depth, depth) && sameFrustum(last.frustum, frustum)) return true;
+    if (last && sameDepth(last.depth, depth) && sameFrustum(last.frustum, frustum)) return;
     this.#sortedFor = { depth, frustum };
     this.#addStatics(request, this.#staticList);
     this.#staticList.sort();
-    return false;
   }
 
   /** Fill a list with the statics. */
@@ -132,14 +133,15 @@ export class SplatOrderer {
     for (const chunk of chunks) chunk.addTo(list, depth, frustum, ...span);
   }
 
-  /** Those of a segment with splats alive from `from` until `until`, seconds, in order of their ids. */
+  /** Those of a segment with splats alive from `from` until `until`, seconds, in the manifest's order. */
   #chunksBetween(segment: number, from: number, until: number): Dynamics[] {
     const { slices } = this.manifest;
     const ids = new Set<string>();
     for (let i = sliceAt(slices, from); i <= sliceAt(slices, until); i++) {
       if (slices[i].segment === segment) for (const id of chunksOf(slices[i])) ids.add(id);
     }
-    return [...ids].flatMap((id) => this.#dynamics.get(id) ?? []).sort((a, b) => a.first - b.first);
+    const ranked = [...ids].sort((a, b) => (this.#ranks.get(a) ?? 0) - (this.#ranks.get(b) ?? 0));
+    return ranked.flatMap((id) => this.#dynamics.get(id) ?? []);
   }
 }
 
@@ -192,18 +194,4 @@ function addRadial(
     ids[n++] = first + i;
   }
   list.count = n;
-}
-
-/** How many of the sorted statics lie behind all dynamics: so many are drawn first. */
-function staticsBehind(statics: DepthList, dynamics: DepthList): number {
-  if (dynamics.count === 0) return statics.count;
-  const farthest = dynamics.keys[dynamics.count - 1];
-  let low = 0;
-  let high = statics.count;
-  while (low < high) {
-    const middle = (low + high) >> 1;
-    if (statics.keys[middle] <= farthest) low = middle + 1;
-    else high = middle;
-  }
-  return statics.count - low;
 }

@@ -23,7 +23,7 @@ describe("ChunkIntake", () => {
     chunks.arrived(ID, RIGHT);
     expect(events.decode).toHaveBeenCalledExactlyOnceWith(ID, RIGHT);
     expect(events.consumed).not.toHaveBeenCalled();
-    chunks.decoded(ID);
+    chunks.done(ID);
     expect(events.consumed).toHaveBeenCalledExactlyOnceWith(3);
   });
 
@@ -33,7 +33,7 @@ describe("ChunkIntake", () => {
     chunks.arrived(ID, DAMAGED);
     void chunks.damaged(ID, "wrong hash");
     await vi.runAllTimersAsync();
-    chunks.decoded(ID);
+    chunks.done(ID);
     expect(fetchChunk).toHaveBeenCalledOnce();
     expect(events.decode).toHaveBeenLastCalledWith(ID, RIGHT);
     expect(events.consumed).toHaveBeenCalledExactlyOnceWith(3);

@@ -14,18 +14,31 @@ const view = (x: number): View => ({
 });
 
 let source: SourceEvents;
+let fetchAgain: ReturnType<typeof vi.fn>;
+let close: ReturnType<typeof vi.fn>;
+let consumed: ReturnType<typeof vi.fn>;
 let scene: StreamedScene;
 
 beforeEach(() => {
-  const sink: SplatSink = { allocate: () => {}, writeStatics: () => {}, writeDynamics: () => {}, setOrder: () => {} };
+  const ignore = () => {};
+  const sink: SplatSink = {
+    mostRows: 16384,
+    allocate: ignore,
+    writeStatics: ignore,
+    writeDynamics: ignore,
+    setOrder: ignore,
+  };
   const open = (events: SourceEvents): SceneSource => {
     source = events;
     const silent = () => {};
-    return { playheadAt: silent, play: silent, pause: silent, seek: silent, close: silent } as unknown as SceneSource;
+    fetchAgain = vi.fn(() => new Promise<never>(() => {}));
+    close = vi.fn();
+    consumed = vi.fn();
+    const told = { playheadAt: silent, play: silent, pause: silent, seek: silent };
+    return { ...told, close, consumed, fetchAgain } as unknown as SceneSource;
   };
-  const ignore = () => {};
   scene = new StreamedScene(
-    { open, sink, time: 0.5, playing: false, antialiased: null },
+    { open, sink, time: 0.5, playing: false, antialiased: null, memoryBudget: 1 },
     { manifest: ignore, changed: ignore, ordered: ignore, failed: ignore },
   );
 });
@@ -142,5 +155,97 @@ describe("a scene that plays", () => {
     answer();
     expect(scene.step(31 * FRAME, [view(0)])?.settled).toBe(true);
     expect(scene.pictureTime).toBe(time);
+  });
+});
+
+describe("a scene that is too large", () => {
+  const ids = ["a", "b", "c", "d"].map((letter) => letter.repeat(64));
+
+  /** Four segments of a second, each of one chunk of three rows, all of which have come; there is room for two. */
+  function beginLong(): void {
+    const document = JSON.parse(new TextDecoder().decode(TWO_SEGMENTS));
+    const segments = ids.map((_, i) => ({ start: i, end: i + 1 }));
+    const box = [
+      [0, 0, 0],
+      [1, 1, 1],
+    ];
+    const slices = ids.map((id, segment) => ({
+      segment,
+      ...segments[segment],
+      chunks: [{ id, bytes: 10, splats: 600, box }],
+      needs: [],
+    }));
+    const totals = { splats_static: 0, splats_dynamic: 2400, bytes_static: 0, bytes_dynamic: 40 };
+    const long = { ...document, end: 4, segments, static: [], slices, totals };
+    source.manifest(new TextEncoder().encode(JSON.stringify(long)));
+    for (const id of ids) source.chunk(id, new Uint8Array(10));
+    decode();
+  }
+
+  /** The worker decodes what it has been told to. */
+  function decode(): void {
+    const { last } = WorkerDouble;
+    const empty = new Float32Array(0);
+    for (const message of last.told.splice(0)) {
+      if (message.type !== "chunk") continue;
+      const { id, rows } = message;
+      last.answer({ type: "decoded", id, kind: "dynamic", first: 0, rows, texels: empty, fifth: empty });
+    }
+  }
+
+  const told = () =>
+    WorkerDouble.last.told.flatMap((message) => ("id" in message ? [`${message.type} ${message.id[0]}`] : []));
+
+  it("has the chunks that the playhead needs, and ranges that say so", () => {
+    beginLong();
+    expect(scene.playback?.buffer.ranges()).toEqual([[0, 2]]);
+    scene.playback?.seek(2.5);
+    scene.step(0, [view(0)]);
+    expect(told().sort()).toEqual(["chunk c", "chunk d", "evict a", "evict b"]);
+    decode();
+    expect(scene.playback?.buffer.ranges()).toEqual([[2, 4]]);
+  });
+
+  it("gives credit for what is decoded, and for nothing that waits", () => {
+    beginLong();
+    expect(consumed).toHaveBeenCalledTimes(2);
+  });
+
+  it("is complete once everything has been here, and fetches what it needs again by its id", () => {
+    beginLong();
+    expect(close).toHaveBeenCalled();
+    scene.playback?.seek(2.5);
+    scene.step(0, [view(0)]);
+    decode();
+    answer();
+    scene.playback?.seek(0);
+    scene.step(16, [view(0)]);
+    expect(fetchAgain.mock.calls.map(([id, , cache]) => [id, cache])).toEqual([
+      [ids[0], "default"],
+      [ids[1], "default"],
+    ]);
+    expect(scene.playback?.buffer.ready(0)).toBe(false);
+    expect(scene.playback?.buffer.complete).toBe(true);
+  });
+});
+
+describe("a sink that has lost everything", () => {
+  it("is given all splats once more, and shows a settled picture only then", () => {
+    begin();
+    const steps = [0, 16].map((now) => {
+      const step = scene.step(now, [view(0)]);
+      if (now === 0) answer();
+      return step?.settled;
+    });
+    expect(steps).toEqual([false, true]);
+    scene.restore();
+    expect(WorkerDouble.last.told.at(-1)).toEqual({ type: "repack" });
+    scene.step(32, [view(0)]);
+    answer();
+    expect(scene.step(48, [view(0)])?.settled).toBe(false);
+    WorkerDouble.last.answer({ type: "repacked" });
+    scene.step(64, [view(0)]);
+    answer();
+    expect(scene.step(80, [view(0)])?.settled).toBe(true);
   });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { DYNAMIC_BIT } from "../../src/renderer/layout";
 import type { SplatDepth } from "../../src/worker/depth";
-import { placeChunks } from "../../src/worker/placement";
+import { placeStatics } from "../../src/worker/placement";
 import { SplatOrderer } from "../../src/worker/splat_order";
 import { random } from "../random";
 import { dynamicChunk, entry, manifest, slice, staticChunk } from "../scene";
@@ -11,9 +11,9 @@ const dynamic = (i: number) => (DYNAMIC_BIT | i) >>> 0;
 
 function orderer(statics: number[], chunk = dynamicChunk([], [], [], 0)): SplatOrderer {
   const m = manifest({ static: [entry("s", statics.length / 3)], slices: [slice(0, 2, ["d"])] });
-  const made = new SplatOrderer(m, placeChunks(m));
+  const made = new SplatOrderer(m, placeStatics(m));
   made.add("s", staticChunk(statics));
-  made.add("d", chunk);
+  made.add("d", chunk, [0]);
   return made;
 }
 
@@ -80,8 +80,10 @@ describe("SplatOrderer", () => {
     ];
     const slices = [slice(0, 0.5, ["a"], [], 0), slice(0.5, 1, ["b"], [], 0), slice(1, 2, ["c"], [], 1)];
     const m = manifest({ segments, slices });
-    const o = new SplatOrderer(m, placeChunks(m));
-    for (const id of ["a", "b", "c"]) o.add(id, dynamicChunk([1], [0], [0.5], -9));
+    const o = new SplatOrderer(m, placeStatics(m));
+    ["a", "b", "c"].forEach((id, row) => {
+      o.add(id, dynamicChunk([1], [0], [0.5], -9), [row]);
+    });
     const { count } = o.order({ depth: AXIS, frustum: null, exact: true, time: 0.4, from: 0.4, until: 1 });
     expect(count).toBe(2);
   });
@@ -99,7 +101,7 @@ describe("SplatOrderer", () => {
 
   it("shows statics that came after the last sort", () => {
     const m = manifest({ static: [entry("a"), entry("b")] });
-    const o = new SplatOrderer(m, placeChunks(m));
+    const o = new SplatOrderer(m, placeStatics(m));
     o.add("b", staticChunk([0, 0, 1]));
     expect(drawn(o)).toEqual([512]);
     o.add("a", staticChunk([0, 0, 1]));
@@ -115,23 +117,11 @@ describe("SplatOrderer", () => {
       ],
       slices: [slice(0, 2, ["a"], [], 0), slice(2, 4, ["b"], [], 1)],
     });
-    const o = new SplatOrderer(m, placeChunks(m));
-    o.add("a", dynamicChunk([1], [0], [0.5], -9));
-    o.add("b", dynamicChunk([1], [0], [0.5], -9));
+    const o = new SplatOrderer(m, placeStatics(m));
+    o.add("a", dynamicChunk([1], [0], [0.5], -9), [0]);
+    o.add("b", dynamicChunk([1], [0], [0.5], -9), [1]);
     expect(drawn(o, 1)).toEqual([dynamic(0)]);
     expect(drawn(o, 3)).toEqual([dynamic(256)]);
-  });
-
-  it("tells how much of the order is as it was: the statics behind all that moves", () => {
-    const o = orderer([0, 0, 1, 0, 0, 5, 0, 0, 4, 0, 0, 3], dynamicChunk([2], [1], [0], 0));
-    const unchanged = (time: number, depth: SplatDepth = AXIS) =>
-      o.order({ depth, frustum: null, exact: true, time, from: time, until: time }).unchanged;
-    expect(unchanged(0)).toBe(0); // the first
-    expect(unchanged(0.1)).toBe(3);
-    expect(unchanged(1)).toBe(3); // t = 0.5: at z = 2.5
-    expect(unchanged(2)).toBe(2); // t = 1: at z = 3, behind the splat there
-    expect(unchanged(0)).toBe(2);
-    expect(unchanged(0, { ...AXIS, offset: 1 })).toBe(0);
   });
 
   it("leaves out what the picture cannot show", () => {
@@ -158,13 +148,26 @@ describe("SplatOrderer", () => {
 
   it("takes up splats that come while the view moves", () => {
     const m = manifest({ static: [entry("a"), entry("b")] });
-    const o = new SplatOrderer(m, placeChunks(m));
+    const o = new SplatOrderer(m, placeStatics(m));
     const request = { depth: AXIS, frustum: null, exact: false, time: 0, from: 0, until: 0 };
     o.add("b", staticChunk([0, 0, 1]));
     expect(o.order(request).count).toBe(1);
     o.add("a", staticChunk([0, 0, 2]));
     expect(o.order({ ...request, exact: true }).count).toBe(2);
     expect(o.order(request).count).toBe(2);
+  });
+
+  it("names the splats of a chunk by the rows that it was given, in the order of the chunk at equal depth", () => {
+    const m = manifest({ slices: [slice(0, 2, ["a", "b"])] });
+    const o = new SplatOrderer(m, placeStatics(m));
+    const many = Array.from({ length: 300 }, () => 1);
+    const zeros = many.map(() => 0);
+    o.add("b", dynamicChunk([1], [0], [0], -9), [0]);
+    o.add("a", dynamicChunk(many, zeros, zeros, -9), [5, 2]);
+    const expected = [...many.keys()].map((i) => dynamic(i < 256 ? 5 * 256 + i : 2 * 256 + i - 256));
+    expect(drawn(o)).toEqual([...expected, dynamic(0)].reverse());
+    o.evict("a");
+    expect(drawn(o)).toEqual([dynamic(0)]);
   });
 
   it("writes into a recycled array that is long enough", () => {

@@ -1,0 +1,44 @@
+/** How much of a scene is kept in memory. */
+
+import { chunksOf } from "../codec/slices";
+import type { Manifest } from "../codec/types";
+import { TEXTURE_WIDTH } from "../renderer/layout";
+import { rowsOf } from "../worker/placement";
+
+const MB = 1 << 20;
+/** Bytes of a texture's row: RGBA32F. */
+const ROW = 16 * TEXTURE_WIDTH;
+/** Bytes of a row of dynamics in all: two textures, motion and lives at the worker, and the chunk's compressed bytes. */
+const DYNAMIC_ROW = ROW + ROW / 4 + 256 * (18 + 3) * 4 + 256 * 24;
+/** Of a row of statics: the texture, positions at the worker, and the chunk's compressed bytes. */
+const STATIC_ROW = ROW + 512 * (3 * 4 + 16);
+
+/** What a browser tells of its device. */
+export interface Device {
+  /** GiB, at most 8; not told by every browser. */
+  readonly deviceMemory?: number;
+  readonly userAgent?: string;
+}
+
+/** Bytes for a scene's splats on a device. */
+export function defaultBudget(device: Device = globalThis.navigator ?? {}): number {
+  const phone = /Android|iPhone|iPad|Mobile/.test(device.userAgent ?? "") || (device.deviceMemory ?? 8) <= 4;
+  return (phone ? 192 : 384) * MB;
+}
+
+/**
+ * How many rows of dynamics a budget, in bytes, has room for beside the statics: at most all of the scene, and at least
+ * what any one moment needs, even if that is more than the budget.
+ */
+export function dynamicRows(manifest: Manifest, staticRows: number, budget: number, most: number): number {
+  const { slices } = manifest;
+  const sizes = new Map(slices.flatMap(({ chunks }) => chunks.map((chunk) => [chunk.id, rowsOf(chunk)] as const)));
+  const sum = (ids: Iterable<string>) => [...ids].reduce((rows, id) => rows + (sizes.get(id) ?? 0), 0);
+  const all = sum(sizes.keys());
+  const affordable = Math.min(most, Math.floor((budget - staticRows * STATIC_ROW) / DYNAMIC_ROW));
+  // Of two slices in a row: while one is shown, the other comes.
+  const needed = slices.map((slice, i) =>
+    sum(new Set([...chunksOf(slice), ...chunksOf(slices[(i + 1) % slices.length])])),
+  );
+  return Math.min(all, Math.max(affordable, ...needed));
+}

@@ -1,0 +1,161 @@
+/** The way of a scene's chunks: from the source through the decoder into the sink's textures, and out of them again. */
+
+import { chunksBetween } from "../codec/slices";
+import type { Manifest } from "../codec/types";
+import type { SplatSink } from "../renderer/splat_drawer";
+import type { SceneSource } from "../source/scene_source";
+import type { DecodedSplats } from "../worker/messages";
+import { placeStatics } from "../worker/placement";
+import type { SceneWorker } from "../worker/scene_worker";
+import type { SceneBuffer } from "./buffer";
+import { ChunkIntake } from "./chunk_intake";
+import { defaultBudget, dynamicRows } from "./memory_budget";
+import type { Moment } from "./moment";
+import { Residency } from "./residency";
+
+export interface ChunkParts {
+  readonly worker: Pick<SceneWorker, "decode" | "evict" | "repack">;
+  readonly sink: SplatSink;
+  readonly source: () => Pick<SceneSource, "consumed" | "fetchAgain" | "close">;
+  /** Something has come or gone. */
+  readonly changed: () => void;
+}
+
+export class SceneChunks {
+  readonly #parts: ChunkParts;
+  readonly #intake: ChunkIntake;
+  #buffer: SceneBuffer | null = null; // from the manifest on
+  #residency: Residency | null = null;
+  #version = 0;
+  #restoring = false;
+
+  constructor(parts: ChunkParts) {
+    this.#parts = parts;
+    this.#intake = new ChunkIntake(
+      {
+        decode: (id, bytes) => this.#decode(id, bytes),
+        consumed: (bytes) => parts.source().consumed(bytes),
+        lost: (id, message) => {
+          // biome-ignore lint/suspicious/noConsole: the page says it in plain words; this is the cause
+          console.warn(message);
+          this.#residency?.lost(id);
+          this.missing(id);
+        },
+      },
+      (id, signal) => parts.source().fetchAgain(id, signal),
+    );
+  }
+
+  /** Counts the chunks that the worker has decoded, and refillings of the sink. */
+  get version(): number {
+    return this.#version;
+  }
+
+  /** Whether the sink is being filled again. */
+  get restoring(): boolean {
+    return this.#restoring;
+  }
+
+  /**
+   * Make room for a scene within a budget of memory, bytes; by the kind of device if undefined. `buffer` is kept up to date.
+   *
+   * @throws Error if the device cannot hold the scene's statics.
+   */
+  begin(manifest: Manifest, buffer: SceneBuffer, budget = defaultBudget()): void {
+    const { sink, worker } = this.#parts;
+    const staticRows = placeStatics(manifest).rows;
+    const rows = dynamicRows(manifest, staticRows, budget, sink.mostRows);
+    sink.allocate(staticRows, rows);
+    this.#buffer = buffer;
+    this.#residency = new Residency(
+      manifest,
+      rows,
+      {
+        decode: (id, bytes, into) => worker.decode(id, bytes, into),
+        evicted: (id) => {
+          worker.evict(id);
+          buffer.evicted(id);
+        },
+        dropped: (id) => this.#intake.done(id),
+        changed: () => this.#parts.changed(),
+      },
+      (id, signal) => this.#parts.source().fetchAgain(id, signal, "default"),
+    );
+  }
+
+  /** A complete chunk has come from the source. */
+  arrived(id: string, bytes: Uint8Array<ArrayBuffer>): void {
+    this.#intake.arrived(id, bytes);
+  }
+
+  /** Go on without a chunk. */
+  missing(id: string): void {
+    this.#buffer?.lose(id);
+    this.#parts.changed();
+  }
+
+  /** The worker has decoded a chunk. */
+  decoded(splats: DecodedSplats): void {
+    const { id } = splats;
+    this.#write(splats);
+    this.#buffer?.arrived(id);
+    this.#version++;
+    this.#intake.done(id);
+    this.#residency?.decoded(id);
+    if (this.#buffer?.complete) this.#parts.source().close(); // what comes again is fetched by its id
+    this.#parts.changed();
+  }
+
+  /** The worker cannot decode a chunk; `message` says why. */
+  damaged(id: string, message: string): void {
+    void this.#intake.damaged(id, message);
+  }
+
+  /** Keep in memory what a playhead at `time`, seconds, needs, and what orders of these moments show. */
+  reside(time: number, moments: () => readonly Moment[]): void {
+    const slices = this.#buffer?.manifest.slices;
+    if (!slices) return;
+    const shown = () => new Set(moments().flatMap(({ from, until }) => chunksBetween(slices, from, until)));
+    this.#residency?.update(time, shown);
+  }
+
+  /** The sink has lost all that it was given, and takes it again. */
+  restore(): void {
+    this.#restoring = true;
+    this.#parts.worker.repack();
+  }
+
+  /** The worker brings a chunk's splats once more. */
+  packed(splats: DecodedSplats): void {
+    this.#write(splats);
+  }
+
+  /** The worker has brought them all. */
+  repacked(): void {
+    this.#restoring = false;
+    this.#version++; // the picture is to be drawn again
+    this.#parts.changed();
+  }
+
+  /** Fetch and report nothing any more. */
+  dispose(): void {
+    this.#intake.dispose();
+    this.#residency?.dispose();
+  }
+
+  /** Decode a chunk, one that moves when there is room for it. */
+  #decode(id: string, bytes: Uint8Array<ArrayBuffer>): void {
+    if (!this.#residency?.concerns(id)) {
+      this.#parts.worker.decode(id, bytes);
+      return;
+    }
+    this.#buffer?.delivered(id);
+    this.#residency.offer(id, bytes);
+  }
+
+  #write({ kind, first, rows, texels, fifth }: DecodedSplats): void {
+    const { sink } = this.#parts;
+    if (kind === "static") sink.writeStatics(first, texels);
+    else sink.writeDynamics(rows, texels, fifth);
+  }
+}
