@@ -338,7 +338,7 @@ def test_a_pinching_hand_moves_the_scene(browser: Browser, dust: Site) -> None:
 
 
 def test_pictures_become_coarser_while_frames_are_late_and_finer_again(browser: Browser, site: Site) -> None:
-    with headset_page(browser, site) as headset:
+    with headset_page(browser, site, size=(32, 32)) as headset:
         # The test's own clock alone, so that a busy machine makes no frame late.
         headset.page.evaluate(
             "() => { let time = 0; performance.now = () => time; headset.skip = (ms) => (time += ms); }"
@@ -358,9 +358,9 @@ def test_pictures_become_coarser_while_frames_are_late_and_finer_again(browser: 
             )
             return size
 
-        assert drawn(100, 1000 / 72) == [256, 256]
-        assert drawn(72 * 2, 2000 / 72)[0] < 256
-        assert drawn(72 * 14, 1000 / 72) == [256, 256]
+        assert drawn(100, 1000 / 72) == [32, 32]
+        assert drawn(72 * 2, 2000 / 72)[0] < 32
+        assert drawn(72 * 14, 1000 / 72) == [32, 32]
 
 
 def test_a_lost_context_comes_back_in_the_headset(browser: Browser, site: Site) -> None:
