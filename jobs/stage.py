@@ -32,6 +32,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
+from jobs.parent_process import when_parent_is_gone
 from jobs.transient_faults import reason_to_wait
 
 __all__ = ["STAGES", "main"]
@@ -55,7 +56,7 @@ def main(arguments: list[str] | None = None) -> int:
 
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    when_parent_is_gone(lambda: os._exit(ORPHANED))
     report = _claim_stdout()
     try:
         with contextlib.ExitStack() as held:
@@ -99,14 +100,6 @@ def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
         ArtifactStore(home.store_url).put_scene(run / "scene", run.name, progress)
     else:
         getattr(importlib.import_module(home.pipeline), stage)(run, progress)
-
-
-def _end_with_parent() -> None:
-    """End the process when stdin closes: the kernel closes it even if the worker was killed with -9."""
-    # os.read and not sys.stdin: a daemon thread inside a buffered read would abort the interpreter's shutdown.
-    while os.read(0, 4096):
-        pass
-    os._exit(ORPHANED)
 
 
 def _claim_stdout() -> IO[str]:

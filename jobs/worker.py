@@ -21,6 +21,7 @@ from jobs.database import APPLICATION, create_engine, dbos_url, open_client, pre
 from jobs.home import Home
 from jobs.home_identity import HomeIdentity
 from jobs.liveness import open_liveness
+from jobs.parent_process import when_parent_is_gone
 from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
@@ -57,7 +58,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
     if exit_with_parent:
-        threading.Thread(target=_await_end_of_stdin, args=(stop,), daemon=True).start()
+        when_parent_is_gone(stop.set)
 
     engine = create_engine(home)
     identity = prepare_database(home, engine, metadata)
@@ -164,12 +165,6 @@ def _fence(stages: StageRunner) -> NoReturn:
     stages.kill()
     log.error("cannot prove to be alive any more: ending")
     os._exit(FENCED)
-
-
-def _await_end_of_stdin(stop: threading.Event) -> None:
-    while os.read(0, 4096):
-        pass
-    stop.set()
 
 
 def main(arguments: list[str] | None = None) -> None:

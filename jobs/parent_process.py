@@ -1,0 +1,26 @@
+"""How a child process learns that the one that started it is gone: its stdin, a pipe, closes."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+
+__all__ = ["when_parent_is_gone"]
+
+_STDIN = 0
+
+
+def when_parent_is_gone(act: Callable[[], object]) -> None:
+    """Call `act` once, in a thread of its own, when stdin closes; what arrives there before is thrown away.
+
+    The kernel closes the pipe however the parent ends, by SIGKILL too.
+    """
+    threading.Thread(target=_await_end_of_stdin, args=(act,), daemon=True).start()
+
+
+def _await_end_of_stdin(act: Callable[[], object]) -> None:
+    # os.read and not sys.stdin: a daemon thread inside a buffered read would abort the interpreter's shutdown.
+    while os.read(_STDIN, 4096):
+        pass
+    act()
