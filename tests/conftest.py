@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
@@ -23,3 +27,15 @@ def test_data() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="module")  # while one is open, Playwright's event loop stands in the way of asyncio.run
+def browser() -> Iterator[Browser]:
+    """A real browser without a window; the test is skipped where there is none."""
+    from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
+
+    chromium = find_chromium()
+    if chromium is None:
+        pytest.skip(CHROMIUM_HINT)
+    with open_browser(chromium) as opened:
+        yield opened

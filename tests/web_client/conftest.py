@@ -1,4 +1,4 @@
-"""Published scenes on a real server, and a real browser."""
+"""Published scenes on a real server."""
 
 from __future__ import annotations
 
@@ -11,19 +11,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 MODULES = Path(__file__).resolve().parent / "modules"  # the pipelines that tests name
@@ -124,15 +119,6 @@ def _encode_dust(out: Path) -> None:
         times=np.linspace(0.0, 1.0, FRAMES),
         title="Dust",
     )
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Browser]:
-    chromium = find_chromium()
-    if chromium is None:
-        pytest.skip(CHROMIUM_HINT)
-    with open_browser(chromium) as opened:
-        yield opened
 
 
 @pytest.fixture

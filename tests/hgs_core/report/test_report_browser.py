@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
-
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
@@ -29,15 +27,6 @@ CUT = """() => [...document.querySelectorAll("svg")].flatMap((svg) => {
     .filter((t) => t.getBBox().x < -8 || t.getBBox().x + t.getBBox().width > width + 8)
     .map((t) => `${svg.getAttribute("aria-label")}: ${t.textContent}`);
 })"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    chromium = find_chromium()
-    if chromium is None:
-        pytest.skip(CHROMIUM_HINT)
-    with open_browser(chromium) as opened:
-        yield opened
 
 
 @pytest.fixture(params=[(1280, "light"), (390, "dark")], ids=["wide", "phone"])
