@@ -22,7 +22,10 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
     parser.add_argument(
-        "--budget", choices=list(BUDGETS), help="of the loss on the training views; default: that of the run's config"
+        "--budget",
+        choices=list(BUDGETS),
+        help="of the loss on the training views, or on made-up ones if the run was imported; "
+        "default: that of the run's config",
     )
     parser.add_argument(
         "--fine-tune",
@@ -41,7 +44,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.fine_tune is not None and options.fine_tune < 0:
         raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")
     folder = RunFolder(options.run_folder)
-    folder.read_spec()  # before torch is loaded: a wrong path is told at once
+    spec = folder.read_spec()  # before torch is loaded: a wrong path is told at once
     with folder.exclusive(), ProgressBars() as bars:
         encoded = encode_again(options.run_folder, options.budget, bars, fine_tune=options.fine_tune)
     totals = encoded.manifest.totals
@@ -51,6 +54,7 @@ def _run(options: argparse.Namespace) -> int:
     ):
         each = f", {size / kept:.1f} each" if kept else ""
         print(f"{kept:,} {kind} splats in {size:,} bytes{each}; {before - kept:,} dropped")
-    print(f"coarseness {encoded.coarseness:.3g}, {encoded.loss:.3f} dB lost in training views")
+    views = "views made up around the splats" if spec.without_capture else "training views"
+    print(f"coarseness {encoded.coarseness:.3g}, {encoded.loss:.3f} dB lost in {views}")
     print(folder.scene)
     return 0

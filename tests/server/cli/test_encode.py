@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,18 @@ def test_encode_tells_what_it_dropped_and_takes_the_place_of_the_scene(
     assert static.startswith(f"{after.splats_static} static splats in {after.bytes_static:,} bytes")
     assert static.endswith(f"{150 - after.splats_static} dropped")
     assert dynamic.startswith(f"{after.splats_dynamic} dynamic splats in")
-    assert coarseness.startswith("coarseness ")
+    assert re.fullmatch(r"coarseness [\d.e-]+, -?[\d.]+ dB lost in training views", coarseness)
     assert folder == str(run / "scene")
+
+
+def test_encode_says_that_the_views_are_made_up_where_there_is_no_capture(
+    splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = tmp_path / "run"
+    assert main(["import", str(splats), "--out", str(run), "--duration", str(5 / 30)]) == 0
+    capsys.readouterr()
+    assert main(["encode", str(run)]) == 0
+    assert capsys.readouterr().out.splitlines()[2].endswith(" dB lost in views made up around the splats")
 
 
 @pytest.mark.parametrize(
