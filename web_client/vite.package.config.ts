@@ -12,7 +12,7 @@ export default defineConfig(({ mode }) => {
   const site = mode === "site";
   const entry: Record<string, string> = site
     ? { "hgs-player": "src/element/define.ts" }
-    : { index: "src/index.ts", element: "src/element/define.ts" };
+    : { index: "src/index.ts", element: "src/element/define.ts", three: "src/three/hgs_scene.ts" };
   return {
     base: "./", // addresses relative to the script that has them
     publicDir: false,
@@ -22,7 +22,10 @@ export default defineConfig(({ mode }) => {
       emptyOutDir: true,
       target: "es2022",
       lib: { entry, formats: ["es"] },
-      rolldownOptions: { output: { chunkFileNames: "[name].js", assetFileNames: "[name][extname]", minify: true } },
+      rolldownOptions: {
+        external: ["three"], // the host's own
+        output: { chunkFileNames: "[name].js", assetFileNames: "[name][extname]", minify: true },
+      },
     },
     worker: { format: "es", rolldownOptions: { output: { entryFileNames: "worker.js" } } },
   };

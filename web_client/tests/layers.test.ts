@@ -18,6 +18,7 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   ui: ["camera", "codec", "player", "renderer", "source", "xr"],
   console: ["protocol", "ui"],
   element: ["player", "ui"],
+  three: ["camera", "codec", "player", "renderer", "source"],
   "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],
   "main.ts": ["console", "ui"],
 };

@@ -24,6 +24,8 @@ interface Asked {
 
 export class OrderRequests {
   readonly #lead = new OrderLead();
+  /** Moments of further orders that are drawn; of whoever keeps some. */
+  others: readonly Moment[] = [];
   #frame = 0;
   #now = 0; // ms
   #asked: Asked | null = null;
@@ -45,9 +47,9 @@ export class OrderRequests {
     return this.#shown?.key ?? null;
   }
 
-  /** The moments of the order that is shown and of the one that is asked for. */
+  /** The moments of the order that is shown, of the one that is asked for, and of `others`. */
   get moments(): Moment[] {
-    return [this.#shown, this.#asked].flatMap((order) => order?.key ?? []);
+    return [...[this.#shown, this.#asked].flatMap((order) => order?.key ?? []), ...this.others];
   }
 
   /** Splats in the shown order. */

@@ -168,10 +168,9 @@ export class StreamedScene {
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
   }
 
-  /** What a view shows now: at the playhead, or as near to it as the order allows that is to be drawn. */
-  shot(view: View): Shot {
+  /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
+  shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
-    const { shown } = this.orders;
     if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased };
     this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
     return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };

@@ -3,10 +3,11 @@
  * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
  */
 
+import type { HostSurface } from "./host_surface";
 import { FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW, TEXTURE_WIDTH } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
-import { FRAGMENT_SHADER, VERTEX_SHADER } from "./shaders";
+import { FRAGMENT_SHADER, forHost, VERTEX_SHADER } from "./shaders";
 import type { Shot } from "./shot";
 import { SplatTexture } from "./splat_texture";
 
@@ -26,6 +27,10 @@ const UNIFORMS = [
   "near",
   "antialiased",
   "closeUp",
+  "depthZ",
+  "depthW",
+  "logarithmic",
+  "linear",
 ] as const;
 
 /** Wider than anything that is drawn, pixels. */
@@ -56,7 +61,11 @@ export class SplatDrawer implements SplatSink {
   #dynamicRows = 0;
   #count = 0;
 
-  constructor(readonly gl: WebGL2RenderingContext) {
+  /** @param hosted whether it draws among a host's surfaces: then each picture needs to know of them. */
+  constructor(
+    readonly gl: WebGL2RenderingContext,
+    readonly hosted = false,
+  ) {
     this.rebuild();
   }
 
@@ -104,7 +113,7 @@ export class SplatDrawer implements SplatSink {
   /** Make everything anew in a context that was lost and has come back; then the splats and an order must be set again. */
   rebuild(): void {
     const { gl } = this;
-    this.#program = new Program(gl, VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
+    this.#program = new Program(gl, this.hosted ? forHost(VERTEX_SHADER) : VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
     this.#quads = gl.createVertexArray();
     this.#indices = gl.createBuffer();
     gl.bindVertexArray(this.#quads);
@@ -120,14 +129,25 @@ export class SplatDrawer implements SplatSink {
 
   /**
    * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
-   * is `origin`, in pixels of that framebuffer. Depth is neither tested nor written.
+   * is `origin`, in pixels of that framebuffer. Depth is not written, and tested only against the surfaces of a host.
+   *
+   * @throws Error if `host` is left out of what was made for one, or given to what was not.
    */
-  draw({ pose, camera, time, antialiased, closeUp }: Shot, origin: readonly [number, number] = [0, 0]): void {
+  draw(
+    { pose, camera, time, antialiased, closeUp }: Shot,
+    origin: readonly [number, number] = [0, 0],
+    host?: HostSurface,
+  ): void {
+    if (this.hosted !== (host !== undefined)) throw new Error("a host's surface goes with a drawer made for a host");
     if (this.#count === 0) return;
     const { gl } = this;
     const u = this.#program.uniforms;
     gl.viewport(...origin, camera.width, camera.height);
-    gl.disable(gl.DEPTH_TEST);
+    if (host) {
+      gl.enable(gl.DEPTH_TEST);
+      gl.depthFunc(host.reversed ? gl.GEQUAL : gl.LEQUAL);
+      gl.depthMask(false);
+    } else gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.DITHER);
     gl.enable(gl.BLEND);
@@ -154,6 +174,12 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
     gl.uniform2f(u.closeUp, closeUp?.clear ?? 0, closeUp?.widest ?? LARGEST);
+    if (host) {
+      gl.uniform4f(u.depthZ, ...host.z);
+      gl.uniform4f(u.depthW, ...host.w);
+      gl.uniform1f(u.logarithmic, host.logarithmic);
+      gl.uniform1i(u.linear, host.linear ? 1 : 0);
+    }
     const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
     gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
     gl.bindVertexArray(null);

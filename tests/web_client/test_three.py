@@ -1,0 +1,404 @@
+"""Splats in a host of three.js in a real browser, against the reference rasterizer's pictures and the host's own."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import functools
+import http.server
+import json
+import shutil
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+import pytest
+from PIL import Image
+
+from hgs_core.bench.browser import psnr
+from tests.web_client.conftest import BACKGROUND, HEIGHT, REPOSITORY, WIDTH
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
+
+    from hgs_core.scene.camera import Camera
+    from tests.web_client.conftest import Site
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(240)]
+
+CANVAS_PSNR = 45.0  # dB; a canvas of 8 bits rounds at every splat
+FLOAT_PSNR = 80.0  # dB; what is left is float32
+FAR = 50.0
+MAGENTA = (1.0, 0.0, 1.0)
+IMPORTS = {
+    "three": "/node_modules/three/build/three.module.js",
+    "three/addons/": "/node_modules/three/examples/jsm/",
+    "@hgs/player/three": "/dist/three.js",
+}
+PAGE = f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>A host</title><link rel="icon" href="data:,">
+<style>body {{ margin: 0 }} canvas {{ display: block }}</style>
+<script type="importmap">{json.dumps({"imports": IMPORTS})}</script>
+<script type="module" src="three_host.js"></script>"""
+
+
+@pytest.fixture(scope="module")
+def address(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """A plain web server with the package as it is built, three.js, the clouds, a page and the example."""
+    client = REPOSITORY / "web_client"
+    npx = shutil.which("npx")
+    if npx is None or not (client / "node_modules" / "three").is_dir():
+        pytest.skip("needs npm and web_client/node_modules")
+    folder = tmp_path_factory.mktemp("host")
+    build = [
+        npx,
+        "vite",
+        "build",
+        "-c",
+        "vite.package.config.ts",
+        "--outDir",
+        str(folder / "dist"),
+        "--logLevel",
+        "warn",
+    ]
+    subprocess.run(build, cwd=client, check=True, capture_output=True)
+    (folder / "node_modules").mkdir()
+    (folder / "node_modules" / "three").symlink_to(client / "node_modules" / "three")
+    (folder / "examples").symlink_to(client / "examples")
+    (folder / "clouds").symlink_to(site.folder)
+    (folder / "three_host.js").symlink_to(Path(__file__).with_name("three_host.js"))
+    (folder / "index.html").write_text(PAGE)
+    handler = functools.partial(Files, directory=str(folder))
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+class Files(http.server.SimpleHTTPRequestHandler):
+    """Says nothing of what it serves."""
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+
+@contextmanager
+def hosting(browser: Browser, address: str, **options: Any) -> Iterator[Page]:
+    """A page whose `host` has a canvas of the cameras' size."""
+    page = browser.new_page(viewport={"width": 900, "height": 700})
+    page.add_init_script("window.warnings = []; console.warn = (...words) => warnings.push(words.join(' '))")
+    try:
+        page.goto(address)
+        page.wait_for_function("() => window.Host")
+        made = {"width": WIDTH, "height": HEIGHT, "background": BACKGROUND} | options
+        page.evaluate("(options) => { window.host = new Host(options) }", made)
+        yield page
+    finally:
+        page.close()
+
+
+def camera_named(site: Site, name: str) -> Camera:
+    return next(camera for camera in site.cameras if camera.name == name)
+
+
+def numbers(camera: Camera, rows: npt.NDArray[np.float64] | None = None, scale: float = 1.0) -> dict[str, Any]:
+    """The camera for the page; `rows` in place of its own matrix, in a world whose units are `scale` times smaller."""
+    values = {name: getattr(camera, name) for name in ("width", "height", "fx", "fy", "cx", "cy")}
+    matrix = np.asarray(camera.world_to_camera if rows is None else rows, np.float64)
+    return values | {"near": camera.near * scale, "far": FAR * scale, "rows": matrix.tolist()}
+
+
+def look(page: Page, camera: Camera, rows: npt.NDArray[np.float64] | None = None, scale: float = 1.0) -> None:
+    page.evaluate("(camera) => host.look(camera)", numbers(camera, rows, scale))
+
+
+def add_splats(page: Page, time: float = 0.4, place: list[list[float]] | None = None, **options: Any) -> None:
+    made = {"src": "/clouds/manifest.json", "time": time} | options
+    page.evaluate("([options, place]) => host.addSplats(options, place)", [made, place])
+
+
+def settle(page: Page) -> None:
+    page.evaluate("() => host.settled()")
+
+
+def canvas(page: Page) -> npt.NDArray[np.uint8]:
+    data = base64.b64decode(page.evaluate("() => host.pixels()"))
+    return np.frombuffer(data, np.uint8).reshape(HEIGHT, -1, 4)[::-1, :, :3]
+
+
+def floats(page: Page, offset: int = 0) -> npt.NDArray[np.float32]:
+    data = base64.b64decode(page.evaluate("(offset) => host.floats(offset)", offset))
+    return np.frombuffer(data, np.float32).reshape(HEIGHT, WIDTH, 4)[::-1, :, :3]
+
+
+def rasterized(
+    site: Site,
+    camera: Camera,
+    seconds: float,
+    keep: Callable[[Any], Any] | None = None,
+    background: tuple[float, ...] = BACKGROUND,
+    colours: Callable[[Any], Any] = lambda rgb: rgb,
+) -> npt.NDArray[np.float64]:
+    """The reference picture, [H, W, 3]; `keep` says of centres, [N, 3], which splats are in it."""
+    import torch
+
+    from hgs_core.render import rasterize
+    from hgs_core.scene.motion import position
+
+    scene = site.scene.map(lambda array: torch.tensor(array, dtype=torch.float64))
+    segment = scene.segment_at(seconds)
+    time = segment.normalised(seconds)
+    static, dynamic = scene.static, segment.dynamic
+    if keep is not None:
+        static = static.take(keep(static.means))
+        dynamic = dynamic.take(keep(position(dynamic.motion, (time - dynamic.time_centers)[:, None])))
+    static = dataclasses.replace(static, rgb=colours(static.rgb))
+    dynamic = dataclasses.replace(dynamic, rgb=colours(dynamic.rgb))
+    render = rasterize(
+        static, dynamic, camera, time, background=background, backend="reference", gradients="none", antialiased=False
+    )
+    picture: npt.NDArray[np.float64] = render.rgb.permute(1, 2, 0).double().numpy()
+    return picture
+
+
+@pytest.mark.parametrize(("name", "seconds"), [("side", 0.4), ("askew", 1.7)])
+def test_splats_alone_are_the_reference_picture(
+    browser: Browser, address: str, site: Site, name: str, seconds: float
+) -> None:
+    """On the canvas; and in a target of floats at any corner of it, in sRGB where that is asked for."""
+    camera = camera_named(site, name)
+    truth = rasterized(site, camera, seconds)
+    with hosting(browser, address) as page:
+        look(page, camera)
+        add_splats(page, seconds, linear=False)
+        settle(page)
+        assert psnr(canvas(page), truth) >= CANVAS_PSNR
+        page.evaluate("() => host.renderer.setClearColor(new THREE.Color(0.1, 0.2, 0.3), 1)")
+        assert psnr(floats(page), truth) >= FLOAT_PSNR
+        assert psnr(floats(page, offset=40), truth) >= FLOAT_PSNR
+
+
+def test_a_scene_that_is_moved_turned_and_scaled_is_the_same_picture_to_a_camera_that_is_too(
+    browser: Browser, address: str, site: Site
+) -> None:
+    camera = camera_named(site, "above")
+    scale, turn = 2.5, 0.7
+    place = np.eye(4)
+    place[:3, :3] = scale * np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    place[:3, 3] = [3.0, -1.0, 7.0]
+    rows = np.asarray(camera.world_to_camera, np.float64) @ np.linalg.inv(place)
+    rows[:3] *= scale
+    with hosting(browser, address) as page:
+        look(page, camera, rows, scale)
+        add_splats(page, place=place.tolist())
+        settle(page)
+        assert psnr(canvas(page), rasterized(site, camera, 0.4)) >= CANVAS_PSNR
+
+
+@pytest.mark.parametrize(
+    "depth",
+    [{}, {"logarithmicDepthBuffer": True}, {"reversedDepthBuffer": True}],
+    ids=["plain", "logarithmic", "reversed"],
+)
+def test_splats_behind_a_wall_are_hidden_and_those_before_it_are_drawn_over_it(
+    browser: Browser, address: str, site: Site, depth: dict[str, bool]
+) -> None:
+    """The reference has only the splats whose centres are before the wall, on its colour."""
+    camera = camera_named(site, "side")
+    rows = np.asarray(camera.world_to_camera, np.float64)
+    wall = 3.0
+    truth = rasterized(
+        site, camera, 0.4, background=MAGENTA, keep=lambda means: (means.numpy() @ rows[2, :3] + rows[2, 3]) < wall
+    )
+    with hosting(browser, address, renderer=depth) as page:
+        if depth:
+            name = next(iter(depth))
+            assert page.evaluate("(name) => host.renderer.capabilities[name]", name), f"this browser has no {name}"
+        look(page, camera)
+        page.evaluate("(depth) => host.addWall(depth)", wall)
+        add_splats(page, linear=False)
+        settle(page)
+        assert psnr(floats(page), truth) >= FLOAT_PSNR
+
+
+def test_a_mesh_before_the_splats_keeps_its_colour_and_one_behind_is_covered(
+    browser: Browser, address: str, site: Site
+) -> None:
+    with hosting(browser, address) as page:
+        look(page, camera_named(site, "side"))
+        page.evaluate("() => host.addWall(1, { size: 0.3, at: [0.2, 0.1], colour: [1, 0, 0] })")
+        page.evaluate("() => host.addWall(6, { size: 2, at: [-0.5, 0], colour: [0, 1, 0] })")
+        without = canvas(page)
+        add_splats(page)
+        settle(page)
+        shown = canvas(page)
+    before = (without == [255, 0, 0]).all(axis=2)
+    behind = (without == [0, 255, 0]).all(axis=2)
+    assert before.sum() > 1000
+    assert behind.sum() > 1000
+    assert (shown[before] == [255, 0, 0]).all()
+    assert (shown[behind] != [0, 255, 0]).any(axis=1).mean() > 0.9
+
+
+def test_the_hosts_own_picture_is_unchanged_bit_by_bit(browser: Browser, address: str, site: Site) -> None:
+    """While splats arrive and are drawn behind a wall: with textures of the host's before and after them."""
+    camera = camera_named(site, "side")
+    pictures = []
+    for splats in (False, True):
+        with hosting(browser, address) as page:
+            look(page, camera)
+            page.evaluate("() => { host.addThings(); host.addWall(8) }")
+            if splats:
+                behind = np.eye(4)
+                behind[:3, 3] = 20 * np.asarray(camera.world_to_camera)[2, :3]
+                add_splats(page, place=behind.tolist())
+            taken = page.evaluate("() => host.frames(0, 12)")
+            if splats:
+                settle(page)
+            taken += page.evaluate("() => host.frames(12, 4)")
+            assert page.evaluate("() => host.renderer.getContext().getError()") == 0
+            pictures.append(taken)
+    assert len(set(pictures[0])) > 7  # every second frame is another picture
+    assert [a == b for a, b in zip(*pictures, strict=True)] == [True] * 16
+
+
+def test_what_a_host_has_bound_neither_harms_the_splats_nor_is_lost(browser: Browser, address: str, site: Site) -> None:
+    """Samplers that interpolate, a buffer that textures are filled from, and textures that are filled upside down."""
+    camera = camera_named(site, "side")
+    bound = "() => host.bound()"
+    with hosting(browser, address) as page:
+        look(page, camera)
+        page.evaluate("() => host.bind()")
+        before = page.evaluate(bound)
+        add_splats(page)
+        settle(page)
+        assert psnr(canvas(page), rasterized(site, camera, 0.4)) >= CANVAS_PSNR
+        assert page.evaluate(bound) == before
+        assert page.evaluate("() => host.renderer.getContext().getError()") == 0
+
+
+def test_each_of_two_viewports_has_its_own_order(browser: Browser, address: str, site: Site) -> None:
+    cameras = [camera_named(site, name) for name in ("side", "askew")]
+    with hosting(browser, address, width=2 * WIDTH) as page:
+        page.evaluate("([a, b]) => host.split(a, b)", [numbers(camera) for camera in cameras])
+        add_splats(page)
+        settle(page)
+        shown = canvas(page)
+    for camera, half in zip(cameras, np.split(shown, 2, axis=1), strict=True):
+        assert psnr(half, rasterized(site, camera, 0.4)) >= CANVAS_PSNR
+
+
+def test_render_targets_get_linear_light(browser: Browser, address: str, site: Site) -> None:
+    """As from three.js' materials. The reference blends colours that were turned into linear light splat by splat."""
+    import torch
+
+    def linear(rgb: torch.Tensor) -> torch.Tensor:
+        return torch.where(rgb > 0.04045, ((rgb.clamp(min=0) + 0.055) / 1.055) ** 2.4, rgb / 12.92)
+
+    camera = camera_named(site, "side")
+    background = tuple(linear(torch.tensor(BACKGROUND, dtype=torch.float64)).tolist())
+    truth = rasterized(site, camera, 0.4, background=background, colours=linear)
+    with hosting(browser, address) as page:
+        look(page, camera)
+        add_splats(page)
+        settle(page)
+        assert psnr(floats(page), truth) >= FLOAT_PSNR
+
+
+def test_a_context_that_was_lost_comes_back_with_the_splats(browser: Browser, address: str, site: Site) -> None:
+    with hosting(browser, address) as page:
+        look(page, camera_named(site, "side"))
+        add_splats(page)
+        settle(page)
+        before = canvas(page)
+        page.evaluate("() => host.loseContext()")
+        settle(page)
+        assert np.array_equal(canvas(page), before)
+
+
+def test_what_cannot_be_drawn_is_said_once_and_the_host_goes_on(browser: Browser, address: str, site: Site) -> None:
+    with hosting(browser, address) as page:
+        look(page, camera_named(site, "side"))
+        without = canvas(page)
+        add_splats(page)
+        settle(page)
+        shown = canvas(page)
+        page.evaluate("() => { host.heard.length = 0; host.splats.scale.set(1, 2, 1) }")
+        for _ in range(3):
+            assert np.array_equal(canvas(page), without)
+        said = page.evaluate("() => host.heard")
+        assert [words.partition(":")[0] for words in said] == ["the scene is scaled by 1, 2, 1"]
+        assert page.evaluate("() => warnings") == [f"HgsScene: {said[0]}"]
+        page.evaluate("() => { host.splats.scale.set(1, 1, 1); host.drawn = host.camera }")
+        page.evaluate("() => { host.camera = new THREE.OrthographicCamera(); host.draw(); host.camera = host.drawn }")
+        assert "has no perspective" in page.evaluate("() => host.heard.at(-1)")
+        assert np.array_equal(canvas(page), shown)
+
+
+def test_a_scene_plays_tells_and_is_disposed_of(browser: Browser, address: str, site: Site) -> None:
+    """The host's context stays alive, and its picture is the one without splats."""
+    with hosting(browser, address) as page:
+        look(page, camera_named(site, "side"))
+        page.evaluate("() => host.addThings()")
+        without = canvas(page)
+        add_splats(page, 1.9, playbackRate=4)
+        settle(page)
+        assert page.evaluate("() => [host.splats.paused, host.splats.duration, host.splats.currentTime]") == [
+            True,
+            2,
+            1.9,
+        ]
+        ended = """() => host.drawUntil(new Promise((resolve) => {
+          host.splats.addEventListener("ended", resolve);
+          host.splats.play();
+        }))"""
+        page.evaluate(ended)
+        told = [name for name in page.evaluate("() => host.heard") if name != "seeked"]
+        assert told == ["manifest", "firstpicture", "ready", "play", "pause", "ended"]
+        assert page.evaluate("() => host.splats.ended")
+        page.evaluate(
+            "() => { window.asked = host.splats.seek(0).catch((error) => error.name); host.splats.dispose() }"
+        )
+        assert page.evaluate("() => asked") == "AbortError"
+        assert page.evaluate("() => host.splats.parent === null && !host.renderer.getContext().isContextLost()")
+        assert np.array_equal(canvas(page), without)
+        assert page.evaluate("() => host.renderer.getContext().getError()") == 0
+
+
+def test_the_example_shows_a_mesh_before_and_one_behind_the_splats(browser: Browser, address: str) -> None:
+    page = browser.new_page(viewport={"width": 640, "height": 400})
+    problems: list[str] = []
+    page.on("console", lambda message: problems.append(message.text) if message.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: problems.append(str(error)))
+    try:
+        page.goto(f"{address}/examples/three.html?src=/clouds/manifest.json")
+        page.wait_for_function("() => window.splats && !document.querySelector('p')")
+        page.evaluate("() => splats.pause()")
+        page.evaluate("() => splats.seek(0.4)")
+        shown, without = (_screenshot(page, visible) for visible in (True, False))
+        before, behind = (_mostly(without, channel) for channel in (0, 2))
+        assert before.sum() > 5000
+        assert behind.sum() > 5000
+        assert np.array_equal(shown[before], without[before])
+        assert (shown[behind] != without[behind]).any(axis=1).mean() > 0.9
+        assert [problem for problem in problems if "GPU stall" not in problem] == []
+    finally:
+        page.close()
+
+
+def _screenshot(page: Page, visible: bool) -> npt.NDArray[np.uint8]:
+    page.evaluate(f"() => {{ splats.visible = {str(visible).lower()}; renderer.render(world, camera) }}")
+    page.evaluate("() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+    return np.asarray(Image.open(BytesIO(page.screenshot())).convert("RGB"))
+
+
+def _mostly(picture: npt.NDArray[np.uint8], channel: int) -> npt.NDArray[np.bool_]:
+    """Where a channel is twice as bright as each of the others."""
+    others = np.delete(picture, channel, axis=2).max(axis=2).astype(int)
+    bright: npt.NDArray[np.bool_] = picture[..., channel] > np.maximum(2 * others, 30)
+    return bright

@@ -1,0 +1,124 @@
+/** The pictures that a host draws of a scene: in each frame one or several, from cameras and into targets of the host's. */
+
+import { type Camera, ColorManagement, LinearTransfer, type Matrix4, Vector4, type WebGLRenderer } from "three";
+import type { OrderKey } from "../player/order_requests";
+import type { StreamedScene } from "../player/streamed_scene";
+import type { View } from "../player/view";
+import type { SplatSink } from "../renderer/splat_drawer";
+import { hostView } from "./host_view";
+import { HostedSplats } from "./hosted_splats";
+import { areEyes, ViewOrders, type Views } from "./view_orders";
+
+export interface HostPictureEvents {
+  /** The last picture of a frame is drawn; `settled`: all that is alive at the playhead is in each. */
+  frame(settled: boolean): void;
+  /** The host's context was lost and is back: what was ordered for it is gone. */
+  restored(): void;
+}
+
+export class HostPictures {
+  readonly #splats = new HostedSplats(() => this.#restored());
+  readonly #orders = new ViewOrders();
+  readonly #viewport = new Vector4();
+  #views: View[] = []; // of this frame, in the order of drawing
+  #before: readonly View[] = []; // of the frame before
+  #apart = false; // whether each view has an order of its own
+  #held: OrderKey | null = null; // what the drawer has
+  #settled = false;
+
+  /** @param linear whether to write colours in linear light; null to do as three.js' materials do. */
+  constructor(
+    readonly linear: boolean | null,
+    readonly events: HostPictureEvents,
+  ) {}
+
+  get sink(): SplatSink {
+    return this.#splats.sink;
+  }
+
+  /**
+   * Draw into what is bound; `world` takes the scene's own space to the host's world.
+   *
+   * @throws Error with one line for people if splats cannot be drawn so.
+   */
+  draw(scene: StreamedScene, renderer: WebGLRenderer, camera: Camera, world: Matrix4): void {
+    if (renderer.getContext().isContextLost()) return;
+    const target = renderer.getRenderTarget();
+    if (target && target.textures.length > 1) {
+      throw new Error(`the render target has ${target.textures.length} textures: splats are drawn into one only`);
+    }
+    const { x, y, z: width, w: height } = renderer.getCurrentViewport(this.#viewport);
+    const viewport = { x, y, width, height };
+    const { view, depth } = hostView(camera, world, viewport);
+    const place = this.#views.push(view) - 1;
+    if (place === 0) this.#begin(scene, renderer, [view, ...this.#before.slice(1)]);
+    const kept = this.#apart ? this.#orders.at(place) : undefined;
+    if (kept && kept.key !== this.#held) {
+      this.#splats.setOrder(kept.ids, kept.count);
+      this.#held = kept.key;
+    }
+    if (!this.#held) return;
+    const { far = Number.POSITIVE_INFINITY } = camera as Camera & { far?: number };
+    const { logarithmicDepthBuffer, reversedDepthBuffer } = renderer.capabilities;
+    this.#splats.draw(scene.shot(view, this.#held), viewport, {
+      ...depth,
+      logarithmic: logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0,
+      reversed: reversedDepthBuffer,
+      linear: this.linear ?? writesLinear(renderer),
+    });
+  }
+
+  dispose(): void {
+    this.#splats.dispose();
+  }
+
+  /** Before the first picture of a frame. The host may draw more until its script is done. */
+  #begin(scene: StreamedScene, renderer: WebGLRenderer, views: Views): void {
+    queueMicrotask(() => this.#end());
+    this.#settled = false;
+    const order = this.#splats.prepare(renderer);
+    if (order) {
+      this.#held = scene.orders.shown;
+      const taken = this.#held && this.#apart ? this.#orders.take(this.#held, ...order) : true;
+      if (!taken) scene.orders.forget();
+    }
+    scene.orders.others = [...this.#orders.keys, ...(this.#held ? [this.#held] : [])];
+    const { manifest, playback, version } = scene;
+    if (!manifest || !playback) return;
+    const apart = !areEyes(views, manifest.extent);
+    if (apart !== this.#apart) {
+      this.#apart = apart;
+      this.#orders.forget();
+      scene.orders.forget(); // what is held may be another view's
+    }
+    const now = performance.now();
+    if (!apart) {
+      this.#settled = scene.step(now, views)?.settled ?? false;
+      return;
+    }
+    const turn = this.#orders.turn(views, playback.clock.time, version);
+    const settled = scene.step(now, [views[turn]])?.settled ?? false;
+    this.#settled = settled && this.#orders.all(views, playback.clock.time, version, !playback.clock.playing);
+  }
+
+  #end(): void {
+    this.#before = this.#views;
+    this.#views = [];
+    this.events.frame(this.#settled);
+  }
+
+  #restored(): void {
+    this.#held = null;
+    this.#orders.forget();
+    this.events.restored();
+  }
+}
+
+/** Whether three.js' materials write linear light into what is bound. */
+function writesLinear(renderer: WebGLRenderer): boolean {
+  const target = renderer.getRenderTarget();
+  if (target === null) return ColorManagement.getTransfer(renderer.outputColorSpace) === LinearTransfer;
+  const ofHeadset = (target as { isXRRenderTarget?: boolean }).isXRRenderTarget === true;
+  const space = ofHeadset ? target.texture.colorSpace : ColorManagement.workingColorSpace;
+  return ColorManagement.getTransfer(space) === LinearTransfer;
+}

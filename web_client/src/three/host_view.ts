@@ -1,0 +1,87 @@
+/** What a camera of three.js sees of a scene that stands somewhere in its world. */
+
+import type { Camera, Matrix4 } from "three";
+import { cross, dot, length, type Mat3, type Vec3 } from "../camera/vector";
+import type { View } from "../player/view";
+import type { HostSurface } from "../renderer/host_surface";
+
+/** In pixels of the framebuffer; (x, y) is the lower left corner. */
+export interface Viewport {
+  readonly x: number;
+  readonly y: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+export interface HostView {
+  readonly view: View;
+  readonly depth: Pick<HostSurface, "z" | "w">;
+}
+
+/** How far the three axes may be from one length and right angles, relative to their length. */
+const TOLERANCE = 1e-3;
+
+/** Nearest that splats are drawn, of the host's near distance: a lens that is all but at the splat would fill the picture. */
+const NEAREST = 1e-6;
+
+/**
+ * The view of the scene whose own space `world` takes to the host's world, and how deep its splats lie for the host.
+ *
+ * @throws Error with one line for people if the camera has no perspective, or `world` does more than move, turn and scale.
+ */
+export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): HostView {
+  const p = camera.projectionMatrix.elements;
+  if (p[15] !== 0 || p[3] !== 0 || p[7] !== 0 || p[1] !== 0 || p[4] !== 0) {
+    throw new Error(`the camera ${camera.name || camera.type} has no perspective: splats need a PerspectiveCamera`);
+  }
+  const m = camera.matrixWorldInverse.clone().multiply(world).elements;
+  const scale = uniformScale(m);
+  // Rows in OpenCV axes: y and z the other way round. Lengths in the scene's own units.
+  const rows = [0, 1, 2].map((i) => [m[i], m[i + 4], m[i + 8], m[i + 12]].map((v) => ((i ? -1 : 1) * v) / scale));
+  const rotation = rows.flatMap((row) => row.slice(0, 3)) as unknown as Mat3;
+  const { width, height } = viewport;
+  const row = (i: number): [number, number, number, number] => [
+    p[i] * scale,
+    -p[i + 4] * scale,
+    -p[i + 8] * scale,
+    p[i + 12],
+  ];
+  return {
+    view: {
+      pose: { rotation, translation: [rows[0][3], rows[1][3], rows[2][3]] },
+      camera: {
+        width,
+        height,
+        fx: (p[0] * width) / 2,
+        fy: (p[5] * height) / 2,
+        cx: ((1 - p[8]) * width) / 2,
+        cy: ((1 + p[9]) * height) / 2,
+        near: nearOf(camera) / scale,
+      },
+    },
+    depth: { z: row(2), w: row(3) },
+  };
+}
+
+/** The one factor by which a matrix scales. */
+function uniformScale(m: ArrayLike<number>): number {
+  const axes = [0, 4, 8].map((i): Vec3 => [m[i], m[i + 1], m[i + 2]]);
+  const [x, y, z] = axes;
+  const lengths = axes.map(length);
+  const longest = Math.max(...lengths);
+  const askew = Math.max(Math.abs(dot(x, y)), Math.abs(dot(y, z)), Math.abs(dot(z, x)));
+  const even = longest - Math.min(...lengths) <= TOLERANCE * longest && askew <= TOLERANCE * longest * longest;
+  if (!even || !(dot(cross(x, y), z) > 0)) {
+    const scales = lengths.map((size) => Number(size.toPrecision(4))).join(", ");
+    throw new Error(
+      `the scene is scaled by ${scales}: splats need one positive scale for all axes, the parents' included`,
+    );
+  }
+  return (lengths[0] + lengths[1] + lengths[2]) / 3;
+}
+
+/** The host's near distance; not the projection matrix's, which may be reversed, endless or cut askew. */
+function nearOf(camera: Camera): number {
+  const { near } = camera as Camera & { near?: number };
+  return Math.max(NEAREST, near ?? NEAREST);
+}

@@ -1,0 +1,83 @@
+/** The splats in the context of a host's renderer: made and filled when the host draws, and drawn with its bindings kept. */
+
+import type { WebGLRenderer } from "three";
+import type { HostSurface } from "../renderer/host_surface";
+import type { Shot } from "../renderer/shot";
+import { SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
+import type { Viewport } from "./host_view";
+import { keepBindings, keepUnpacking } from "./kept_state";
+import { WaitingSplats } from "./waiting_splats";
+
+export class HostedSplats {
+  readonly #waiting = new WaitingSplats(() => this.#renderer?.capabilities.maxTextureSize ?? mostRowsHere());
+  readonly #listeners = new AbortController();
+  #renderer: WebGLRenderer | null = null;
+  #drawer: SplatDrawer | null = null;
+  #stale = false; // the context was lost
+
+  /** @param onLoss called when the context was lost and is back: then splats and an order must be set again. */
+  constructor(readonly onLoss: () => void) {}
+
+  /** Where decoded splats and their order go, at any time. */
+  get sink(): SplatSink {
+    return this.#waiting;
+  }
+
+  /**
+   * Take what has come since the last frame.
+   *
+   * @returns the order that has come, if one has: ids and their number, in an array that is lent.
+   * @throws Error if another renderer has drawn it before, or the device cannot hold the scene.
+   */
+  prepare(renderer: WebGLRenderer): Parameters<SplatSink["setOrder"]> | null {
+    const gl = this.#contextOf(renderer);
+    if (this.#drawer && !this.#stale && this.#waiting.empty) return null;
+    return keepUnpacking(gl, () => {
+      if (!this.#drawer) this.#drawer = new SplatDrawer(gl, true);
+      else if (this.#stale) this.#drawer.rebuild();
+      this.#stale = false;
+      return this.#waiting.flush(this.#drawer);
+    });
+  }
+
+  /** Put an earlier order in place of the last one. */
+  setOrder(...order: Parameters<SplatSink["setOrder"]>): void {
+    const drawer = this.#drawer;
+    if (drawer) keepUnpacking(drawer.gl, () => drawer.setOrder(...order));
+  }
+
+  draw(shot: Shot, { x, y }: Viewport, surface: HostSurface): void {
+    const drawer = this.#drawer;
+    if (drawer) keepBindings(drawer.gl, () => drawer.draw(shot, [x, y], surface));
+  }
+
+  /** Give back what is in the context, which stays the host's. */
+  dispose(): void {
+    this.#listeners.abort();
+    this.#drawer?.dispose();
+    this.#drawer = null;
+  }
+
+  #contextOf(renderer: WebGLRenderer): WebGL2RenderingContext {
+    if (this.#renderer !== null && this.#renderer !== renderer) {
+      throw new Error("this HgsScene has been drawn by another renderer: each needs one of its own");
+    }
+    if (this.#renderer === null) {
+      this.#renderer = renderer;
+      const restored = () => {
+        this.#stale = true;
+        this.onLoss();
+      };
+      renderer.domElement.addEventListener("webglcontextrestored", restored, { signal: this.#listeners.signal });
+    }
+    return renderer.getContext() as WebGL2RenderingContext;
+  }
+}
+
+/** Rows that a texture can have on this device, before the host's renderer is known. */
+function mostRowsHere(): number {
+  const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
+  const rows = gl?.getParameter(gl.MAX_TEXTURE_SIZE) ?? 0;
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return rows;
+}

@@ -1,0 +1,87 @@
+/**
+ * Orders for several views that a host draws in every frame, such as two viewports. Each view has an order of its own; they
+ * are made one after another, and each waits here while another is in the drawer.
+ */
+
+import { eyeOf } from "../camera/pinhole";
+import { length, subtract } from "../camera/vector";
+import type { OrderKey } from "../player/order_requests";
+import { sameSight, sightOf } from "../player/sight";
+import type { View } from "../player/view";
+import { TEXTURE_WIDTH } from "../renderer/layout";
+
+export type Views = readonly [View, ...View[]];
+
+/** Views closer together than this, of the scene's extent, are those of two eyes: one order by distance does for them. */
+const EYES = 0.1;
+
+/** Whether one order can do for all the views. */
+export function areEyes(views: Views, extent: number): boolean {
+  const [first, ...others] = views.map((view) => eyeOf(view.pose));
+  return others.every((eye) => length(subtract(eye, first)) <= EYES * extent);
+}
+
+interface KeptOrder {
+  readonly key: OrderKey;
+  readonly ids: Uint32Array;
+  readonly count: number;
+}
+
+export class ViewOrders {
+  #kept: (KeptOrder | undefined)[] = []; // by the views' places in the frame
+  #turn = 0;
+  #asked: View | null = null; // whom the next order is for
+
+  /** Whose turn it is to have an order made, by its place; `time` and `version` are those of the scene now. */
+  turn(views: Views, time: number, version: number): number {
+    this.#kept.length = Math.min(this.#kept.length, views.length);
+    if (this.#turn >= views.length) [this.#turn, this.#asked] = [0, null];
+    if (this.#asked) return this.#turn;
+    // A view that has its quick order waits for its exact one before it is the others' turn.
+    const first = this.#upToDate(this.#turn, views[this.#turn], time, version, false) ? 0 : 1;
+    for (let step = first; step <= views.length; step++) {
+      const place = (this.#turn + step) % views.length;
+      if (this.#upToDate(place, views[place], time, version)) continue;
+      [this.#turn, this.#asked] = [place, views[place]];
+      break;
+    }
+    return this.#turn;
+  }
+
+  /** Keep an order that has come, in an array that is lent. False if it was asked for before it was anybody's turn. */
+  take(key: OrderKey, ids: Uint32Array, count: number): boolean {
+    const awaited = this.#asked !== null && sameSight(sightOf([this.#asked]), key);
+    if (awaited) {
+      const rows = Math.ceil(count / TEXTURE_WIDTH);
+      this.#kept[this.#turn] = { key, ids: ids.slice(0, rows * TEXTURE_WIDTH), count };
+    }
+    this.#asked = null;
+    return awaited;
+  }
+
+  /** The order of the view at that place in the frame; undefined before its first. */
+  at(place: number): KeptOrder | undefined {
+    return this.#kept[place];
+  }
+
+  /** What the orders are of that wait here. */
+  get keys(): OrderKey[] {
+    return this.#kept.flatMap((order) => order?.key ?? []);
+  }
+
+  /** Whether all views have an order that is exact, or one at all where that is enough. */
+  all(views: Views, time: number, version: number, exact: boolean): boolean {
+    return views.every((view, place) => (exact ? this.#upToDate(place, view, time, version) : this.#kept[place]));
+  }
+
+  forget(): void {
+    this.#kept = [];
+    this.#asked = null;
+  }
+
+  #upToDate(place: number, view: View, time: number, version: number, exact = true): boolean {
+    const key = this.#kept[place]?.key;
+    if (!key || (exact && !key.exact)) return false;
+    return key.time === time && key.version === version && sameSight(key, sightOf([view]));
+  }
+}
