@@ -142,10 +142,6 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     ),
     **dict.fromkeys(
         (
-            "hgs_core.runs.encode_inputs",
-            "hgs_core.runs.source",
-            "hgs_core.train.control.round",
-            "hgs_core.train.step",
             "jobs.recovery",
             "jobs.training_queue",
             "jobs.workflows",

@@ -1,0 +1,77 @@
+"""What can be opened for export, against the scene that was put there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec import encode_scene, load_manifest
+from hgs_core.interchange import import_scene
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.source import open_source
+from hgs_core.scene.files import save_scene
+from hgs_core.scene.splats import HybridScene, Segment
+from tests.synthetic import ring_of_cameras, synthetic_scene
+
+
+@pytest.fixture
+def scene() -> HybridScene[np.ndarray]:
+    static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
+    return HybridScene(static, (Segment(0.0, 1.0, dynamic),), antialiased=True)
+
+
+@pytest.fixture
+def run(tmp_path: Path, scene: HybridScene[np.ndarray]) -> Path:
+    """A finished run."""
+    folder = RunFolder(tmp_path / "run")
+    config = RunConfig().changed({"train.antialiased": True})
+    folder.write_spec(RunSpec(tmp_path / "figure.ply", "", config, without_capture=True))
+    save_scene(folder.trained, scene)
+    cameras = ring_of_cameras(3, 64, 48)
+    encode_scene(scene, folder.scene, cameras=cameras, times=np.arange(30) / 30, title="Figure")
+    return folder.path
+
+
+def test_of_a_run_the_float32_scene_is_taken(run: Path, scene: HybridScene[np.ndarray]) -> None:
+    source = open_source(run)
+    np.testing.assert_array_equal(source.scene.static.rgb, scene.static.rgb)
+    np.testing.assert_array_equal(source.scene.segments[0].dynamic.motion, scene.segments[0].dynamic.motion)
+    assert source.scene.antialiased is True
+    assert [camera.name for camera in source.cameras] == ["0", "1", "2"]
+
+
+def test_an_encoded_scene_is_decoded_and_needs_no_run(run: Path, scene: HybridScene[np.ndarray]) -> None:
+    folder = (run / "scene").rename(run.parent / "alone")
+    source = open_source(folder)
+    assert len(source.scene.static) == load_manifest(folder).totals.splats_static
+    distances = np.abs(source.scene.static.means[:, None] - scene.static.means[None]).max(axis=2).min(axis=1)
+    assert 0 < distances.max() < 0.01  # near those that were encoded, and not they
+    assert [camera.name for camera in source.cameras] == ["0", "1", "2"]
+
+
+@pytest.mark.parametrize("missing", ["scene.npz", "scene/manifest.json"])
+def test_a_run_that_is_not_finished_is_refused(run: Path, missing: str) -> None:
+    (run / missing).unlink()
+    with pytest.raises(InputError, match="run: is neither a finished run nor a scene folder"):
+        open_source(run)
+
+
+def test_a_folder_of_something_else_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is neither a finished run nor a scene folder"):
+        open_source(tmp_path)
+
+
+def test_a_source_exports_the_moment_that_is_asked_for(run: Path, tmp_path: Path) -> None:
+    """All splats of the file are where they are then: the moving ones by their polynomial."""
+    source = open_source(run)
+    source.export(tmp_path / "x.ply", time=0.75, segment=None)
+    exported = import_scene(tmp_path / "x.ply", 1.0).scene.static
+    moving = source.scene.segments[0].dynamic
+    places = np.einsum("nkc,k->nc", moving.motion, (0.75 - 0.5) ** np.arange(4.0))  # all have their centre at 0.5
+    assert len(exported) == len(source.scene.static) + len(moving)
+    for place in places:
+        assert np.abs(exported.means - place).max(axis=1).min() < 1e-5
