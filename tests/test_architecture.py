@@ -115,7 +115,6 @@ def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
     return [target for target in targets if isinstance(target, ast.Name)]
 
 
-NOT_YET = "tested under another name"
 WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.base.arrays": "names of array types",
     "hgs_core.base.progress": "a report, a signal and a callback that does nothing",
@@ -139,14 +138,6 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
             "hgs_core.train.triton.kernels.loss",
         ),
         "launched by the tests of what calls it, against float64",
-    ),
-    **dict.fromkeys(
-        (
-            "jobs.recovery",
-            "jobs.training_queue",
-            "jobs.workflows",
-        ),
-        NOT_YET,
     ),
 }
 """The modules that no file of tests is named for, and why: the only ones."""

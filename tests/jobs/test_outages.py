@@ -11,7 +11,6 @@ from pathlib import Path
 import pytest
 
 from hgs_core.runs.folder import RunFolder
-from jobs import workflows
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
@@ -155,9 +154,3 @@ def fill(path: Path) -> None:
 def wait_until_unlocked(run: Path) -> None:
     with RunFolder(run).exclusive(patience=240):
         pass
-
-
-def test_the_waits_become_longer_but_not_too_long() -> None:
-    waits = [min(workflows.FIRST_WAIT * 2.0**count, workflows.LONGEST_WAIT) for count in range(11)]
-    assert waits[:3] == [5, 10, 20]
-    assert waits[-1] == 300

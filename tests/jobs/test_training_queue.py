@@ -1,0 +1,74 @@
+"""What stands in the queue, as DBOS lists it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+
+import pytest
+import sqlalchemy as sa
+from dbos import DBOSClient, WorkflowStatus
+
+from jobs.database import create_engine, open_client, prepare_database
+from jobs.home import Home
+from jobs.store import metadata
+from jobs.training_queue import enqueue, workflow_id
+
+
+@pytest.fixture
+def engine(home: Home) -> Iterator[sa.Engine]:
+    engine = create_engine(home)
+    prepare_database(home, engine, metadata)
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture
+def queue(home: Home, engine: sa.Engine) -> Iterator[DBOSClient]:
+    client = open_client(home, engine)
+    yield client
+    client.destroy()
+
+
+def queued(queue: DBOSClient) -> dict[str, WorkflowStatus]:
+    return {status.workflow_id: status for status in queue.list_workflows()}
+
+
+def test_every_attempt_is_a_workflow_of_its_own(engine: sa.Engine, queue: DBOSClient) -> None:
+    with engine.begin() as connection:
+        for attempt in (1, 2):
+            enqueue(queue, connection, "studio-1a2b", attempt)
+    assert sorted(queued(queue)) == ["studio-1a2b:1", "studio-1a2b:2"]
+    assert workflow_id("studio-1a2b", 2) == "studio-1a2b:2"
+
+
+def test_a_new_job_begins_with_the_first_stage_and_may_be_taken_at_once(engine: sa.Engine, queue: DBOSClient) -> None:
+    with engine.begin() as connection:
+        enqueue(queue, connection, "a", 1)
+    status = queued(queue)["a:1"]
+    assert (status.queue_name, status.name, status.status) == ("training", "train_job", "ENQUEUED")
+    assert status.input is not None
+    assert status.input["args"] == ("a", 1, 0, "initialise")
+
+
+def test_a_job_that_was_put_off_is_taken_later_and_before_new_ones(engine: sa.Engine, queue: DBOSClient) -> None:
+    before = time.time()
+    with engine.begin() as connection:
+        enqueue(queue, connection, "new", 1)
+        enqueue(queue, connection, "old", 2, delay=600, waits=3, first="encode")
+    found = queued(queue)
+    assert found["old:2"].status == "DELAYED"
+    assert found["old:2"].delay_until_epoch_ms is not None
+    assert found["old:2"].delay_until_epoch_ms / 1000 >= before + 599
+    assert found["old:2"].input is not None
+    assert found["old:2"].input["args"] == ("old", 2, 3, "encode")
+    assert found["old:2"].priority is not None
+    assert found["new:1"].priority is not None
+    assert found["old:2"].priority < found["new:1"].priority  # DBOS takes the lowest number first
+
+
+def test_nothing_is_queued_if_the_caller_s_transaction_fails(engine: sa.Engine, queue: DBOSClient) -> None:
+    with engine.connect() as connection, connection.begin() as transaction:
+        enqueue(queue, connection, "a", 1)
+        transaction.rollback()
+    assert queued(queue) == {}

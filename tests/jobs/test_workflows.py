@@ -1,0 +1,256 @@
+"""The parts of the workflow by themselves, on a database and a stand-in for the stages' processes.
+
+The whole of it, under DBOS, is tested in test_worker.py, test_kill.py and test_outages.py.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+from collections.abc import Awaitable, Callable, Iterator
+from pathlib import Path
+from typing import Any, cast
+
+import pytest
+import sqlalchemy as sa
+from dbos import DBOSClient
+
+from hgs_core.base.progress import Progress
+from jobs import workflows
+from jobs.artifacts import ArtifactStore
+from jobs.database import create_engine, open_client, prepare_database
+from jobs.home import Home
+from jobs.job_history import read_course
+from jobs.store import Job, JobState, JobTable, metadata
+from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.workflows import TrainingWorkflow
+
+OnProgress = Callable[[Progress], Awaitable[None]]
+
+
+class FakeStages:
+    """Ends every stage with the next of the given outcomes; one that is an exception is raised."""
+
+    def __init__(self) -> None:
+        self.outcomes: list[StageOutcome | OSError] = []
+        self.reports: list[Progress] = []
+        self.started: list[tuple[str, str, Path]] = []
+
+    async def run(self, workflow: str, stage: str, run: Path, on_progress: OnProgress) -> StageOutcome:
+        self.started.append((workflow, stage, run))
+        for report in self.reports:
+            await on_progress(report)
+        outcome = self.outcomes.pop(0)
+        if isinstance(outcome, OSError):
+            raise outcome
+        return outcome
+
+
+@pytest.fixture
+def stages() -> FakeStages:
+    return FakeStages()
+
+
+@pytest.fixture
+def engine(home: Home) -> Iterator[sa.Engine]:
+    engine = create_engine(home)
+    yield engine
+    engine.dispose()
+
+
+@pytest.fixture
+def queue(home: Home, engine: sa.Engine) -> Iterator[DBOSClient]:
+    prepare_database(home, engine, metadata)
+    client = open_client(home, engine)
+    yield client
+    client.destroy()
+
+
+@pytest.fixture
+def table(engine: sa.Engine, queue: DBOSClient, home: Home, tmp_path: Path) -> JobTable:
+    """The table of jobs, with the job "a", which runs."""
+    table = JobTable(engine)
+    (tmp_path / "capture").mkdir()
+    (tmp_path / "capture" / "frame.jpg").touch()
+    home.run("a").mkdir(parents=True)
+    with engine.begin() as connection:
+        table.insert(connection, Job(id="a", title="A", capture=str(tmp_path / "capture"), config={}))
+    table.start("a", 1)
+    return table
+
+
+@pytest.fixture
+def workflow(home: Home, engine: sa.Engine, queue: DBOSClient, table: JobTable, stages: FakeStages) -> TrainingWorkflow:
+    identity = prepare_database(home, engine, metadata)
+    return TrainingWorkflow(home, identity, engine, queue, cast(StageRunner, stages))
+
+
+def row(table: JobTable) -> Job:
+    job = table.get("a")
+    assert job is not None
+    return job
+
+
+def run_stage(workflow: TrainingWorkflow, stage: str = "train") -> StageOutcome:
+    return asyncio.run(workflow._run_stage(stage, "a", 1))
+
+
+class TestPuttingOff:
+    """What is queued, and for when, if a fault passes."""
+
+    @pytest.fixture(autouse=True)
+    def queued(self, monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+        found: list[dict[str, Any]] = []
+
+        def enqueue(queue: object, connection: object, job_id: str, attempt: int, **options: Any) -> None:
+            found.append({"attempt": attempt} | options)
+
+        monkeypatch.setattr(workflows, "enqueue", enqueue)
+        return found
+
+    def test_the_waits_become_longer_but_not_too_long(
+        self, workflow: TrainingWorkflow, queued: list[dict[str, Any]]
+    ) -> None:
+        waits = 0
+        for attempt in range(1, 30):
+            workflow._put_off("a", attempt, "the store is away", waits, "encode")
+            waits = queued[-1]["waits"]
+        assert [one["delay"] for one in queued[:9]] == [5, 10, 20, 40, 80, 160, 300, 300, 300]
+        assert queued[-1] == queued[-2] | {"attempt": 30}  # and the count stops where 2.0**waits is far from too large
+
+    def test_the_next_attempt_begins_with_the_stage_that_failed(
+        self, workflow: TrainingWorkflow, table: JobTable, queued: list[dict[str, Any]]
+    ) -> None:
+        workflow._put_off("a", 1, "the store is away", 2, "publish")
+        assert queued == [{"attempt": 2, "delay": 20, "waits": 3, "first": "publish"}]
+        job = row(table)
+        assert (job.state, job.attempt, job.waiting) == (JobState.QUEUED, 2, "the store is away")
+
+    def test_a_job_that_was_cancelled_is_not_queued(
+        self, workflow: TrainingWorkflow, table: JobTable, queued: list[dict[str, Any]]
+    ) -> None:
+        table.cancel("a", 1)
+        workflow._put_off("a", 1, "the store is away", 0, "train")
+        assert queued == []
+        assert row(table).state is JobState.CANCELLED
+
+
+class TestStages:
+    """One stage of a job."""
+
+    def test_a_stage_runs_in_the_job_s_folder_and_its_reports_are_kept(
+        self, workflow: TrainingWorkflow, table: JobTable, stages: FakeStages, home: Home
+    ) -> None:
+        stages.outcomes = [StageOutcome()]
+        stages.reports = [Progress("train", 5, 10, {"loss": 0.25})]
+        assert run_stage(workflow) == StageOutcome()
+        assert stages.started == [("a:1", "train", home.run("a"))]
+        job = row(table)
+        assert (job.stage, job.done, job.total) == ("train", 5, 10)
+        assert len(read_course(home.run("a"))) == 1  # not the word that the stage begins
+
+    def test_a_stage_that_a_signal_ended_is_started_three_times(
+        self, workflow: TrainingWorkflow, stages: FakeStages
+    ) -> None:
+        killed = StageOutcome("ended by SIGKILL", killed=True)
+        stages.outcomes = [killed, killed, killed, StageOutcome()]
+        assert run_stage(workflow) == killed
+        assert len(stages.started) == 3
+
+    def test_a_stage_that_failed_by_itself_is_not_started_again(
+        self, workflow: TrainingWorkflow, stages: FakeStages
+    ) -> None:
+        stages.outcomes = [StageOutcome("the loss is not a number"), StageOutcome()]
+        assert run_stage(workflow) == StageOutcome("the loss is not a number")
+        assert len(stages.started) == 1
+
+    def test_a_full_disk_at_the_start_is_waited_for(self, workflow: TrainingWorkflow, stages: FakeStages) -> None:
+        stages.outcomes = [OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "/runs/a/stage.log")]
+        assert run_stage(workflow).waiting == "/runs/a/stage.log: No space left on device"
+
+    def test_a_failure_is_not_believed_while_the_capture_cannot_be_seen(
+        self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path
+    ) -> None:
+        (tmp_path / "capture" / "frame.jpg").unlink()
+        stages.outcomes = [StageOutcome("frame 0 is missing")]
+        assert run_stage(workflow).waiting.endswith("the capture's folder is empty; is it mounted?")
+
+    def test_reports_that_cannot_be_written_do_not_end_the_stage(
+        self, workflow: TrainingWorkflow, stages: FakeStages, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def refuse(*arguments: object) -> bool:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+        monkeypatch.setattr(JobTable, "progress", refuse)
+        stages.outcomes, stages.reports = [StageOutcome()], [Progress("train", 1, 2)]
+        assert run_stage(workflow) == StageOutcome()
+
+
+class TestFinish:
+    """The end of a job whose scene has been published."""
+
+    @pytest.fixture(autouse=True)
+    def _published(self, home: Home, tmp_path: Path, write_scene: Callable[..., list[str]]) -> None:
+        write_scene(tmp_path / "scene")
+        ArtifactStore(home.store_url).put_scene(tmp_path / "scene", "a")
+
+    def scenes(self, home: Home) -> list[str]:
+        return [scene.id for scene in ArtifactStore(home.store_url).list_scenes()]
+
+    def test_it_has_succeeded_and_its_scene_is_named_as_it_is(
+        self, workflow: TrainingWorkflow, table: JobTable, home: Home
+    ) -> None:
+        workflow._finish("a", 1)
+        assert (row(table).state, row(table).scene_id) == (JobState.SUCCEEDED, "a")
+        assert self.scenes(home) == ["a"]
+
+    def test_what_a_cancelled_job_made_is_not_shown(
+        self, workflow: TrainingWorkflow, table: JobTable, home: Home
+    ) -> None:
+        table.cancel("a", 1)
+        workflow._finish("a", 1)
+        assert row(table).state is JobState.CANCELLED
+        assert self.scenes(home) == []
+
+    def test_the_scene_of_a_job_that_a_later_attempt_works_on_stays(
+        self, workflow: TrainingWorkflow, table: JobTable, engine: sa.Engine, home: Home
+    ) -> None:
+        with engine.begin() as connection:
+            table.put_off(connection, "a", 1, "its worker was slow")
+        workflow._finish("a", 1)
+        assert row(table).state is JobState.QUEUED
+        assert self.scenes(home) == ["a"]
+
+
+class TestPersist:
+    """Writing until the database takes it."""
+
+    @pytest.fixture(autouse=True)
+    def slept(self, monkeypatch: pytest.MonkeyPatch) -> list[float]:
+        seconds: list[float] = []
+
+        async def sleep(wait: float) -> None:
+            seconds.append(wait)
+
+        monkeypatch.setattr(workflows.asyncio, "sleep", sleep)
+        return seconds
+
+    def test_a_fault_of_the_database_is_waited_for_longer_each_time(self, slept: list[float]) -> None:
+        faults: list[Exception] = [sa.exc.OperationalError("", None, Exception("locked")) for _ in range(7)]
+
+        def write(value: int) -> int:
+            if faults:
+                raise faults.pop()
+            return value
+
+        assert asyncio.run(workflows._persist(write, 3)) == 3
+        assert slept == [1, 2, 4, 8, 16, 30, 30]
+
+    def test_any_other_fault_is_raised(self, slept: list[float]) -> None:
+        def write() -> None:
+            raise ValueError("a fault of this program")
+
+        with pytest.raises(ValueError, match="of this program"):
+            asyncio.run(workflows._persist(write))
+        assert slept == []
