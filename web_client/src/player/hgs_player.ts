@@ -260,8 +260,9 @@ export class HgsPlayer extends Target {
     this.#tell("loadstart", null);
     try {
       const open = typeof src === "string" ? openSource(src) : src;
-      const { antialiased = null } = this.#options;
-      const options = { open, time: this.#time, playing: this.#playing, antialiased, viewpoint: this.#viewpoint() };
+      const { antialiased = null, memoryBudget } = this.#options;
+      const [time, playing, viewpoint] = [this.#time, this.#playing, this.#viewpoint()];
+      const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
       this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
       this.#scene.player.quality = this.#quality;
     } catch (error) {

@@ -21,6 +21,8 @@ export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptio
   readonly playbackRate?: number;
   /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
   readonly antialiased?: boolean | null;
+  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
+  readonly memoryBudget?: number;
   /** How finely pictures are drawn; `auto` if left out. */
   readonly quality?: Quality;
 }

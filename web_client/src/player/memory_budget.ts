@@ -6,6 +6,8 @@ import { TEXTURE_WIDTH } from "../renderer/layout";
 import { rowsOf } from "../worker/placement";
 
 const MB = 1 << 20;
+/** What waits for its time, and what is on its way from the decoder to the textures: about so many bytes. */
+const UNDER_WAY = 40 * MB;
 /** Bytes of a texture's row: RGBA32F. */
 const ROW = 16 * TEXTURE_WIDTH;
 /** Bytes of a row of dynamics in all: two textures, motion and lives at the worker, and the chunk's compressed bytes. */
@@ -35,7 +37,7 @@ export function dynamicRows(manifest: Manifest, staticRows: number, budget: numb
   const sizes = new Map(slices.flatMap(({ chunks }) => chunks.map((chunk) => [chunk.id, rowsOf(chunk)] as const)));
   const sum = (ids: Iterable<string>) => [...ids].reduce((rows, id) => rows + (sizes.get(id) ?? 0), 0);
   const all = sum(sizes.keys());
-  const affordable = Math.min(most, Math.floor((budget - staticRows * STATIC_ROW) / DYNAMIC_ROW));
+  const affordable = Math.min(most, Math.floor((budget - UNDER_WAY - staticRows * STATIC_ROW) / DYNAMIC_ROW));
   // Of two slices in a row: while one is shown, the other comes.
   const needed = slices.map((slice, i) =>
     sum(new Set([...chunksOf(slice), ...chunksOf(slices[(i + 1) % slices.length])])),

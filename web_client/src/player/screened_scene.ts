@@ -14,6 +14,7 @@ export interface ScreenedSceneOptions {
   readonly time: number | null;
   readonly playing: boolean;
   readonly antialiased: boolean | null;
+  readonly memoryBudget?: number;
   readonly viewpoint: ViewpointOptions;
 }
 
@@ -32,7 +33,7 @@ export class ScreenedScene {
   /** @throws Error if the browser has no WebGL2. */
   constructor(
     stage: HTMLElement,
-    { open, time, playing, antialiased, viewpoint }: ScreenedSceneOptions,
+    { open, time, playing, antialiased, memoryBudget, viewpoint }: ScreenedSceneOptions,
     readonly tell: Tell,
   ) {
     this.#failed = new Promise((_, reject) => {
@@ -56,6 +57,7 @@ export class ScreenedScene {
         time,
         playing,
         antialiased,
+        memoryBudget,
         view: () => this.viewpoint.view(),
         onManifest: (manifest) => {
           this.viewpoint.begin(manifest);

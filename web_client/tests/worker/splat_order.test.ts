@@ -146,6 +146,14 @@ describe("SplatOrderer", () => {
     }
   });
 
+  it("tells splats of all but the same depth apart once the view stands", () => {
+    const next = 3 + 2 ** -22; // the next float
+    const o = orderer([0, 0, next, 0, 0, 3, 0, 0, 0.1, 0, 0, 1e6]);
+    const order = (exact: boolean) => o.order({ depth: AXIS, frustum: null, exact, time: 0, from: 0, until: 0 }).ids;
+    expect(Array.from(order(true).subarray(0, 4))).toEqual([3, 0, 1, 2]);
+    expect(Array.from(order(false).subarray(0, 4))).toEqual([3, 1, 0, 2]);
+  });
+
   it("takes up splats that come while the view moves", () => {
     const m = manifest({ static: [entry("a"), entry("b")] });
     const o = new SplatOrderer(m, placeStatics(m));
