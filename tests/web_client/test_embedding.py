@@ -291,7 +291,7 @@ def test_players_on_one_page_obey_their_own_keys_and_wheel(browser: Browser, hos
         for name in ("one", "two"):
             wait_for_picture(page, name)
         before = {name: view_of(page, name) for name in ("one", "two")}
-        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("Shift+ArrowLeft")
         assert {name: view_of(page, name) for name in ("one", "two")} == before
 
         page.mouse.move(100, 80)
@@ -301,7 +301,7 @@ def test_players_on_one_page_obey_their_own_keys_and_wheel(browser: Browser, hos
         page.evaluate("() => scrollTo({ top: 0, behavior: 'instant' })")
 
         page.locator("#two .stage").click(position={"x": 100, "y": 60})
-        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("Shift+ArrowLeft")
         assert view_of(page, "two") != before["two"]
         assert view_of(page, "one") == before["one"]
         page.wait_for_function("() => !two.paused")  # the click played it, and only it

@@ -1,6 +1,7 @@
 /** What a player tells of itself, for tests. */
 
 import type { PlayerStats } from "../src/player/player_types";
+import { LADDER } from "../src/renderer/quality";
 
 /** A player that shows a scene of which a quarter is here. */
 export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
@@ -20,6 +21,7 @@ export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
   orderAge: 16.4,
   orderAgeFrames: 1,
   pictureTime: 0.5,
+  fineness: LADDER[0],
   contextLost: false,
   firstFrame: 800,
   ...fields,

@@ -1,4 +1,4 @@
-/** Pointer, wheel, touch and keys on the picture, as motions of an orbit camera and as taps. */
+/** Pointer, wheel and touch on the picture, as motions of a camera and as taps. */
 
 export interface CameraMotion {
   /** Radians. */
@@ -7,13 +7,13 @@ export interface CameraMotion {
   zoom(factor: number): void;
   /** CSS pixels. */
   pan(dx: number, dy: number): void;
-  reset(): void;
+  /** The hand has let go, or this was a step by itself. */
+  release(): void;
+  /** Look at what is seen at a place of the picture, CSS pixels from its top left corner. */
+  focus(x: number, y: number): void;
 }
 
 const TURN = 0.006; // radians per CSS pixel
-const KEY_TURN = 0.06; // radians
-const KEY_PAN = 24; // CSS pixels
-const KEY_ZOOM = 1.1;
 const WHEEL_LINE = 20; // CSS pixels of a wheel that counts lines
 /** A pointer that has moved no farther than this is a tap and no drag, CSS pixels. */
 const SLACK = { mouse: 4, finger: 10 };
@@ -26,19 +26,17 @@ interface Point {
 }
 
 export interface GestureOptions {
-  /** Where keys are heard: the window of a page that is a player alone, else an element that has the focus within. */
-  readonly keys: EventTarget;
   /** Whether the wheel zooms now; if not, it scrolls the page. */
   readonly wheelZooms: () => boolean;
-  /** A tap or click; a double one resets the camera and is no tap. */
+  /** A tap or click; a double one is none, but moves the camera. */
   readonly onTap: () => void;
 }
 
-/** Listen until `signal` aborts: to pointers on `target`, and to keys that no control uses. */
+/** Listen to pointers on `target` until `signal` aborts. */
 export function listenForGestures(
   target: HTMLElement,
   motion: CameraMotion,
-  { keys, wheelZooms, onTap }: GestureOptions,
+  { wheelZooms, onTap }: GestureOptions,
   signal: AbortSignal,
 ): void {
   const pointers = new Map<number, Point>();
@@ -64,12 +62,13 @@ export function listenForGestures(
     pointers.set(id, to);
   };
 
-  const tap = (): void => {
+  const tap = ({ clientX, clientY }: PointerEvent): void => {
     const second = firstTap !== undefined;
     clearTimeout(firstTap);
     firstTap = undefined;
     if (second) {
-      motion.reset();
+      const { left, top } = target.getBoundingClientRect();
+      motion.focus(clientX - left, clientY - top);
       return;
     }
     firstTap = setTimeout(() => {
@@ -106,8 +105,11 @@ export function listenForGestures(
   );
   target.addEventListener("pointermove", move, { signal });
   const release = (event: PointerEvent): void => {
-    if (pointers.delete(event.pointerId) && resting && event.type === "pointerup") tap();
+    const known = pointers.delete(event.pointerId);
+    const tapped = known && resting !== null && event.type === "pointerup";
     resting = null;
+    if (tapped) tap(event);
+    else if (known && pointers.size === 0) motion.release();
   };
   target.addEventListener("pointerup", release, { signal });
   target.addEventListener("pointercancel", release, { signal });
@@ -121,46 +123,8 @@ export function listenForGestures(
       const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_PIXEL ? 1 : WHEEL_LINE);
       // Browsers report a pinch on a touchpad as a wheel with Ctrl held, in much smaller steps.
       motion.zoom(Math.exp(Math.max(-200, Math.min(200, pixels)) * (event.ctrlKey ? 0.01 : 0.0015)));
+      motion.release();
     },
     { signal, passive: false },
   );
-  listenForKeys(
-    keys,
-    (event, control) => {
-      if (control instanceof HTMLInputElement || control instanceof HTMLSelectElement) return;
-      if (press(event, motion)) event.preventDefault();
-    },
-    signal,
-  );
-}
-
-/** Hear keys without modifiers on `target`, and which element they are for: also one inside a shadow root. */
-export function listenForKeys(
-  target: EventTarget,
-  onKey: (event: KeyboardEvent, control: EventTarget) => void,
-  signal: AbortSignal,
-): void {
-  const heard = (event: Event): void => {
-    const { ctrlKey, metaKey, altKey } = event as KeyboardEvent;
-    if (!ctrlKey && !metaKey && !altKey) onKey(event as KeyboardEvent, event.composedPath()[0]);
-  };
-  target.addEventListener("keydown", heard, { signal });
-}
-
-/** Returns whether the key moves the camera. */
-function press(event: KeyboardEvent, motion: CameraMotion): boolean {
-  const arrows: Readonly<Record<string, readonly [number, number]>> = {
-    ArrowLeft: [1, 0],
-    ArrowRight: [-1, 0],
-    ArrowUp: [0, 1],
-    ArrowDown: [0, -1],
-  };
-  const arrow = arrows[event.key];
-  if (arrow && event.shiftKey) motion.pan(arrow[0] * KEY_PAN, arrow[1] * KEY_PAN);
-  else if (arrow) motion.turn(arrow[0] * KEY_TURN, arrow[1] * KEY_TURN);
-  else if (event.key === "+" || event.key === "=") motion.zoom(1 / KEY_ZOOM);
-  else if (event.key === "-") motion.zoom(KEY_ZOOM);
-  else if (event.key === "0" || event.key === "Home") motion.reset();
-  else return false;
-  return true;
 }

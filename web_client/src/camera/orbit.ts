@@ -113,6 +113,34 @@ export class OrbitCamera {
     this.#distance = Math.max(this.#first * CLOSEST, Math.min(this.#first * FARTHEST, distance));
   }
 
+  /** Look around from where the camera stands: positive `yaw` to its left, positive `pitch` upwards. Radians. */
+  lookAround(yaw: number, pitch: number): void {
+    const { eye } = this;
+    this.turn(-yaw, -pitch);
+    this.#target = add(eye, scale(row(this.#rotation, 2), this.#distance));
+  }
+
+  /** Go along the camera's right axis, the scene's up vector and the view axis, as shares of the first distance. */
+  travel(right: number, up: number, ahead: number): void {
+    const aside = add(scale(row(this.#rotation, 0), right), scale(row(this.#rotation, 2), ahead));
+    this.#target = add(this.#target, scale(add(aside, scale(this.up, up)), this.#first));
+  }
+
+  /**
+   * Carry the camera with all that it sees around `center`: by `yaw` about the scene's up vector, by `pitch` towards it,
+   * both in radians; and then to `factor` times its distance from there, without turning it.
+   */
+  carry(center: Vec3, yaw: number, pitch: number, factor: number): void {
+    const level = normalise(cross(subtract(this.eye, center), this.up), row(this.#rotation, 0));
+    const carried = (v: Vec3): Vec3 => rotateAbout(rotateAbout(v, level, pitch), this.up, yaw);
+    const offset = carried(subtract(this.eye, center));
+    const [x, y, z] = ([0, 1, 2] as const).map((i) => carried(row(this.#rotation, i))) as [Vec3, Vec3, Vec3];
+    const away = scale(offset, factor - 1);
+    this.#rotation = fromRows(x, y, z);
+    this.#distance = Math.max(this.#first * CLOSEST, this.#distance - dot(away, z));
+    this.#target = add(add(center, scale(offset, factor)), scale(z, this.#distance));
+  }
+
   /** Move camera and target across the picture so that the target follows a drag of (dx, dy) pixels. */
   pan(dx: number, dy: number, focal: number): void {
     const s = this.#distance / focal;

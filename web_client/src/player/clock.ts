@@ -15,6 +15,8 @@ export function checkedRate(rate: number): number {
 
 export class PlayerClock {
   loop = true;
+  /** The stretch that playing repeats, seconds, whether or not `loop`; null for none. */
+  range: readonly [number, number] | null = null;
   #time: number;
   #rate = 1;
   #playing = false;
@@ -52,10 +54,11 @@ export class PlayerClock {
     this.#rate = checkedRate(value);
   }
 
-  /** Go on; from the start if the end has been reached. */
+  /** Go on; from the start if the end has been reached, be it of the range. */
   play(): void {
     if (this.#playing) return;
-    if (this.#time >= this.end) this.#time = this.start;
+    const [from, to] = this.range ?? [this.start, this.end];
+    if (this.#time >= to) this.#time = from;
     this.#playing = true;
     this.#last = null;
   }
@@ -92,6 +95,10 @@ export class PlayerClock {
   /** Where the playhead is after so many seconds if it plays on: `end` itself only where it stops there. */
   after(seconds: number): number {
     const next = this.#time + seconds * this.#rate;
+    if (this.range && this.#time < this.range[1]) {
+      const [from, to] = this.range;
+      return next < to ? next : from + ((next - from) % (to - from));
+    }
     if (next < this.end) return next;
     const duration = this.end - this.start;
     return !this.loop || duration <= 0 ? this.end : this.start + ((next - this.start) % duration);

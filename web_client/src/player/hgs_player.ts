@@ -5,7 +5,7 @@ import type { Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
-import { checkedRate } from "./clock";
+import { checkedRate, type PlayerClock } from "./clock";
 import type { Beginning, HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
 import type { ScenePlayer } from "./player";
 import { PlayerCamera } from "./player_camera";
@@ -81,7 +81,7 @@ export class HgsPlayer extends Target {
       if (view) this.camera.view = view;
     };
     this.addEventListener("manifest", turnBack, { once: true });
-    const shown = this.load(this.#src, this.#beginning);
+    const shown = this.load(this.#src, { ...this.#beginning, loopRange: this.loopRange });
     this.currentTime = currentTime;
     return shown;
   }
@@ -204,6 +204,20 @@ export class HgsPlayer extends Target {
     if (clock) clock.loop = loop;
   }
 
+  /** The stretch of time that playing repeats, seconds, whether or not `loop`; null for none, and without a scene. */
+  get loopRange(): readonly [number, number] | null {
+    return this.#scene?.clock?.range ?? null;
+  }
+
+  /** @throws RangeError if it is not start <= from < to <= end of the scene that is there. */
+  set loopRange(range: readonly [number, number] | null) {
+    const clock = this.#scene?.clock;
+    if (range !== null && !(clock && clock.start <= range[0] && range[0] < range[1] && range[1] <= clock.end)) {
+      throw new RangeError(`${range} is no stretch of time between ${this.start} and ${this.end}`);
+    }
+    if (clock) clock.range = range;
+  }
+
   /** What the scene says of itself; null until it has come. */
   get manifest(): Manifest | null {
     return this.#scene?.manifest ?? null;
@@ -234,23 +248,27 @@ export class HgsPlayer extends Target {
    * @throws Error if nothing has been drawn yet.
    */
   readPixels({ float = false } = {}): Pixels {
-    const pixels = this.#scene?.player.readPixels(float);
-    if (!pixels) throw new Error("nothing has been drawn yet");
-    return pixels;
+    return this.#read(float ? "float" : "canvas");
   }
 
   /**
-   * The picture as a file.
+   * The picture as a file, as finely drawn as it can be, whatever the quality is.
    *
    * @param type such as `image/png` or `image/jpeg`.
    * @throws Error if nothing has been drawn yet.
    */
   async screenshot(type = "image/png"): Promise<Blob> {
-    const { width, height, data } = this.readPixels();
+    const { width, height, data } = this.#read("finest");
     const canvas = new OffscreenCanvas(width, height);
     const picture = new ImageData(new Uint8ClampedArray(data), width, height);
     canvas.getContext("2d")?.putImageData(picture, 0, 0);
     return canvas.convertToBlob({ type, quality: 0.92 });
+  }
+
+  #read(as: "canvas" | "float" | "finest"): Pixels {
+    const pixels = this.#scene?.player.readPixels(as);
+    if (!pixels) throw new Error("nothing has been drawn yet");
+    return pixels;
   }
 
   async #load(src: string | OpenSource): Promise<void> {
@@ -284,6 +302,9 @@ export class HgsPlayer extends Target {
       scene.clock.loop = this.#loop;
       scene.player.setRate(this.#rate);
       if (this.#time !== null) scene.player.seek(this.#time);
+      const { view = null, loopRange = null } = { ...this.#options, ...this.#beginning };
+      if (view) scene.viewpoint.place(view);
+      if (loopRange) scene.clock.range = within(loopRange, scene.clock);
       if (this.#playing) scene.player.play();
       else scene.player.pause();
     }
@@ -294,6 +315,12 @@ export class HgsPlayer extends Target {
   #tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
+}
+
+/** What of a stretch of time lies in a scene; null if nothing does. */
+function within([from, to]: readonly [number, number], { start, end }: PlayerClock): readonly [number, number] | null {
+  const range = [Math.max(from, start), Math.min(to, end)] as const;
+  return range[0] < range[1] ? range : null;
 }
 
 function checkedTime(time: number): number {

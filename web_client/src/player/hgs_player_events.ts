@@ -2,7 +2,7 @@
 
 import type { Manifest } from "../codec/types";
 import type { Quality } from "../renderer/quality";
-import type { ViewpointOptions } from "./viewpoint";
+import type { Viewing, ViewpointOptions } from "./viewpoint";
 
 /** What of a scene is seen first. */
 export interface Beginning {
@@ -10,6 +10,10 @@ export interface Beginning {
   readonly time?: number | null;
   /** Name of the capture camera; the first if left out. */
   readonly camera?: string | null;
+  /** Where the camera stands; as the capture camera if left out. */
+  readonly view?: Viewing | null;
+  /** The stretch of time to repeat; see `HgsPlayer.loopRange`. */
+  readonly loopRange?: readonly [number, number] | null;
 }
 
 export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptions, "camera">> {

@@ -4,6 +4,7 @@
  */
 
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
+import { type Fineness, LADDER } from "../renderer/quality";
 import type { Shot } from "../renderer/shot";
 import { FrameRate } from "./frame_rate";
 import type { OrderRequests } from "./order_requests";
@@ -25,6 +26,11 @@ export class Picture {
   /** Milliseconds from opening the page to the first picture; null before. */
   get first(): number | null {
     return this.#first;
+  }
+
+  /** How finely the last picture was drawn. */
+  get fineness(): Fineness {
+    return LADDER[this.#rung];
   }
 
   /** The order has changed, or the canvas was lost. */

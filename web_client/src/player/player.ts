@@ -81,6 +81,7 @@ export class ScenePlayer {
       orderAge: orders.age,
       orderAgeFrames: orders.ageInFrames,
       pictureTime: this.#scene.pictureTime,
+      fineness: this.#picture.fineness,
       contextLost: this.renderer.lost,
       firstFrame: first,
     };
@@ -155,13 +156,23 @@ export class ScenePlayer {
     });
   }
 
-  /** The picture as it is on the canvas, or in floats without the canvas's rounding; null before there is one. */
-  readPixels(float = false): Pixels | null {
+  /**
+   * The picture as it is on the canvas, in floats without the canvas's rounding, or as finely as it can be whatever the
+   * quality is; null before there is one.
+   */
+  readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
     const view = this.#options.view();
     if (!view || !this.#scene.orders.shown) return null;
     const shot = this.#scene.shot(view);
     this.invalidate(); // the device's pace is taken from every picture
-    return float ? this.renderer.readFloatPixels(shot) : this.renderer.readPixels(shot);
+    if (as === "float") return this.renderer.readFloatPixels(shot);
+    return this.renderer.readPixels(shot, as === "finest" ? 0 : undefined);
+  }
+
+  /** How far away, world units along the view axis, what is seen at a pixel of the picture is; null if nothing is. */
+  depthAt(x: number, y: number): number | null {
+    const view = this.#options.view();
+    return view && this.#scene.orders.shown ? this.renderer.depthAt(this.#scene.shot(view), x, y) : null;
   }
 
   /** Stop and give everything back. */

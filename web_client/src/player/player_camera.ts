@@ -55,6 +55,26 @@ export class PlayerCamera implements CameraMotion {
     this.#viewpoint()?.pan(dx, dy);
   }
 
+  /** Look around from where the camera stands: to its left and upwards, radians. */
+  lookAround(yaw: number, pitch: number): void {
+    this.#viewpoint()?.lookAround(yaw, pitch);
+  }
+
+  /** Go to the right, upwards and ahead, as shares of the distance that the camera began with from what it looks at. */
+  travel(right: number, up: number, ahead: number): void {
+    this.#viewpoint()?.travel(right, up, ahead);
+  }
+
+  /** Where the camera has been moved out of the captured space, let it spring back. */
+  release(): void {
+    this.#viewpoint()?.release();
+  }
+
+  /** Look at what is seen at a place of the picture, CSS pixels from its top left corner, and turn about that from now on. */
+  focus(x: number, y: number): void {
+    this.#viewpoint()?.focus(x, y);
+  }
+
   /** Back to the capture camera that the view began with. */
   reset(): void {
     this.#viewpoint()?.reset();

@@ -1,6 +1,7 @@
 /** What a player is made from and what it tells of itself. */
 
 import type { Manifest } from "../codec/types";
+import type { Fineness } from "../renderer/quality";
 import type { OpenSource, SourceState } from "../source/scene_source";
 import type { View } from "./view";
 
@@ -49,6 +50,8 @@ export interface PlayerStats {
   readonly orderAgeFrames: number;
   /** The scene's time that the picture shows, seconds: the playhead's, or as near to it as its order allows. */
   readonly pictureTime: number;
+  /** How finely the last picture was drawn. */
+  readonly fineness: Fineness;
   /** True while the browser has taken the graphics device away. */
   readonly contextLost: boolean;
   /** Milliseconds from opening the page to the first picture; null before. */

@@ -45,11 +45,14 @@ export class ScreenedScene {
     Object.assign(canvas.style, { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" });
     stage.append(canvas);
     signal.addEventListener("abort", () => canvas.remove());
-    const changed = () => {
-      this.player?.invalidate();
-      tell("viewchange", null);
+    const events = {
+      changed: () => {
+        this.player?.invalidate();
+        tell("viewchange", null);
+      },
+      depthAt: (x: number, y: number) => this.player.depthAt(x, y),
     };
-    this.viewpoint = new Viewpoint(canvas, viewpoint, changed, signal);
+    this.viewpoint = new Viewpoint(canvas, viewpoint, events, signal);
     try {
       this.player = new ScenePlayer({
         canvas,

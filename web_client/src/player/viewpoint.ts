@@ -1,10 +1,12 @@
 /** From where a picture is seen: a capture camera as it is, or an orbit that began there; and the canvas's size. */
 
 import type { CameraMotion } from "../camera/gestures";
+import { LimitedOrbit } from "../camera/limited_orbit";
+import { MotionLoop } from "../camera/motion_loop";
 import { OrbitCamera } from "../camera/orbit";
-import { fitted, type Intrinsics, resized } from "../camera/pinhole";
+import { fitted, type Intrinsics, resized, unproject } from "../camera/pinhole";
 import { type StartCamera, startCamera } from "../camera/start";
-import type { Vec3 } from "../camera/vector";
+import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
 import { observeBackingSize } from "./backing_size";
 import type { View } from "./view";
@@ -16,6 +18,19 @@ export interface ViewpointOptions {
   readonly exact: boolean;
   /** Size of the picture in CSS pixels and in its backing store; null to fill the canvas as sharply as it is worth. */
   readonly size: { readonly width: number; readonly height: number } | null;
+}
+
+/** How long the camera takes to look at another point, seconds. */
+const GLANCE = 0.3;
+/** Sine of the angle to the up vector from which on there is no horizon to look along. */
+const STEEP = 0.02;
+
+/** What a viewpoint needs of whoever draws. */
+export interface ViewpointEvents {
+  /** Called after every change of the view. */
+  changed(): void;
+  /** How far away, world units along the view axis, what is seen at a pixel of the backing store is; null if nothing is. */
+  depthAt(x: number, y: number): number | null;
 }
 
 /** Where a camera stands, in the scene's world. */
@@ -30,17 +45,19 @@ export interface Viewing {
 export class Viewpoint implements CameraMotion {
   #start: StartCamera | null = null;
   #orbit: OrbitCamera | null = null;
+  #limited: LimitedOrbit | null = null; // the same, within the captured space
+  readonly #motion: MotionLoop;
   #manifest: Manifest | null = null;
   #width = 1; // backing pixels
   #height = 1;
 
-  /** @param onChange called after every change of the view. */
   constructor(
     readonly canvas: HTMLCanvasElement,
     readonly options: ViewpointOptions,
-    readonly onChange: () => void,
+    readonly events: ViewpointEvents,
     signal: AbortSignal,
   ) {
+    this.#motion = new MotionLoop(signal);
     const { size } = options;
     if (size) {
       canvas.style.width = `${size.width}px`;
@@ -52,7 +69,7 @@ export class Viewpoint implements CameraMotion {
         canvas,
         ({ width, height }) => {
           [this.#width, this.#height] = [width, height];
-          onChange();
+          events.changed();
         },
         signal,
       );
@@ -78,8 +95,11 @@ export class Viewpoint implements CameraMotion {
   look(name: string | null): void {
     if (!this.#manifest) return;
     this.#start = startCamera(this.#manifest, name);
-    this.#orbit = new OrbitCamera(this.#start.pose, this.#manifest.center, this.#manifest.up);
-    this.onChange();
+    const { center, up, capturedSpace } = this.#manifest;
+    this.#motion.stop();
+    this.#orbit = new OrbitCamera(this.#start.pose, center, up);
+    this.#limited = new LimitedOrbit(this.#orbit, center, capturedSpace);
+    this.events.changed();
   }
 
   view(): View | null {
@@ -96,32 +116,83 @@ export class Viewpoint implements CameraMotion {
     return orbit && { position: orbit.eye, target: orbit.target, up: orbit.upwards };
   }
 
-  /** Stand somewhere else; the camera goes on turning about the new target. */
+  /** Stand somewhere else, be it outside the captured space; the camera goes on turning about the new target. */
   place({ position, target, up }: Viewing): void {
+    this.#motion.stop();
     this.#orbit?.place(position, target, up);
-    this.onChange();
+    this.events.changed();
   }
 
   turn(yaw: number, pitch: number): void {
-    this.#orbit?.turn(yaw, pitch);
-    this.onChange();
+    this.#move((orbit) => orbit.turn(yaw, pitch));
   }
 
   zoom(factor: number): void {
-    this.#orbit?.zoom(factor);
-    this.onChange();
+    this.#move((orbit) => orbit.zoom(factor));
   }
 
   pan(dx: number, dy: number): void {
     if (!this.#start) return;
-    const { width } = this.canvas.getBoundingClientRect();
-    const focal = this.#intrinsics(this.#start.camera).fx * (width / this.#width); // CSS pixels
-    this.#orbit?.pan(dx, dy, focal);
-    this.onChange();
+    const focal = this.#intrinsics(this.#start.camera).fx / this.#pixelsPerCssPixel;
+    this.#move((orbit) => orbit.pan(dx, dy, focal));
+  }
+
+  lookAround(yaw: number, pitch: number): void {
+    this.#move((orbit) => orbit.lookAround(yaw, pitch));
+  }
+
+  travel(right: number, up: number, ahead: number): void {
+    this.#move((orbit) => orbit.travel(right, up, ahead));
+  }
+
+  release(): void {
+    const limited = this.#limited;
+    if (!limited?.beyond || this.#motion.running) return;
+    this.#run((seconds) => {
+      limited.springBack(calm() ? Number.POSITIVE_INFINITY : seconds);
+      return limited.beyond;
+    });
+  }
+
+  focus(x: number, y: number): void {
+    const view = this.view();
+    const orbit = this.#orbit;
+    if (!view || !orbit) return;
+    const [column, row] = [x * this.#pixelsPerCssPixel, y * this.#pixelsPerCssPixel];
+    const depth = this.events.depthAt(Math.floor(column), Math.floor(row));
+    if (depth === null) return;
+    const from = { target: orbit.target, up: orbit.upwards };
+    const point = unproject([column, row, depth], view.pose, view.camera);
+    if (length(cross(normalise(subtract(point, orbit.eye)), orbit.up)) < STEEP) return;
+    let share = 0;
+    this.#run((seconds) => {
+      share = calm() ? 1 : Math.min(1, share + seconds / GLANCE);
+      const eased = share * share * (3 - 2 * share);
+      orbit.place(orbit.eye, between(from.target, point, eased), between(from.up, orbit.up, eased));
+      return share < 1;
+    });
   }
 
   reset(): void {
     this.look(this.cameraName);
+  }
+
+  get #pixelsPerCssPixel(): number {
+    return this.#width / this.canvas.getBoundingClientRect().width;
+  }
+
+  #move(change: (orbit: OrbitCamera) => void): void {
+    this.#motion.stop();
+    this.#limited?.move(change);
+    this.events.changed();
+  }
+
+  #run(step: (seconds: number) => boolean): void {
+    this.#motion.run((seconds) => {
+      const more = step(seconds);
+      this.events.changed();
+      return more;
+    });
   }
 
   #intrinsics(camera: Intrinsics): Intrinsics {
@@ -129,4 +200,11 @@ export class Viewpoint implements CameraMotion {
     if (this.options.exact && !this.options.size) return camera;
     return size(camera, this.#width, this.#height);
   }
+}
+
+const between = (a: Vec3, b: Vec3, share: number): Vec3 => add(scale(a, 1 - share), scale(b, share));
+
+/** Whether the visitor's system asks for less motion. */
+function calm(): boolean {
+  return matchMedia("(prefers-reduced-motion: reduce)").matches;
 }

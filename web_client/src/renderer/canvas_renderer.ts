@@ -8,6 +8,9 @@ import { LADDER, QualityControl } from "./quality";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 
+/** Share of a pixel's colour that splats must have to be seen there. */
+const SEEN = 0.2;
+
 export class CanvasRenderer {
   /** What holds the scene's splats. */
   readonly splats: SplatDrawer;
@@ -83,9 +86,12 @@ export class CanvasRenderer {
     this.#pace.submitted(performance.now(), rung);
   }
 
-  /** Draw and read the canvas, in one task: the browser clears it afterwards. As fine as pictures at rest. */
-  readPixels(shot: Shot): Pixels {
-    this.draw(shot, this.quality.resting);
+  /**
+   * Draw and read the canvas, in one task: the browser clears it afterwards. As finely as a rung of `LADDER` says; as
+   * pictures at rest if left out.
+   */
+  readPixels(shot: Shot, rung = this.quality.resting): Pixels {
+    this.draw(shot, rung);
     const gl = this.#gl;
     const { width, height } = shot.camera;
     const data = new Uint8Array(4 * width * height);
@@ -107,6 +113,30 @@ export class CanvasRenderer {
       this.#submit(shot);
       return { width, height, data: flipped(target.read(), width, height) };
     } finally {
+      target.dispose();
+    }
+  }
+
+  /**
+   * The mean depth, world units, of what is seen at a pixel: of the splats there, each with its share of the pixel's colour.
+   * Null where there is next to nothing before the background, and on a device that draws to no float format.
+   */
+  depthAt(shot: Shot, x: number, y: number): number | null {
+    const gl = this.#gl;
+    const { width, height } = shot.camera;
+    if (this.#lost || !canDraw(gl, "RGBA16F")) return null;
+    const target = new PictureTarget(gl, width, height, "RGBA16F");
+    const pixel = [x, height - 1 - y, 1, 1] as const;
+    try {
+      gl.enable(gl.SCISSOR_TEST); // one pixel costs next to nothing
+      gl.scissor(...pixel);
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+      this.splats.draw(shot, [0, 0], undefined, "depth");
+      const [sum, , , seen] = target.read(pixel);
+      return seen >= SEEN ? sum / seen : null;
+    } finally {
+      gl.disable(gl.SCISSOR_TEST);
       target.dispose();
     }
   }

@@ -47,11 +47,11 @@ export class PictureTarget {
     this.#gl.bindTexture(this.#gl.TEXTURE_2D, this.#texture);
   }
 
-  /** RGBA, rows from the bottom; of the float formats. */
-  read(): Float32Array {
+  /** RGBA, rows from the bottom; of the float formats. `part` as x, y from the bottom, width, height. */
+  read(part: readonly [number, number, number, number] = [0, 0, this.width, this.height]): Float32Array {
     this.bind();
-    const data = new Float32Array(4 * this.width * this.height);
-    this.#gl.readPixels(0, 0, this.width, this.height, this.#gl.RGBA, this.#gl.FLOAT, data);
+    const data = new Float32Array(4 * part[2] * part[3]);
+    this.#gl.readPixels(...part, this.#gl.RGBA, this.#gl.FLOAT, data);
     return data;
   }
 

@@ -44,6 +44,7 @@ uniform vec4 depthW;
 uniform float logarithmic;    // what the host multiplies logarithms of depth by; 0 if its depth has none
 uniform bool linear;          // whether colours are wanted in linear light
 #endif
+uniform bool depths;          // colours are depths, world units
 
 flat out vec2 mean2d;         // pixels from the top left
 flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y)
@@ -150,7 +151,7 @@ void main() {
 
   mean2d = focal * uv + centre;
   falloff = vec3(sqrt(yy / determinant), xy / yy, inversesqrt(yy));
-  colour = paint;
+  colour = depths ? vec4(vec3(p.z), paint.a) : paint;
   vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
   gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
 #ifdef HOST

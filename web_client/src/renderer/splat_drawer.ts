@@ -31,6 +31,7 @@ const UNIFORMS = [
   "depthW",
   "logarithmic",
   "linear",
+  "depths",
 ] as const;
 
 /** Wider than anything that is drawn, pixels. */
@@ -129,7 +130,8 @@ export class SplatDrawer implements SplatSink {
 
   /**
    * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
-   * is `origin`, in pixels of that framebuffer. Depth is not written, and tested only against the surfaces of a host.
+   * is `origin`, in pixels of that framebuffer. Depth is not written, and tested only against the surfaces of a host. With
+   * `paint` "depth" a splat's colour is how far away its centre is, in each channel.
    *
    * @throws Error if `host` is left out of what was made for one, or given to what was not.
    */
@@ -137,6 +139,7 @@ export class SplatDrawer implements SplatSink {
     { pose, camera, time, antialiased, closeUp }: Shot,
     origin: readonly [number, number] = [0, 0],
     host?: HostSurface,
+    paint: "colour" | "depth" = "colour",
   ): void {
     if (this.hosted !== (host !== undefined)) throw new Error("a host's surface goes with a drawer made for a host");
     if (this.#count === 0) return;
@@ -180,6 +183,7 @@ export class SplatDrawer implements SplatSink {
       gl.uniform1f(u.logarithmic, host.logarithmic);
       gl.uniform1i(u.linear, host.linear ? 1 : 0);
     }
+    gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
     const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
     gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
     gl.bindVertexArray(null);

@@ -22,7 +22,7 @@ export class HeadsetButtons {
     const signal = player.disposed;
     for (const [mode, [text, label]] of Object.entries(WORDS) as [HeadsetMode, readonly [string, string]][]) {
       const onclick = () => void this.#press(mode);
-      const attributes = { type: "button", class: "round small headset", hidden: true, title: label, onclick };
+      const attributes = { type: "button", class: "round headset", hidden: true, title: label, onclick };
       this.#buttons.set(mode, element("button", { ...attributes, "aria-label": label }, text));
     }
     this.node = element("div", { class: "headset-buttons" }, ...this.#buttons.values(), this.#refusal);

@@ -59,7 +59,7 @@ export class Notices {
   readonly #reload: HTMLElement;
   readonly #box = element("div", { class: "notice" }, this.#bar, this.#text);
   readonly #problem = element("p");
-  readonly #close = element("button", { type: "button", class: "round small", title: "Close", "aria-label": "Close" });
+  readonly #close = element("button", { type: "button", class: "round", title: "Close", "aria-label": "Close" });
   readonly #remark = element("div", { class: "notice remark", role: "alert", hidden: true }, this.#problem);
   readonly node = element("div", { class: "notices", hidden: true }, this.#remark, this.#box);
   readonly #told = new Set<string>();

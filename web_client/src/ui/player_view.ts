@@ -1,18 +1,26 @@
 /** A player with its controls, inside one element of a page: nothing of it reaches the page, and nothing of the page reaches it. */
 
-import { listenForGestures, listenForKeys } from "../camera/gestures";
+import { FlyMode } from "../camera/fly_mode";
+import { listenForGestures } from "../camera/gestures";
 import type { Manifest } from "../codec/types";
 import { HgsPlayer } from "../player/hgs_player";
 import type { HgsPlayerOptions } from "../player/hgs_player_events";
-import { CameraMenu } from "./camera_menu";
+import { Bookmarks } from "./bookmarks";
 import { element, icon } from "./element";
 import { toggleFullscreen } from "./full_screen";
 import { HeadsetButtons } from "./headset_buttons";
-import { BACK, FULLSCREEN, STATS } from "./icons";
+import { Help } from "./help";
+import { BACK, FULLSCREEN } from "./icons";
 import { IdleHiding } from "./idle_hiding";
+import { type KeyGroup, obeyKeys } from "./key_bindings";
+import { Message } from "./message";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
+import { PlayerActions } from "./player_actions";
+import { playerKeys } from "./player_keys";
 import { adoptPlayerStyle } from "./player_style";
+import { SettingsMenu } from "./settings_menu";
+import type { SharedView } from "./shared_view";
 import { StatsPanel } from "./stats_panel";
 import { Transport } from "./transport";
 
@@ -22,6 +30,10 @@ export interface WholePage {
   readonly home: string;
   /** Load the page again. */
   reload(): void;
+  /** The address of the page that opens on what is shared; left out where there is none. */
+  link?(shared: SharedView): string;
+  /** The bookmarks have changed, seconds; the page may keep them in its address. */
+  keep?(bookmarks: readonly number[]): void;
 }
 
 export interface PlayerViewOptions extends HgsPlayerOptions {
@@ -31,11 +43,13 @@ export interface PlayerViewOptions extends HgsPlayerOptions {
   readonly title?: string;
   /** Address of a picture to show until the scene has one of its own. */
   readonly poster?: string | null;
+  /** Marked moments to begin with, seconds. */
+  readonly bookmarks?: readonly number[];
   /** For a page that is a player alone: all keys and the wheel are the player's. Left out in a page with other things. */
   readonly page?: WholePage;
 }
 
-const LABEL = "Scene; drag or use the arrow keys to turn, click to play or pause";
+const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";
 
 export class PlayerView {
   readonly player: HgsPlayer;
@@ -50,7 +64,15 @@ export class PlayerView {
   readonly #notices: Notices;
   readonly #stats: StatsPanel;
   readonly #headset: HeadsetButtons;
+  readonly #message: Message;
+  readonly #help = new Help();
+  readonly #keys: EventTarget;
+  readonly #fly: FlyMode;
+  readonly #bookmarks: Bookmarks;
+  readonly #actions: PlayerActions;
+  readonly #bindings: readonly KeyGroup[];
   #transport: Transport | null = null;
+  #menu: SettingsMenu | null = null;
 
   /** @param host gets a shadow root, unless it has an open one that is empty. */
   constructor(host: HTMLElement, options: PlayerViewOptions = {}) {
@@ -65,10 +87,31 @@ export class PlayerView {
     });
     this.#stats = new StatsPanel(this.player);
     this.#headset = new HeadsetButtons(this.player);
+    const signal = this.player.disposed;
+    this.#message = new Message(signal);
+    this.#keys = page ? window : this.root;
+    this.#fly = new FlyMode(this.#keys, this.player.camera, signal);
+    this.#bookmarks = new Bookmarks(options.bookmarks ?? [], () => page?.keep?.(this.#bookmarks.times));
+    this.#actions = new PlayerActions(this.player, {
+      fly: this.#fly,
+      bookmarks: this.#bookmarks,
+      say: (text) => this.#message.say(text),
+      fail: (text) => this.#notices.fail(text),
+      changed: () => this.#showChoices(),
+      link: page?.link ? (shared) => page.link?.(shared) ?? "" : null,
+    });
+    this.#bindings = playerKeys(this.player, this.#actions, this.#surroundings);
     this.controls = options.controls ?? true;
     this.poster = options.poster ?? null;
     this.root.classList.toggle("whole-page", page !== undefined);
-    this.root.append(this.#stage, this.#poster, this.#notices.node, this.#controls);
+    this.root.append(
+      this.#stage,
+      this.#poster,
+      this.#notices.node,
+      this.#message.node,
+      this.#controls,
+      this.#help.node,
+    );
     const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     adoptPlayerStyle(shadow);
     shadow.replaceChildren(this.root);
@@ -116,6 +159,8 @@ export class PlayerView {
       "loadstart",
       () => {
         this.#transport = null;
+        this.#menu?.dispose();
+        this.#menu = null;
         this.#controls.replaceChildren();
         this.#showPoster();
         notices.begin();
@@ -156,60 +201,74 @@ export class PlayerView {
     const { page } = this.#options;
     const { player } = this;
     if (manifest.title) this.#title.textContent = manifest.title;
-    this.#transport = new Transport(player, manifest);
-    const round = { class: "round small", title: "All scenes", "aria-label": "All scenes" };
+    this.#transport = new Transport(player, this.#actions, this.#bookmarks);
+    this.#menu = new SettingsMenu(player, this.#actions, this.#bookmarks, this.#surroundings, this.root);
     const button = (label: string, path: string, onclick: () => void) =>
-      element(
-        "button",
-        { type: "button", class: "round small", title: label, "aria-label": label, onclick },
-        icon(path),
-      );
+      element("button", { type: "button", class: "round", title: label, "aria-label": label, onclick }, icon(path));
     const bar = element(
       "header",
       { class: "top-bar" },
-      page ? element("a", { ...round, href: page.home }, icon(BACK)) : null,
+      page
+        ? element("a", { class: "round", title: "All scenes", "aria-label": "All scenes", href: page.home }, icon(BACK))
+        : null,
       this.#title,
-      new CameraMenu(player).node,
       this.#headset.node,
-      button("Statistics (S)", STATS, () => this.#stats.toggle()),
+      this.#menu.button,
       // Where the browser has it at all: on a phone of Apple only videos can fill the screen.
       "requestFullscreen" in this.#host ? button("Full screen (F)", FULLSCREEN, () => this.toggleFullscreen()) : null,
     );
-    this.#controls.replaceChildren(bar, this.#stats.node, this.#transport.node);
+    this.#controls.replaceChildren(bar, this.#menu.node, this.#stats.node, this.#transport.node);
+    this.#showChoices();
+  }
+
+  get #surroundings() {
+    const stats = this.#stats;
+    return {
+      get statisticsShown() {
+        return !stats.node.hidden;
+      },
+      toggleStatistics: () => {
+        stats.toggle();
+        this.#showChoices();
+      },
+      toggleFullscreen: () => this.toggleFullscreen(),
+      toggleHelp: () => this.#help.show(this.#bindings),
+    };
+  }
+
+  #showChoices(): void {
+    this.#transport?.timeline.mark();
+    this.#menu?.update();
+    this.root.classList.toggle("flying", this.#fly.active);
   }
 
   #obey(): void {
     const { page } = this.#options;
     const { player, root } = this;
+    const { camera } = player;
     const signal = player.disposed;
-    const keys = page ? window : root;
+    const motion = {
+      turn: (yaw: number, pitch: number) => {
+        if (this.#fly.active) camera.lookAround(-yaw, -pitch);
+        else camera.turn(yaw, pitch);
+      },
+      zoom: (factor: number) => camera.zoom(factor),
+      pan: (dx: number, dy: number) => camera.pan(dx, dy),
+      release: () => camera.release(),
+      focus: (x: number, y: number) => camera.focus(x, y),
+    };
     const gestures = {
-      keys,
       wheelZooms: () => page !== undefined || root.matches(":focus-within"),
-      onTap: () => this.#transport?.toggle(),
+      onTap: () => this.#actions.toggle(),
     };
-    listenForGestures(this.#stage, player.camera, gestures, signal);
-    listenForKeys(keys, (event, control) => this.#press(event, control), signal);
-    new IdleHiding(root, keys, () => !player.paused, signal);
-  }
-
-  #press(event: KeyboardEvent, control: EventTarget): void {
-    const transport = this.#transport;
-    if (!transport || control instanceof HTMLSelectElement) return;
-    // Space presses the button that has the focus.
-    if (event.key === " " && control instanceof HTMLButtonElement) return;
-    const actions: Readonly<Record<string, () => void>> = {
-      " ": () => transport.toggle(),
-      k: () => transport.toggle(),
-      l: () => transport.toggleLoop(),
-      s: () => this.#stats.toggle(),
-      f: () => this.toggleFullscreen(),
-      ",": () => transport.step(-1),
-      ".": () => transport.step(1),
-    };
-    const action = actions[event.key.toLowerCase()];
-    if (!action) return;
-    event.preventDefault();
-    action();
+    listenForGestures(this.#stage, motion, gestures, signal);
+    const ignores = (event: KeyboardEvent, control: EventTarget) =>
+      this.#transport === null ||
+      this.#help.open ||
+      this.#fly.uses(event) ||
+      control instanceof HTMLSelectElement ||
+      ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // which it presses
+    obeyKeys(this.#keys, this.#bindings, ignores, signal);
+    new IdleHiding(root, this.#keys, () => !player.paused, signal);
   }
 }

@@ -11,9 +11,13 @@ const STREAM_NAMES = { connecting: "connecting", open: "connected", retrying: "r
 
 type Figures = Readonly<Record<string, string>>;
 
+/** The picture's size, in its own pixels, and how finely it is to be drawn. */
+type ShownPicture = Pick<HgsPlayer, "width" | "height" | "quality">;
+
 /** The panel's rows, from top to bottom. */
-export function figuresOf(stats: PlayerStats, picture: { readonly width: number; readonly height: number }): Figures {
-  const { framesPerSecond: rate, framesDrawn: drawn, framesDropped: dropped } = stats;
+export function figuresOf(stats: PlayerStats, { width, height, quality }: ShownPicture): Figures {
+  const { framesPerSecond: rate, framesDrawn: drawn, framesDropped: dropped, fineness } = stats;
+  const { scale, float } = fineness;
   return {
     "Frames/s": rate > 0 ? rate.toFixed(rate < 1 ? 2 : 1) : "at rest",
     "Dropped frames": `${dropped} of ${drawn + dropped}`,
@@ -24,7 +28,9 @@ export function figuresOf(stats: PlayerStats, picture: { readonly width: number;
     Received: `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`,
     "Line rate": formatBitRate(stats.lineRate),
     "First picture": stats.firstFrame === null ? "–" : `${(stats.firstFrame / 1000).toFixed(2)} s`,
-    Picture: `${picture.width} × ${picture.height}`,
+    Picture: `${width} × ${height}`,
+    Quality: quality === "auto" ? "auto" : `always ${quality}`,
+    "Drawn at": `${Math.round(width * scale)} × ${Math.round(height * scale)}, ${float ? "half floats" : "8 bits"}`,
     Stream: stats.complete ? "complete" : STREAM_NAMES[stats.stream],
   };
 }

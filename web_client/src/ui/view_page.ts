@@ -4,6 +4,7 @@ import type { HgsPlayer } from "../player/hgs_player";
 import type { Pixels } from "../renderer/shot";
 import { element } from "./element";
 import { PlayerView, type WholePage } from "./player_view";
+import { linkWithBookmarks, sharedLink } from "./shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
 /** What the page offers to scripts, such as tests: `window.hgs`. */
@@ -28,7 +29,12 @@ declare global {
 export function showViewPage(root: HTMLElement, scene: string): void {
   document.title = `${scene} · HGS`;
   root.className = "view-page";
-  const page = { home: "/", reload: () => location.reload() };
+  const page: WholePage = {
+    home: "/",
+    reload: () => location.reload(),
+    link: (shared) => sharedLink(location.href, shared),
+    keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
+  };
   const host = element("div", { class: "player-host" });
   root.replaceChildren(host);
   try {

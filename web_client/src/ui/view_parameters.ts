@@ -1,10 +1,19 @@
 /** The parameters of a viewer page's address, for sharing a view and for tests. */
 
+import type { Vec3 } from "../camera/vector";
+import type { Viewing } from "../player/viewpoint";
+
 export interface ViewParameters {
   /** `t`: seconds on the scene's clock; null for the start. */
   readonly time: number | null;
   /** `camera`: name of a capture camera; null for the first. */
   readonly camera: string | null;
+  /** `view`: the camera's position, the point in the middle of the picture, and upwards, as nine numbers; null for none. */
+  readonly view: Viewing | null;
+  /** `loop`: seconds from and to which to repeat; null to repeat no stretch. */
+  readonly loopRange: readonly [number, number] | null;
+  /** `marks`: bookmarks, seconds. */
+  readonly bookmarks: readonly number[];
   /** `paused`: 1 to stand still, 0 to play; null to play unless the visitor's system asks for less motion. */
   readonly paused: boolean | null;
   /** `width`, `height`: size of the picture in CSS pixels and in its backing store; null to fill the window. */
@@ -42,12 +51,33 @@ export function parseViewParameters(search: string): ViewParameters {
     return text === null ? null : text === "1";
   };
 
+  const numbers = (name: string, count: number | null): number[] | null => {
+    const text = parameters.get(name);
+    if (text === null) return null;
+    const values = text.split(",").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));
+    if (!values.every(Number.isFinite) || (count !== null && values.length !== count)) {
+      const wanted = count === null ? "a list of numbers" : `${count} numbers`;
+      throw new Error(`${name}=${text} in the address is not ${wanted}, parted by commas`);
+    }
+    return values;
+  };
+
+  const view = numbers("view", 9);
+  const loop = numbers("loop", 2);
+  if (loop && !(loop[0] < loop[1])) throw new Error(`loop=${loop} in the address does not begin before it ends`);
   const width = pixels("width");
   const height = pixels("height");
   if ((width === null) !== (height === null)) throw new Error("the address needs both width and height, or neither");
   return {
     time: finite("t"),
     camera: parameters.get("camera"),
+    view: view && {
+      position: view.slice(0, 3) as unknown as Vec3,
+      target: view.slice(3, 6) as unknown as Vec3,
+      up: view.slice(6) as unknown as Vec3,
+    },
+    loopRange: loop && [loop[0], loop[1]],
+    bookmarks: numbers("marks", null) ?? [],
     paused: flag("paused"),
     size: width !== null && height !== null ? { width, height } : null,
     exact: flag("exact") ?? false,

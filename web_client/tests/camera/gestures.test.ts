@@ -19,12 +19,15 @@ function press(more: Record<string, unknown> = {}): void {
 
 beforeEach(() => {
   vi.useFakeTimers();
-  target = Object.assign(new EventTarget(), { setPointerCapture: vi.fn() }) as unknown as HTMLElement;
-  motion = { turn: vi.fn(), zoom: vi.fn(), pan: vi.fn(), reset: vi.fn() };
+  target = Object.assign(new EventTarget(), {
+    setPointerCapture: vi.fn(),
+    getBoundingClientRect: () => ({ left: 30, top: 20 }),
+  }) as unknown as HTMLElement;
+  motion = { turn: vi.fn(), zoom: vi.fn(), pan: vi.fn(), release: vi.fn(), focus: vi.fn() };
   tap.mockClear();
   zooms = true;
   abort = new AbortController();
-  listenForGestures(target, motion, { keys: target, wheelZooms: () => zooms, onTap: tap }, abort.signal);
+  listenForGestures(target, motion, { wheelZooms: () => zooms, onTap: tap }, abort.signal);
 });
 afterEach(() => {
   abort.abort();
@@ -68,12 +71,12 @@ describe("a tap", () => {
   });
 });
 
-it("takes two taps as a double one, which resets the camera and is no tap", () => {
+it("takes two taps as a double one, which looks at the point under it and is no tap", () => {
   press();
   vi.advanceTimersByTime(200);
   press();
   vi.runAllTimers();
-  expect(motion.reset).toHaveBeenCalledOnce();
+  expect(motion.focus).toHaveBeenCalledExactlyOnceWith(70, 80);
   expect(tap).not.toHaveBeenCalled();
 });
 
@@ -84,6 +87,18 @@ it("turns with a drag from where it leaves the slack", () => {
   vi.runAllTimers();
   expect(motion.turn).toHaveBeenCalledExactlyOnceWith(expect.closeTo(6 * 0.006), 0);
   expect(tap).not.toHaveBeenCalled();
+});
+
+it("lets go of the camera with the last finger of a drag, and not with a tap", () => {
+  press();
+  vi.runAllTimers();
+  expect(motion.release).not.toHaveBeenCalled();
+  for (const pointerId of [1, 2]) pointer("down", 100 * pointerId, 100, { pointerType: "touch", pointerId });
+  pointer("move", 300, 100, { pointerType: "touch", pointerId: 2 });
+  pointer("up", 300, 100, { pointerType: "touch", pointerId: 2 });
+  expect(motion.release).not.toHaveBeenCalled();
+  pointer("cancel", 100, 100, { pointerType: "touch" });
+  expect(motion.release).toHaveBeenCalledOnce();
 });
 
 it("takes two fingers that rest for no tap", () => {
@@ -113,6 +128,7 @@ it("leaves the wheel to the page while it is not to zoom", () => {
   vi.stubGlobal("WheelEvent", { DOM_DELTA_PIXEL: 0 });
   expect(roll()).toBe(true);
   expect(motion.zoom).toHaveBeenCalledOnce();
+  expect(motion.release).toHaveBeenCalledOnce(); // each notch is a step by itself
   zooms = false;
   expect(roll()).toBe(false);
   expect(motion.zoom).toHaveBeenCalledOnce();

@@ -5,6 +5,7 @@ import { cross, dot, length, row, type Vec3 } from "../../src/camera/vector";
 
 const UP: Vec3 = [0, -1, 0]; // OpenCV world: y points down
 const START = poseAt([0, 0, -4], [1, 0, 0, 0, 1, 0, 0, 0, 1]);
+const LENS = { width: 100, height: 100, fx: 100, fy: 100, cx: 50, cy: 50, near: 0.1 };
 const orbit = () => new OrbitCamera(START, [0, 0, 0], UP);
 
 describe("OrbitCamera", () => {
@@ -97,5 +98,36 @@ describe("a camera that is placed", () => {
     const camera = orbit();
     expect(() => camera.place([0, 0, 0], [0, 1, 0], [0, -1, 0])).toThrow(RangeError);
     expect(() => camera.place([0, 0, 0], [0, 0, 0], [0, -1, 0])).toThrow(RangeError);
+  });
+
+  it("looks around without leaving its place, to its left and upwards", () => {
+    const camera = orbit();
+    camera.lookAround(0.3, 0.2);
+    camera.eye.forEach((value, i) => {
+      expect(value).toBeCloseTo(START.translation[i] * -1);
+    });
+    const forward = row(camera.pose.rotation, 2);
+    expect(forward[0]).toBeLessThan(-0.2);
+    expect(dot(forward, UP)).toBeCloseTo(Math.sin(0.2));
+  });
+
+  it("travels along its own right, the scene's up and its view, in shares of the first distance", () => {
+    const camera = orbit();
+    camera.travel(0.25, 0.5, 0.75);
+    expect(camera.eye.map((value) => Math.round(1e9 * value) / 1e9)).toEqual([1, -2, -1]);
+    expect(camera.pose.rotation).toEqual(START.rotation);
+  });
+
+  it("is carried around a centre with all that it sees", () => {
+    const camera = orbit();
+    camera.travel(0.1, 0, 0); // looks past the centre
+    const before = project([0, 0, 0], camera.pose, LENS);
+    camera.carry([0, 0, 0], 0.4, 0.3, 1);
+    project([0, 0, 0], camera.pose, LENS).forEach((value, i) => {
+      expect(value).toBeCloseTo(before[i]);
+    });
+    expect(dot(camera.eye, UP)).toBeCloseTo(Math.hypot(4, 0.4) * Math.sin(0.3));
+    camera.carry([0, 0, 0], 0, 0, 2);
+    expect(length(camera.eye)).toBeCloseTo(2 * Math.hypot(4, 0.4));
   });
 });

@@ -92,4 +92,27 @@ describe("PlayerClock", () => {
       clock.rate = rate;
     }).toThrow(RangeError);
   });
+
+  it("repeats a stretch, at any rate and whether or not it loops", () => {
+    const clock = new PlayerClock(0, 10);
+    clock.loop = false;
+    clock.range = [2, 3];
+    clock.seek(2.9);
+    clock.play();
+    clock.tick(0, always);
+    expect(clock.tick(0.2, always)).toBeCloseTo(2.1);
+    expect(clock.after(2.5)).toBeCloseTo(2.6);
+    expect(clock.playing).toBe(true);
+  });
+
+  it("plays into a stretch from before it, and on from behind it", () => {
+    const clock = new PlayerClock(0, 10);
+    clock.range = [2, 3];
+    clock.seek(1.9);
+    expect(clock.after(0.2)).toBeCloseTo(2.1);
+    clock.seek(5);
+    expect(clock.after(1)).toBeCloseTo(6);
+    clock.play(); // by hand: that begins the stretch anew
+    expect(clock.time).toBe(2);
+  });
 });

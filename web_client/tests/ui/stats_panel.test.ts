@@ -1,9 +1,10 @@
 import { expect, it } from "vitest";
+import { LADDER, type Quality } from "../../src/renderer/quality";
 import { figuresOf } from "../../src/ui/stats_panel";
 import { stats } from "../stats";
 
-const figure = (name: string, fields: Parameters<typeof stats>[0]) =>
-  figuresOf(stats(fields), { width: 640, height: 480 })[name];
+const figure = (name: string, fields: Parameters<typeof stats>[0], quality: Quality = "auto") =>
+  figuresOf(stats(fields), { width: 640, height: 480, quality })[name];
 
 it.each([
   [59.94, "59.9"],
@@ -23,4 +24,11 @@ it("tells how old the order is, how long it took, what was dropped and how fast 
 it("calls the stream of a complete scene complete, and no other", () => {
   expect(figure("Stream", { complete: true, stream: "closed" })).toBe("complete");
   expect(figure("Stream", { stream: "closed" })).toBe("closed");
+});
+
+it("tells how finely the picture is to be drawn, and how finely it was", () => {
+  expect(figure("Quality", {})).toBe("auto");
+  expect(figure("Quality", {}, "low")).toBe("always low");
+  expect(figure("Drawn at", {})).toBe("640 × 480, half floats");
+  expect(figure("Drawn at", { fineness: LADDER[3] })).toBe("320 × 240, 8 bits");
 });

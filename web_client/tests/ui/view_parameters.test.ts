@@ -10,13 +10,27 @@ describe("parseViewParameters", () => {
       size: null,
       exact: false,
       antialiased: null,
+      view: null,
+      loopRange: null,
+      bookmarks: [],
     });
   });
 
   it("reads every parameter", () => {
-    const parsed = parseViewParameters("?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1");
-    const size = { width: 512, height: 384 };
-    expect(parsed).toEqual({ time: 0.5, camera: "cam00", paused: true, size, exact: true, antialiased: true });
+    const parsed = parseViewParameters(
+      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
+    );
+    expect(parsed).toEqual({
+      time: 0.5,
+      camera: "cam00",
+      paused: true,
+      size: { width: 512, height: 384 },
+      exact: true,
+      antialiased: true,
+      view: { position: [1, 2, 3], target: [4, 5, 6], up: [0, -1, 0] },
+      loopRange: [0.5, 10],
+      bookmarks: [2, 1],
+    });
   });
 
   it("tells a demand to play from none", () => {
@@ -36,6 +50,11 @@ describe("parseViewParameters", () => {
     "width=9",
     "paused=yes",
     "antialiased=2",
+    "view=1,2,3",
+    "view=1,2,3,4,5,6,7,8,x",
+    "loop=1",
+    "loop=2,1",
+    "marks=1,,2",
   ])("refuses %s and names the parameter", (search) => {
     expect(() => parseViewParameters(`?${search}`)).toThrow(search.includes("width") ? "width" : search.split("=")[0]);
   });

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { bufferedGradient } from "../../src/ui/transport";
+import { bufferedGradient } from "../../src/ui/timeline";
 
 it("draws every buffered range as a bar of its own", () => {
   const gradient = bufferedGradient(

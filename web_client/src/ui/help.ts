@@ -1,0 +1,84 @@
+/** The help: a dialog with all keys and gestures. The browser keeps the focus inside, and Esc closes it. */
+
+import { element, icon } from "./element";
+import { CLOSE } from "./icons";
+import type { KeyGroup } from "./key_bindings";
+
+type Row = readonly [string, string];
+
+/** While flying: keys by where they lie, see `FlyMode`. */
+export const FLYING: readonly Row[] = [
+  ["W, S", "Ahead and back"],
+  ["A, D", "To the left and to the right"],
+  ["E, Q", "Up and down"],
+  ["Shift", "Three times as fast"],
+  ["Drag", "Look around"],
+];
+
+export const GESTURES: readonly Row[] = [
+  ["Click or tap", "Play or pause"],
+  ["Double click or tap", "Look at this point"],
+  ["Drag", "Turn about what is in the middle"],
+  ["Shift + drag, right drag", "Move across the picture"],
+  ["Two fingers", "Come nearer, go away, move"],
+  ["Wheel", "Come nearer, go away"],
+];
+
+/** How a key is written: "K", "Space, K". */
+export const shownKeys = ({ keys, shown }: { readonly keys: readonly string[]; readonly shown?: string }): string =>
+  shown ?? keys.map((key) => (key.length === 1 ? key.toUpperCase() : key)).join(", ");
+
+export class Help {
+  readonly #groups = element("div", { class: "help-groups" });
+  readonly #close = element("button", { type: "button", class: "round", title: "Close (Esc)", "aria-label": "Close" });
+  readonly node = element(
+    "dialog",
+    { class: "help", "aria-label": "Keys and gestures" },
+    element("div", { class: "help-head" }, element("h2", {}, "Keys and gestures"), this.#close),
+    this.#groups,
+  );
+
+  constructor() {
+    this.#close.append(icon(CLOSE));
+    this.#close.addEventListener("click", () => this.node.close());
+    // Beside the box: only the dialog itself is there.
+    this.node.addEventListener("click", (event) => {
+      if (event.target === this.node) this.node.close();
+    });
+    this.node.addEventListener("keydown", (event) => {
+      if (event.key !== "?") return;
+      event.preventDefault();
+      this.node.close();
+    });
+  }
+
+  get open(): boolean {
+    return this.node.open;
+  }
+
+  /** Show the keys of the scene that is there. */
+  show(groups: readonly KeyGroup[]): void {
+    const keys = groups.map(({ name, bindings }) =>
+      table(
+        name,
+        bindings.map((binding) => [shownKeys(binding), binding.does]),
+      ),
+    );
+    this.#groups.replaceChildren(...keys, table("While flying", FLYING), table("Mouse and fingers", GESTURES));
+    this.node.showModal();
+  }
+}
+
+function table(name: string, rows: readonly Row[]): HTMLElement {
+  const keys = (text: string) => text.split(", ").flatMap((key, i) => [i > 0 ? " " : null, element("kbd", {}, key)]);
+  return element(
+    "section",
+    {},
+    element("h3", {}, name),
+    element(
+      "dl",
+      {},
+      ...rows.map(([shown, does]) => element("div", {}, element("dt", {}, ...keys(shown)), element("dd", {}, does))),
+    ),
+  );
+}

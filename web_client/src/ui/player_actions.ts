@@ -1,0 +1,171 @@
+/** What keys and menu entries do with a player and its scene. What cannot be seen at once is said in a line. */
+
+import type { FlyMode } from "../camera/fly_mode";
+import type { HgsPlayer } from "../player/hgs_player";
+import type { Bookmarks } from "./bookmarks";
+import { formatTime } from "./format";
+import { savePicture } from "./save_picture";
+import type { SharedView } from "./shared_view";
+
+/** Rates to choose from, scene seconds per second. */
+export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;
+
+/** How far an arrow key and j or l go, seconds: as on video pages, and no more than a share of a short scene. */
+export const seekStep = (duration: number): number => Math.min(5, duration / 10);
+export const longSeekStep = (duration: number): number => Math.min(10, duration / 5);
+
+/** The rate so many steps faster than `rate`, within `RATES`. */
+export function rateAfter(rate: number, steps: 1 | -1): number {
+  const next = steps === 1 ? RATES.find((other) => other > rate) : RATES.filter((other) => other < rate).at(-1);
+  return next ?? rate;
+}
+
+/** What the actions reach beyond the player. */
+export interface ActionSurroundings {
+  readonly fly: FlyMode;
+  readonly bookmarks: Bookmarks;
+  /** Say what was done. */
+  say(text: string): void;
+  /** Say what went wrong. */
+  fail(text: string): void;
+  /** Something that the controls show has changed. */
+  changed(): void;
+  /** The address that opens on what is shared; null where the page has none. */
+  readonly link: ((shared: SharedView) => string) | null;
+}
+
+export class PlayerActions {
+  constructor(
+    readonly player: HgsPlayer,
+    readonly surroundings: ActionSurroundings,
+  ) {}
+
+  /** Whether anything moves in the scene. */
+  get moves(): boolean {
+    return this.player.duration > 0;
+  }
+
+  toggle(): void {
+    if (!this.moves) return;
+    if (this.player.paused) this.player.play();
+    else this.player.pause();
+  }
+
+  /** Move the playhead, seconds. */
+  seekBy(seconds: number): void {
+    const { player } = this;
+    if (!this.moves) return;
+    this.seekTo(Math.max(player.start, Math.min(player.end, player.currentTime + seconds)));
+  }
+
+  seekTo(time: number): void {
+    this.player.currentTime = time;
+    this.surroundings.say(formatTime(time - this.player.start));
+  }
+
+  /** Go to a share of the scene. */
+  jump(share: number): void {
+    if (this.moves) this.seekTo(this.player.start + share * this.player.duration);
+  }
+
+  /** Stand still, so many frames later. */
+  step(frames: number): void {
+    const { player } = this;
+    player.pause();
+    player.currentTime += frames / (player.manifest?.frameRate ?? 1);
+  }
+
+  set rate(rate: number) {
+    this.player.playbackRate = rate;
+    this.#done(`Speed ${rate}×`);
+  }
+
+  toggleLoop(): void {
+    this.player.loop = !this.player.loop;
+    this.#done(this.player.loop ? "Repeats" : "Plays once");
+  }
+
+  /** Begin or end the repeated stretch at the playhead. */
+  setLoop(edge: "from" | "to"): void {
+    const { player } = this;
+    if (!this.moves) return;
+    const now = player.currentTime;
+    const [from, to] = player.loopRange ?? [player.start, player.end];
+    const range =
+      edge === "from"
+        ? ([now, to > now ? to : player.end] as const)
+        : ([from < now ? from : player.start, now] as const);
+    if (!(range[0] < range[1])) {
+      this.surroundings.say("A stretch to repeat needs a beginning before its end");
+      return;
+    }
+    player.loopRange = range;
+    const [a, b] = range.map((time) => formatTime(time - player.start));
+    this.#done(`Repeats ${a} to ${b}`);
+  }
+
+  clearLoop(): void {
+    this.player.loopRange = null;
+    this.#done("No repeated stretch");
+  }
+
+  toggleBookmark(): void {
+    if (!this.moves) return;
+    const { currentTime, start } = this.player;
+    const marked = this.surroundings.bookmarks.toggle(currentTime);
+    this.#done(`${marked ? "Bookmark at" : "No bookmark at"} ${formatTime(currentTime - start)}`);
+  }
+
+  goToBookmark(direction: 1 | -1): void {
+    const time = this.surroundings.bookmarks.neighbour(this.player.currentTime, direction);
+    if (time === null) this.surroundings.say(direction === 1 ? "No later bookmark" : "No earlier bookmark");
+    else this.seekTo(time);
+  }
+
+  toggleFly(): void {
+    const { fly } = this.surroundings;
+    fly.toggle();
+    this.#done(fly.active ? "Flying: W A S D, Q and E; drag to look around" : "Turning about the scene");
+  }
+
+  resetCamera(): void {
+    this.player.camera.reset();
+    this.surroundings.say("Back to the camera");
+  }
+
+  /** Copy a link that opens on the same picture. */
+  async copyLink(): Promise<void> {
+    const { link, bookmarks, say, fail } = this.surroundings;
+    if (!link) return;
+    const { player } = this;
+    const address = link({
+      time: player.currentTime,
+      paused: player.paused,
+      camera: player.camera.name,
+      view: player.camera.view,
+      loopRange: player.loopRange,
+      bookmarks: bookmarks.times,
+    });
+    try {
+      await navigator.clipboard.writeText(address);
+      say("Link copied");
+    } catch {
+      fail(`This browser does not let the page copy. The link: ${address}`); // as on http without a certificate
+    }
+  }
+
+  /** Hand out what is seen as a file. */
+  async savePicture(): Promise<void> {
+    const { say, fail } = this.surroundings;
+    try {
+      say(`Saved ${await savePicture(this.player)}`);
+    } catch (error) {
+      fail(`The picture could not be saved: ${error instanceof Error ? error.message : error}`);
+    }
+  }
+
+  #done(text: string): void {
+    this.surroundings.say(text);
+    this.surroundings.changed();
+  }
+}

@@ -1,0 +1,185 @@
+/** All that is seldom needed, behind one button: quality, camera, speed, repeating, bookmarks, links, pictures, help. */
+
+import type { HgsPlayer } from "../player/hgs_player";
+import { QUALITIES, type Quality } from "../renderer/quality";
+import type { Bookmarks } from "./bookmarks";
+import { readableCameraNames } from "./camera_names";
+import { element, icon } from "./element";
+import { formatTime } from "./format";
+import { SETTINGS } from "./icons";
+import { type PlayerActions, RATES } from "./player_actions";
+import type { KeySurroundings } from "./player_keys";
+
+const QUALITY_NAMES: Readonly<Record<Quality, string>> = {
+  auto: "Auto",
+  high: "High",
+  medium: "Medium",
+  low: "Low",
+};
+
+export class SettingsMenu {
+  readonly button = element("button", {
+    type: "button",
+    class: "round",
+    title: "Settings",
+    "aria-label": "Settings",
+    "aria-expanded": "false",
+  });
+  readonly node = element("div", { class: "menu", role: "group", "aria-label": "Settings", hidden: true });
+  readonly #rate = element("select", { "aria-label": "Speed" });
+  readonly #quality = element("select", { "aria-label": "Quality" });
+  readonly #camera = element("select", { "aria-label": "Camera" });
+  readonly #loop: HTMLButtonElement;
+  readonly #fly: HTMLButtonElement;
+  readonly #statistics: HTMLButtonElement;
+  readonly #clear: HTMLButtonElement;
+  readonly #marks = element("div", { class: "menu-marks" });
+  readonly #gone = new AbortController();
+
+  /** For the scene that the player shows now; `root` is all of the player. */
+  constructor(
+    readonly player: HgsPlayer,
+    readonly actions: PlayerActions,
+    readonly bookmarks: Bookmarks,
+    readonly view: KeySurroundings & { readonly statisticsShown: boolean },
+    root: HTMLElement,
+  ) {
+    const { camera } = player;
+    this.button.append(icon(SETTINGS));
+    this.button.addEventListener("click", () => this.#show(this.node.hidden === true));
+    choose(this.#quality, QUALITIES, (quality) => QUALITY_NAMES[quality]);
+    this.#quality.addEventListener("change", () => {
+      player.quality = this.#quality.value as Quality;
+    });
+    choose(this.#rate, RATES, (rate) => `${rate}×`);
+    this.#rate.addEventListener("change", () => {
+      actions.rate = Number(this.#rate.value);
+    });
+    const names = readableCameraNames(camera.names);
+    choose(this.#camera, camera.names, (_, i) => names[i]);
+    this.#camera.addEventListener("change", () => camera.look(this.#camera.value));
+
+    this.#loop = toggle("Repeat (Shift + L)", () => actions.toggleLoop());
+    this.#fly = toggle("Fly (G)", () => actions.toggleFly());
+    this.#statistics = toggle("Statistics (S)", () => view.toggleStatistics());
+    this.#clear = command("Clear the repeated stretch (X)", () => actions.clearLoop());
+    const { moves } = actions;
+    const link = actions.surroundings.link !== null;
+    this.node.append(
+      row("Quality", this.#quality),
+      ...(camera.names.length > 0 ? [row("Camera", this.#camera)] : []),
+      ...(moves ? [row("Speed", this.#rate)] : []),
+      group(
+        ...(moves ? [this.#loop] : []),
+        this.#fly,
+        this.#statistics,
+        command("Back to the camera (R)", () => actions.resetCamera()),
+      ),
+      ...(moves
+        ? [
+            group(
+              command("Repeat from here (I)", () => actions.setLoop("from")),
+              command("Repeat up to here (O)", () => actions.setLoop("to")),
+              this.#clear,
+              command("Bookmark here (B)", () => actions.toggleBookmark()),
+            ),
+            this.#marks,
+          ]
+        : []),
+      group(
+        ...(link ? [command("Copy link (C)", () => this.#close(() => actions.copyLink()))] : []),
+        command("Save picture (P)", () => this.#close(() => actions.savePicture())),
+        command("Keys and gestures (?)", () => this.#close(() => view.toggleHelp())),
+      ),
+    );
+    this.#closeBeside(root);
+    this.update();
+  }
+
+  /** Show what is chosen. */
+  update(): void {
+    const { player, actions, view } = this;
+    this.#quality.value = player.quality;
+    this.#rate.value = String(player.playbackRate);
+    this.#camera.value = player.camera.name ?? "";
+    press(this.#loop, player.loop);
+    press(this.#fly, actions.surroundings.fly.active);
+    press(this.#statistics, view.statisticsShown);
+    this.#clear.hidden = player.loopRange === null;
+    this.#marks.replaceChildren(
+      ...this.bookmarks.times.map((time) => {
+        const shown = formatTime(time - player.start);
+        const button = command(shown, () => actions.seekTo(time));
+        button.setAttribute("aria-label", `To the bookmark at ${shown}`);
+        return button;
+      }),
+    );
+  }
+
+  /** Another scene takes the place of this one. */
+  dispose(): void {
+    this.#gone.abort();
+  }
+
+  #show(shown: boolean): void {
+    this.node.hidden = !shown;
+    this.button.setAttribute("aria-expanded", String(shown));
+    if (shown) this.update();
+  }
+
+  /** Close before doing what is then to be seen. */
+  #close(then: () => unknown): void {
+    this.#show(false);
+    this.button.focus();
+    then();
+  }
+
+  /** Esc closes the menu, and so does a press anywhere else. */
+  #closeBeside(root: HTMLElement): void {
+    const inside = (event: Event) => event.composedPath().some((part) => part === this.node || part === this.button);
+    const signal = AbortSignal.any([this.#gone.signal, this.player.disposed]);
+    root.addEventListener("pointerdown", (event) => inside(event) || this.#show(false), { signal, capture: true });
+    root.addEventListener("focusin", (event) => inside(event) || this.#show(false), { signal });
+    root.addEventListener(
+      "keydown",
+      (event) => {
+        if (event.key !== "Escape" || this.node.hidden) return;
+        event.preventDefault();
+        this.#close(() => {});
+      },
+      { signal },
+    );
+  }
+}
+
+function choose<T extends string | number>(
+  select: HTMLSelectElement,
+  values: readonly T[],
+  name: (value: T, i: number) => string,
+): void {
+  select.append(...values.map((value, i) => element("option", { value }, name(value, i))));
+}
+
+const row = (label: string, control: HTMLElement) =>
+  element("div", { class: "menu-row" }, element("span", { "aria-hidden": "true" }, label), control);
+
+const group = (...children: HTMLElement[]) => element("div", { class: "menu-group" }, ...children);
+
+/** The key in brackets is for eyes, not a part of the name. */
+function command(label: string, onclick: () => void): HTMLButtonElement {
+  const [, name, key] = /^(.*?)(?: \((.*)\))?$/.exec(label) as unknown as [string, string, string | undefined];
+  return element(
+    "button",
+    { type: "button", class: "command", onclick },
+    element("span", {}, name),
+    key ? element("kbd", { "aria-hidden": "true" }, key) : null,
+  );
+}
+
+function toggle(label: string, onclick: () => void): HTMLButtonElement {
+  const button = command(label, onclick);
+  button.setAttribute("aria-pressed", "false");
+  return button;
+}
+
+const press = (button: HTMLButtonElement, pressed: boolean) => button.setAttribute("aria-pressed", String(pressed));

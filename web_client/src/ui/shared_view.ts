@@ -1,0 +1,47 @@
+/** What a link to a moment and a place of a scene carries: the parameters of a viewer page's address. */
+
+import type { Viewing } from "../player/viewpoint";
+
+export interface SharedView {
+  /** Seconds on the scene's clock. */
+  readonly time: number;
+  /** Whether the scene stands. */
+  readonly paused: boolean;
+  /** The capture camera whose lens is looked through; null for the first. */
+  readonly camera: string | null;
+  readonly view: Viewing | null;
+  /** Seconds. */
+  readonly loopRange: readonly [number, number] | null;
+  readonly bookmarks: readonly number[];
+}
+
+/** Seven digits: a millionth of the scene's size, far below a pixel. */
+const short = (value: number): string => String(Number(value.toPrecision(7)));
+const list = (values: readonly number[]): string => values.map(short).join(",");
+
+/** The address of a viewer page that opens on the same picture; what `page` asks for otherwise, such as `antialiased`, stays. */
+export function sharedLink(page: string, { time, paused, camera, view, loopRange, bookmarks }: SharedView): string {
+  return withParameters(page, {
+    t: short(time),
+    paused: paused ? "1" : null,
+    camera,
+    view: view && list([...view.position, ...view.target, ...view.up]),
+    loop: loopRange && list(loopRange),
+    marks: list(bookmarks) || null,
+  });
+}
+
+/** The same address with other bookmarks. */
+export const linkWithBookmarks = (page: string, bookmarks: readonly number[]): string =>
+  withParameters(page, { marks: list(bookmarks) || null });
+
+/** The address with these parameters; null takes one away. */
+function withParameters(page: string, parameters: Readonly<Record<string, string | null>>): string {
+  const address = new URL(page);
+  for (const [name, value] of Object.entries(parameters)) {
+    if (value === null) address.searchParams.delete(name);
+    else address.searchParams.set(name, value);
+  }
+  address.search = address.searchParams.toString().replaceAll("%2C", ","); // which needs no escape
+  return address.href;
+}

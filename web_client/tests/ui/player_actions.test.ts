@@ -1,0 +1,89 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { FlyMode } from "../../src/camera/fly_mode";
+import type { HgsPlayer } from "../../src/player/hgs_player";
+import { Bookmarks } from "../../src/ui/bookmarks";
+import { longSeekStep, PlayerActions, rateAfter, seekStep } from "../../src/ui/player_actions";
+
+it("goes five and ten seconds at a time, in a short scene a tenth and a fifth of it", () => {
+  expect([seekStep(60), longSeekStep(60)]).toEqual([5, 10]);
+  expect([seekStep(2), longSeekStep(2)]).toEqual([0.2, 0.4]);
+});
+
+it.each([
+  [1, 1, 1.25],
+  [1, -1, 0.75],
+  [2, 1, 2],
+  [0.25, -1, 0.25],
+  [3, -1, 2], // a rate that the page has set
+] as const)("after a rate of %s %s step goes to %s", (rate, steps, next) => {
+  expect(rateAfter(rate, steps)).toBe(next);
+});
+
+describe("a scene from 1 to 11 seconds", () => {
+  let player: { start: number; end: number; duration: number; currentTime: number; loopRange: unknown };
+  let actions: PlayerActions;
+  const say = vi.fn();
+  const fail = vi.fn();
+
+  beforeEach(() => {
+    say.mockClear();
+    fail.mockClear();
+    player = { start: 1, end: 11, duration: 10, currentTime: 4, loopRange: null };
+    actions = new PlayerActions(player as unknown as HgsPlayer, {
+      fly: {} as FlyMode,
+      bookmarks: new Bookmarks([], () => {}),
+      say,
+      fail,
+      changed: () => {},
+      link: ({ time }) => `https://a.example/?t=${time}`,
+    });
+  });
+
+  it("is not left by seeking", () => {
+    actions.seekBy(-5);
+    expect(player.currentTime).toBe(1);
+    actions.seekBy(50);
+    expect(player.currentTime).toBe(11);
+    actions.jump(0.3);
+    expect(player.currentTime).toBe(4);
+    expect(say).toHaveBeenLastCalledWith("0:03.00"); // as the bar counts
+  });
+
+  it("repeats from one key's place to the other's, to the end while there is only one", () => {
+    actions.setLoop("from");
+    expect(player.loopRange).toEqual([4, 11]);
+    player.currentTime = 6;
+    actions.setLoop("to");
+    expect(player.loopRange).toEqual([4, 6]);
+    player.currentTime = 8;
+    actions.setLoop("from"); // behind its end: a new stretch
+    expect(player.loopRange).toEqual([8, 11]);
+    actions.clearLoop();
+    expect(player.loopRange).toBeNull();
+  });
+
+  it("refuses an empty stretch in words", () => {
+    player.currentTime = 1;
+    actions.setLoop("to");
+    expect(player.loopRange).toBeNull();
+    expect(say).toHaveBeenCalledWith(expect.stringContaining("beginning"));
+  });
+
+  it("goes from bookmark to bookmark", () => {
+    actions.toggleBookmark();
+    player.currentTime = 9;
+    actions.goToBookmark(-1);
+    expect(player.currentTime).toBe(4);
+    actions.goToBookmark(1);
+    expect(player.currentTime).toBe(4);
+    expect(say).toHaveBeenLastCalledWith("No later bookmark");
+  });
+
+  it("shows the link where the browser does not let the page copy", async () => {
+    vi.stubGlobal("navigator", { clipboard: undefined });
+    Object.assign(player, { camera: { name: "side", view: null } });
+    await actions.copyLink();
+    expect(fail).toHaveBeenCalledWith(expect.stringContaining("https://a.example/?t=4"));
+    vi.unstubAllGlobals();
+  });
+});

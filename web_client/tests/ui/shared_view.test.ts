@@ -1,0 +1,41 @@
+import { expect, it } from "vitest";
+import { linkWithBookmarks, type SharedView, sharedLink } from "../../src/ui/shared_view";
+import { parseViewParameters } from "../../src/ui/view_parameters";
+
+const SHARED: SharedView = {
+  time: 1.23456789,
+  paused: true,
+  camera: "cam 1&2",
+  view: { position: [0.1234567, -2, 3e-9], target: [1, 2, 3], up: [0, -1, 0] },
+  loopRange: [0.5, 1.5],
+  bookmarks: [0.25, 1],
+};
+
+it("is read back as it was shared, to seven digits", () => {
+  const link = new URL(sharedLink("https://a.example/view/studio?antialiased=1&t=9&marks=4#part", SHARED));
+  expect(link.pathname).toBe("/view/studio");
+  expect(parseViewParameters(link.search)).toEqual({
+    time: 1.234568,
+    camera: "cam 1&2",
+    paused: true,
+    view: SHARED.view,
+    loopRange: [0.5, 1.5],
+    bookmarks: [0.25, 1],
+    antialiased: true,
+    size: null,
+    exact: false,
+  });
+});
+
+it("carries only what there is", () => {
+  const bare = { ...SHARED, paused: false, camera: null, view: null, loopRange: null, bookmarks: [] };
+  expect(sharedLink("https://a.example/view/studio?paused=1&loop=1,2", bare)).toBe(
+    "https://a.example/view/studio?t=1.234568",
+  );
+});
+
+it("keeps bookmarks in an address and takes them out again, and leaves the rest", () => {
+  const marked = linkWithBookmarks("https://a.example/view/studio?camera=side", [0.5, 1]);
+  expect(marked).toBe("https://a.example/view/studio?camera=side&marks=0.5,1");
+  expect(linkWithBookmarks(marked, [])).toBe("https://a.example/view/studio?camera=side");
+});
