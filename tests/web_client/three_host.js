@@ -93,15 +93,15 @@ class Host {
     return encode(data);
   }
 
-  /** Draw into a target of floats, at a corner of it, and read that. */
-  async floats(offset = 0) {
+  /** Draw into a target of floats, at a corner of it, and read that: floats, or halves of several samples a pixel. */
+  async floats(offset = 0, samples = 0) {
     const { width, height } = this;
-    const target = new THREE.WebGLRenderTarget(width + offset, height + offset, { type: THREE.FloatType });
+    const target = new THREE.WebGLRenderTarget(width + offset, height + offset, { type: samples ? THREE.HalfFloatType : THREE.FloatType, samples });
     target.viewport.set(offset, offset, width, height);
     this.renderer.setRenderTarget(target);
     this.draw();
     this.renderer.setRenderTarget(null);
-    const data = new Float32Array(4 * width * height);
+    const data = new (samples ? Uint16Array : Float32Array)(4 * width * height);
     this.renderer.readRenderTargetPixels(target, offset, offset, width, height, data);
     target.dispose();
     return encode(new Uint8Array(data.buffer));

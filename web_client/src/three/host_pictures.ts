@@ -7,6 +7,7 @@ import type { View } from "../player/view";
 import type { SplatSink } from "../renderer/splat_drawer";
 import { hostView } from "./host_view";
 import { HostedSplats } from "./hosted_splats";
+import { fineFormat } from "./linear_light";
 import { areEyes, ViewOrders, type Views } from "./view_orders";
 
 export interface HostPictureEvents {
@@ -60,12 +61,15 @@ export class HostPictures {
     if (!this.#held) return;
     const { far = Number.POSITIVE_INFINITY } = camera as Camera & { far?: number };
     const { logarithmicDepthBuffer, reversedDepthBuffer } = renderer.capabilities;
-    this.#splats.draw(scene.shot(view, this.#held), viewport, {
+    const linear = this.linear ?? writesLinear(renderer);
+    const format = linear && target ? fineFormat(target) : null;
+    const surface = {
       ...depth,
       logarithmic: logarithmicDepthBuffer ? 2 / Math.log2(far + 1) : 0,
       reversed: reversedDepthBuffer,
-      linear: this.linear ?? writesLinear(renderer),
-    });
+      linear: linear && format === null,
+    };
+    this.#splats.draw(scene.shot(view, this.#held), viewport, surface, format);
   }
 
   dispose(): void {

@@ -6,6 +6,7 @@ import type { Shot } from "../renderer/shot";
 import { SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
 import type { Viewport } from "./host_view";
 import { keepBindings, keepUnpacking } from "./kept_state";
+import { LinearLight } from "./linear_light";
 import { WaitingSplats } from "./waiting_splats";
 
 export class HostedSplats {
@@ -13,6 +14,7 @@ export class HostedSplats {
   readonly #listeners = new AbortController();
   #renderer: WebGLRenderer | null = null;
   #drawer: SplatDrawer | null = null;
+  #light: LinearLight | null = null;
   #stale = false; // the context was lost
 
   /** @param onLoss called when the context was lost and is back: then splats and an order must be set again. */
@@ -35,6 +37,7 @@ export class HostedSplats {
     return keepUnpacking(gl, () => {
       if (!this.#drawer) this.#drawer = new SplatDrawer(gl, true);
       else if (this.#stale) this.#drawer.rebuild();
+      if (this.#stale) this.#light = null;
       this.#stale = false;
       return this.#waiting.flush(this.#drawer);
     });
@@ -46,15 +49,26 @@ export class HostedSplats {
     if (drawer) keepUnpacking(drawer.gl, () => drawer.setOrder(...order));
   }
 
-  draw(shot: Shot, { x, y }: Viewport, surface: HostSurface): void {
+  /** @param light the format of what is bound, if it holds linear light that is to be turned into sRGB meanwhile. */
+  draw(shot: Shot, viewport: Viewport, surface: HostSurface, light: "RGBA16F" | "RGBA32F" | null): void {
     const drawer = this.#drawer;
-    if (drawer) keepBindings(drawer.gl, () => drawer.draw(shot, [x, y], surface));
+    if (!drawer || drawer.count === 0) return;
+    const { gl } = drawer;
+    const draw = () => drawer.draw(shot, [viewport.x, viewport.y], surface);
+    keepBindings(gl, () => {
+      if (light === null) draw();
+      else {
+        this.#light ??= new LinearLight(gl);
+        this.#light.around(viewport, light, draw);
+      }
+    });
   }
 
   /** Give back what is in the context, which stays the host's. */
   dispose(): void {
     this.#listeners.abort();
     this.#drawer?.dispose();
+    this.#light?.dispose();
     this.#drawer = null;
   }
 

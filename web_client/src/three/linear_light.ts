@@ -1,0 +1,110 @@
+/**
+ * Splats are blended as sRGB; a host's render targets hold linear light. So what a target holds is turned into sRGB where
+ * splats are to be drawn, and back when they are: then they look as on a canvas, and what is behind them as before.
+ */
+
+import { FloatType, HalfFloatType, RGBAFormat, type WebGLRenderTarget } from "three";
+import { Program } from "../renderer/program";
+import { PRESENT_VERTEX_SHADER } from "../renderer/shaders";
+import type { Viewport } from "./host_view";
+
+/** Draws a copy over what it is a copy of, its colours turned from or into linear light; brighter than white is kept. */
+const CONVERT_FRAGMENT_SHADER = `#version 300 es
+precision highp float;
+
+uniform highp sampler2D picture;
+uniform bool linear;          // whether into it
+out vec4 result;
+
+void main() {
+  result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
+  vec3 c = max(result.rgb, 0.0);
+  result.rgb = linear
+    ? mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c))
+    : mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
+`;
+
+/** The format of a target's colours, if they are fine enough to be turned to and fro. */
+export function fineFormat({ texture }: WebGLRenderTarget): "RGBA16F" | "RGBA32F" | null {
+  if (texture.format !== RGBAFormat) return null;
+  return texture.type === HalfFloatType ? "RGBA16F" : texture.type === FloatType ? "RGBA32F" : null;
+}
+
+export class LinearLight {
+  readonly #gl: WebGL2RenderingContext;
+  readonly #program: Program<"picture" | "linear">;
+  readonly #vertices: WebGLVertexArrayObject;
+  readonly #framebuffer: WebGLFramebuffer;
+  #texture: WebGLTexture | null = null;
+  #size = "";
+
+  constructor(gl: WebGL2RenderingContext) {
+    this.#gl = gl;
+    this.#program = new Program(gl, PRESENT_VERTEX_SHADER, CONVERT_FRAGMENT_SHADER, ["picture", "linear"]);
+    this.#vertices = gl.createVertexArray();
+    this.#framebuffer = gl.createFramebuffer();
+  }
+
+  /** Run what draws sRGB into the bound framebuffer, which holds linear light in that format before and after. */
+  around(viewport: Viewport, format: "RGBA16F" | "RGBA32F", draw: () => void): void {
+    this.#convert(viewport, format, false);
+    draw();
+    this.#convert(viewport, format, true);
+  }
+
+  dispose(): void {
+    this.#program.dispose();
+    this.#gl.deleteVertexArray(this.#vertices);
+    this.#gl.deleteFramebuffer(this.#framebuffer);
+    this.#gl.deleteTexture(this.#texture);
+  }
+
+  /** Leaves depth test and blending on, as draw and host have them; binds texture unit 0. */
+  #convert({ x, y, width, height }: Viewport, format: "RGBA16F" | "RGBA32F", linear: boolean): void {
+    const gl = this.#gl;
+    const target = gl.getParameter(gl.DRAW_FRAMEBUFFER_BINDING);
+    const read = gl.getParameter(gl.READ_FRAMEBUFFER_BINDING);
+    const scissor = gl.isEnabled(gl.SCISSOR_TEST);
+    const [right, top] = [x + width, y + height];
+    this.#make(right, top, format);
+    gl.disable(gl.SCISSOR_TEST); // else it cuts the copy
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, target);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#framebuffer);
+    // To the same place: several samples a pixel cannot be copied elsewhere.
+    gl.blitFramebuffer(x, y, right, top, x, y, right, top, gl.COLOR_BUFFER_BIT, gl.NEAREST);
+    gl.bindFramebuffer(gl.READ_FRAMEBUFFER, read);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, target);
+    if (scissor) gl.enable(gl.SCISSOR_TEST);
+    gl.disable(gl.BLEND);
+    gl.disable(gl.DEPTH_TEST);
+    gl.viewport(x, y, width, height);
+    gl.useProgram(this.#program.handle);
+    gl.bindVertexArray(this.#vertices);
+    gl.uniform1i(this.#program.uniforms.picture, 0);
+    gl.uniform1i(this.#program.uniforms.linear, linear ? 1 : 0);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.enable(gl.BLEND);
+    gl.enable(gl.DEPTH_TEST);
+  }
+
+  /** Make room for a copy, bound to texture unit 0. */
+  #make(width: number, height: number, format: "RGBA16F" | "RGBA32F"): void {
+    const gl = this.#gl;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
+    const size = `${width} ${height} ${format}`;
+    if (this.#size === size) return;
+    this.#size = size;
+    gl.deleteTexture(this.#texture);
+    this.#texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, this.#texture);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl[format], width, height);
+    const bound = gl.getParameter(gl.DRAW_FRAMEBUFFER_BINDING);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, this.#framebuffer);
+    gl.framebufferTexture2D(gl.DRAW_FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.#texture, 0);
+    gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, bound);
+  }
+}
