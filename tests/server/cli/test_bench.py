@@ -1,12 +1,17 @@
-"""`hgs bench raster`, on scenes too small to say anything about speed."""
+"""`hgs bench`: raster and train on scenes too small to say anything about speed, codec with a stand-in.
+
+What is measured is tested in tests/hgs_core/bench.
+"""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hgs_core.bench import codec
 from hgs_core.native import library
 from server.cli import main
 from tests.synthetic import write_capture
@@ -62,6 +67,9 @@ def test_a_training_needs_a_camera_to_score_on(tmp_path: Path, capsys: pytest.Ca
         (["--dynamic", "2"], "--dynamic"),
         (["--seed", "1.5"], "--seed"),
         (["--json", "/nowhere/raster.json"], "/nowhere/raster.json"),
+        (["--backends", "cpu", "--against", "gsplat"], "add --backends triton"),
+        (["--backends", "triton", "--threads", "1"], "--threads"),
+        (["--backends", "triton", "--truth", "none"], "--truth"),
     ],
 )
 def test_bad_arguments_are_refused(capsys: pytest.CaptureFixture[str], wrong: list[str], word: str) -> None:
@@ -86,3 +94,47 @@ def test_truth_can_be_left_out(capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["bench", "raster", *TINY[:-2], "--truth", "none", "--json"]) == 0
         (point,) = json.loads(capsys.readouterr().out)["points"]
         assert (point["backend"], point["errors"]) == ("cpu", None)
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """What `hgs bench codec` asked for; it gets a report of nothing."""
+    found: list[dict[str, Any]] = []
+
+    def bench_codec(source: Path, progress: object, **options: Any) -> codec.CodecReport:
+        found.append({"source": source, **options})
+        machine = {"cpu": "Fast One", "cores": 4, "load": 0.5}
+        return codec.CodecReport(machine, "studio", 12, 0, (), (), 0.0, 0.0, {}, 65_536, {}, {})
+
+    monkeypatch.setattr(codec, "bench_codec", bench_codec)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sweep"),
+    [([], codec.SWEEP), (["--sweep", "0.5,4"], (0.5, 4.0)), (["--sweep", "none"], ())],
+    ids=["default", "list", "none"],
+)
+def test_the_codec_is_measured_with_the_budgets_and_the_sweep(
+    asked: list[dict[str, Any]], arguments: list[str], sweep: tuple[float, ...]
+) -> None:
+    assert main(["bench", "codec", "studio", *arguments]) == 0
+    assert asked == [{"source": Path("studio"), "budgets": ("default", "low"), "sweep": sweep}]
+
+
+@pytest.mark.usefixtures("asked")
+def test_the_codec_s_report_is_a_table_and_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "codec", "studio", "--json", str(tmp_path / "codec.json")]) == 0
+    assert "studio: 12 static and 0 dynamic splats" in capsys.readouterr().out
+    assert json.loads((tmp_path / "codec.json").read_text())["splats_static"] == 12
+
+
+def test_a_bad_sweep_is_refused(asked: list[dict[str, Any]], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "codec", "studio", "--sweep", "fine"]) == 2
+    assert "--sweep: 'fine' is not a number" in capsys.readouterr().err
+    assert asked == []
+
+
+def test_a_source_that_is_none_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bench", "codec", str(tmp_path / "nothing")]) == 2
+    assert "is not a run" in capsys.readouterr().err
