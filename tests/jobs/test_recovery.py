@@ -229,6 +229,15 @@ def test_a_row_that_the_next_worker_has_changed_already_is_left_alone(
     assert (row(table).state, row(table).waiting) == (JobState.RUNNING, "")
 
 
+def test_who_comes_second_changes_no_row(
+    ours: Recovery, dbos: FakeDbos, table: JobTable, liveness: FakeLiveness, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dbos, "reenqueue_for_recovery", lambda *_: False)  # another worker was there before
+    dbos.workflows, liveness.dead = [Workflow("a:1", executor_id="dead")], {"dead"}
+    ours.take_over()
+    assert (row(table).state, row(table).waiting) == (JobState.RUNNING, "")
+
+
 def test_our_own_workflow_that_nobody_works_on_is_queued_again_after_a_while(
     ours: Recovery, dbos: FakeDbos, table: JobTable, clock: Callable[[float], None], attended: set[tuple[str, int]]
 ) -> None:
