@@ -22,6 +22,7 @@ from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
 from hgs_core.codec.format.folder import load_manifest
 from server.web_folder import publish_to_folder
 from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH, serving
+from tests.web_client.test_console_pages import violations
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
@@ -315,6 +316,16 @@ def test_players_on_one_page_obey_their_own_keys_and_wheel(browser: Browser, hos
             "(before) => one.player.camera.view.position[2] !== before[2]", arg=before["one"]["position"]
         )
         assert page.evaluate("() => scrollY") == 0
+
+
+def test_a_page_with_a_player_keeps_nobody_out(browser: Browser, host: Host) -> None:
+    """As axe judges the page: nothing serious, with the settings open, too."""
+    body = "<main><h1>Two scenes</h1>" + player("controls") + player("controls", "two") + "</main>" + SCRIPT
+    with embedding(browser, host, body, reduced_motion="reduce") as page:
+        for name in ("one", "two"):
+            wait_for_picture(page, name)
+        page.locator("#one").get_by_role("button", name="Settings").click()
+        assert violations(page) == []
 
 
 def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:

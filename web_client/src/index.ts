@@ -27,3 +27,4 @@ export type {
 } from "./source/scene_source";
 export { type CreatePlayerOptions, createPlayer } from "./ui/create_player";
 export type { WholePage } from "./ui/player_view";
+export type { SharedView } from "./ui/shared_view";

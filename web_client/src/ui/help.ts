@@ -64,7 +64,10 @@ export class Help {
         bindings.map((binding) => [shownKeys(binding), binding.does]),
       ),
     );
-    this.#groups.replaceChildren(...keys, table("While flying", FLYING), table("Mouse and fingers", GESTURES));
+    const gestures = table("Mouse and fingers", GESTURES);
+    const flying = table("While flying", FLYING);
+    const fingers = matchMedia("(hover: none)").matches; // and most likely no keys
+    this.#groups.replaceChildren(...(fingers ? [gestures, ...keys, flying] : [...keys, flying, gestures]));
     this.node.showModal();
   }
 }

@@ -27,8 +27,10 @@ export class IdleHiding {
   }
 
   #sleep(): void {
-    const controls = this.root.querySelector(".transport :focus-visible, .top-bar :focus-visible");
-    if (this.playing() && !controls) this.root.classList.add("idle");
+    const used = this.root.querySelector(
+      ".transport :focus-visible, .top-bar :focus-visible, .menu:not([hidden]), dialog[open]",
+    );
+    if (this.playing() && !used) this.root.classList.add("idle");
     else this.#timer = setTimeout(() => this.#sleep(), IDLE);
   }
 }

@@ -3,6 +3,7 @@
 import type { HgsPlayer } from "../player/hgs_player";
 import type { KeyGroup } from "./key_bindings";
 import { longSeekStep, type PlayerActions, rateAfter, seekStep } from "./player_actions";
+import { steering } from "./steering";
 
 const TURN = 0.06; // radians
 const ZOOM = 1.1;
@@ -15,10 +16,9 @@ export interface KeySurroundings {
 }
 
 export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeySurroundings): readonly KeyGroup[] {
-  const { camera } = player;
+  const camera = steering(player.camera, actions.surroundings.fly);
   const turn = (yaw: number, pitch: number) => () => {
-    if (actions.surroundings.fly.active) camera.lookAround(-yaw, -pitch);
-    else camera.turn(yaw, pitch);
+    camera.turn(yaw, pitch);
     camera.release();
   };
   const zoom = (factor: number) => () => {

@@ -22,6 +22,7 @@ import { adoptPlayerStyle } from "./player_style";
 import { SettingsMenu } from "./settings_menu";
 import type { SharedView } from "./shared_view";
 import { StatsPanel } from "./stats_panel";
+import { steering } from "./steering";
 import { Transport } from "./transport";
 
 /** What a page that is a player alone adds. */
@@ -245,23 +246,12 @@ export class PlayerView {
   #obey(): void {
     const { page } = this.#options;
     const { player, root } = this;
-    const { camera } = player;
     const signal = player.disposed;
-    const motion = {
-      turn: (yaw: number, pitch: number) => {
-        if (this.#fly.active) camera.lookAround(-yaw, -pitch);
-        else camera.turn(yaw, pitch);
-      },
-      zoom: (factor: number) => camera.zoom(factor),
-      pan: (dx: number, dy: number) => camera.pan(dx, dy),
-      release: () => camera.release(),
-      focus: (x: number, y: number) => camera.focus(x, y),
-    };
     const gestures = {
       wheelZooms: () => page !== undefined || root.matches(":focus-within"),
       onTap: () => this.#actions.toggle(),
     };
-    listenForGestures(this.#stage, motion, gestures, signal);
+    listenForGestures(this.#stage, steering(player.camera, this.#fly), gestures, signal);
     const ignores = (event: KeyboardEvent, control: EventTarget) =>
       this.#transport === null ||
       this.#help.open ||

@@ -45,6 +45,7 @@ it("turns the camera with arrows where nothing moves, and lets go of it", () => 
 it("looks around with arrows while flying", () => {
   keys({}, true).press("Shift+ArrowLeft");
   expect(camera.lookAround).toHaveBeenCalledOnce();
+  expect(camera.lookAround.mock.calls[0][0]).toBeGreaterThan(0); // to the left
 });
 
 describe("docs/viewer.md", () => {
