@@ -203,6 +203,7 @@ def test_a_copied_link_opens_on_the_same_picture(browser: Browser, site: Site) -
         page.mouse.wheel(0, -200)
         page.keyboard.press("ArrowRight")
         wait_for_time(page, 0.6)
+        page.keyboard.press("i")
         shared = settled(page)
         page.keyboard.press("c")
         page.locator(".message", has_text="Link copied").wait_for()
@@ -210,6 +211,7 @@ def test_a_copied_link_opens_on_the_same_picture(browser: Browser, site: Site) -
         page.goto(link)
         page.evaluate("() => window.hgs.ready")
         assert not playing(page)
+        assert page.locator(".loop-range").is_visible()
         assert psnr(settled(page), shared) >= 45
 
 

@@ -26,5 +26,5 @@ export type {
   SourceState,
 } from "./source/scene_source";
 export { type CreatePlayerOptions, createPlayer } from "./ui/create_player";
-export type { WholePage } from "./ui/player_view";
+export type { WholePage } from "./ui/player_view_options";
 export type { SharedView } from "./ui/shared_view";

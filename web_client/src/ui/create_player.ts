@@ -2,7 +2,8 @@
 
 import type { HgsPlayer } from "../player/hgs_player";
 import type { OpenSource } from "../source/scene_source";
-import { PlayerView, type PlayerViewOptions } from "./player_view";
+import { PlayerView } from "./player_view";
+import type { PlayerViewOptions } from "./player_view_options";
 
 export interface CreatePlayerOptions extends PlayerViewOptions {
   /** What to load at once. See `HgsPlayer.load`. */

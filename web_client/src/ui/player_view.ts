@@ -4,7 +4,6 @@ import { FlyMode } from "../camera/fly_mode";
 import { listenForGestures } from "../camera/gestures";
 import type { Manifest } from "../codec/types";
 import { HgsPlayer } from "../player/hgs_player";
-import type { HgsPlayerOptions } from "../player/hgs_player_events";
 import { Bookmarks } from "./bookmarks";
 import { element, icon } from "./element";
 import { toggleFullscreen } from "./full_screen";
@@ -19,36 +18,11 @@ import { pauseOutOfSight } from "./out_of_sight";
 import { PlayerActions } from "./player_actions";
 import { playerKeys } from "./player_keys";
 import { adoptPlayerStyle } from "./player_style";
+import type { PlayerViewOptions } from "./player_view_options";
 import { SettingsMenu } from "./settings_menu";
-import type { SharedView } from "./shared_view";
 import { StatsPanel } from "./stats_panel";
 import { steering } from "./steering";
 import { Transport } from "./transport";
-
-/** What a page that is a player alone adds. */
-export interface WholePage {
-  /** Address of the page that leads to other scenes. */
-  readonly home: string;
-  /** Load the page again. */
-  reload(): void;
-  /** The address of the page that opens on what is shared; left out where there is none. */
-  link?(shared: SharedView): string;
-  /** The bookmarks have changed, seconds; the page may keep them in its address. */
-  keep?(bookmarks: readonly number[]): void;
-}
-
-export interface PlayerViewOptions extends HgsPlayerOptions {
-  /** Whether to show controls and obey keys, taps and drags; true if left out. */
-  readonly controls?: boolean;
-  /** What to call the scene until it says so itself. */
-  readonly title?: string;
-  /** Address of a picture to show until the scene has one of its own. */
-  readonly poster?: string | null;
-  /** Marked moments to begin with, seconds. */
-  readonly bookmarks?: readonly number[];
-  /** For a page that is a player alone: all keys and the wheel are the player's. Left out in a page with other things. */
-  readonly page?: WholePage;
-}
 
 const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";
 

@@ -3,7 +3,8 @@
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Pixels } from "../renderer/shot";
 import { element } from "./element";
-import { PlayerView, type WholePage } from "./player_view";
+import { PlayerView } from "./player_view";
+import type { WholePage } from "./player_view_options";
 import { linkWithBookmarks, sharedLink } from "./shared_view";
 import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
