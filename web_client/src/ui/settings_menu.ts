@@ -138,7 +138,7 @@ export class SettingsMenu {
   #closeBeside(root: HTMLElement): void {
     const inside = (event: Event) => event.composedPath().some((part) => part === this.node || part === this.button);
     const signal = AbortSignal.any([this.#gone.signal, this.player.disposed]);
-    root.addEventListener("pointerdown", (event) => inside(event) || this.#show(false), { signal, capture: true });
+    document.addEventListener("pointerdown", (event) => inside(event) || this.#show(false), { signal, capture: true });
     root.addEventListener("focusin", (event) => inside(event) || this.#show(false), { signal });
     root.addEventListener(
       "keydown",
