@@ -68,6 +68,7 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
         time,
         playing: autoplay,
         antialiased,
+        memoryBudget: options.memoryBudget,
       },
       {
         manifest: (manifest) => this.#begin(manifest),

@@ -17,6 +17,8 @@ export interface HgsSceneOptions {
   readonly playbackRate?: number;
   /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
   readonly antialiased?: boolean | null;
+  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
+  readonly memoryBudget?: number;
   /**
    * Whether to write colours in linear light, for what turns them into sRGB later. Left out or null: as three.js' own
    * materials do, by the renderer's `outputColorSpace` on its canvas, and in linear light to render targets.
