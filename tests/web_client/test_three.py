@@ -429,3 +429,28 @@ def _mostly(picture: npt.NDArray[np.uint8], channel: int) -> npt.NDArray[np.bool
     others = np.delete(picture, channel, axis=2).max(axis=2).astype(int)
     bright: npt.NDArray[np.bool_] = picture[..., channel] > np.maximum(2 * others, 30)
     return bright
+
+
+def test_the_program_of_the_documents_plays_and_seeks(browser: Browser, address: str) -> None:
+    text = (REPOSITORY / "docs" / "three.md").read_text(encoding="utf-8")
+    program = text.split("```js\n")[1].split("```")[0].replace("studio/manifest.json", "/clouds/manifest.json")
+    script = f"{program}\nwindow.told = [];\nwindow.splats = splats;\n"
+    script += "for (const type of ['ready', 'seeked']) splats.addEventListener(type, () => told.push(type));"
+    page = browser.new_page(viewport={"width": 640, "height": 400})
+    try:
+        page.route(
+            "**/program.html",
+            lambda route: route.fulfill(
+                content_type="text/html",
+                body=f"""<!doctype html><html lang="en"><meta charset="utf-8"><title>A program</title>
+<canvas width="640" height="360"></canvas>
+<script type="importmap">{json.dumps({"imports": IMPORTS})}</script><script type="module">{script}</script>""",
+            ),
+        )
+        page.goto(f"{address}/program.html")
+        page.wait_for_function("() => window.told?.includes('ready')")
+        assert page.evaluate("() => splats.paused") is False
+        page.evaluate("() => splats.seek(0.5)")
+        assert "seeked" in page.evaluate("() => told")
+    finally:
+        page.close()

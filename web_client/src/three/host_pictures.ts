@@ -48,7 +48,7 @@ export class HostPictures {
     if (target && target.textures.length > 1) {
       throw new Error(`the render target has ${target.textures.length} textures: splats are drawn into one only`);
     }
-    const { x, y, z: width, w: height } = renderer.getCurrentViewport(this.#viewport);
+    const { x, y, z: width, w: height } = currentViewport(renderer, this.#viewport);
     const viewport = { x, y, width, height };
     const { view, depth } = hostView(camera, world, viewport);
     const place = this.#views.push(view) - 1;
@@ -116,6 +116,12 @@ export class HostPictures {
     this.#orders.forget();
     this.events.restored();
   }
+}
+
+/** The viewport in pixels. three.js knows none of a canvas whose size and target the host has never set. */
+function currentViewport(renderer: WebGLRenderer, viewport: Vector4): Vector4 {
+  if (renderer.getCurrentViewport(viewport).z > 0) return viewport;
+  return renderer.getViewport(viewport).multiplyScalar(renderer.getPixelRatio()).round();
 }
 
 /** Whether three.js' materials write linear light into what is bound. */
