@@ -12,7 +12,7 @@ const values = fc.letrec<{ value: Packable }>((tie) => ({
     { maxDepth: 3 },
     fc.constant(null),
     fc.boolean(),
-    fc.double(),
+    fc.double().map((value) => (value === 0 ? 0 : value)), // the library packs -0 as 0
     fc.maxSafeInteger(),
     fc.integer({ min: -40, max: 300 }),
     fc.string({ unit: "binary", maxLength: 300 }),
@@ -22,7 +22,7 @@ const values = fc.letrec<{ value: Packable }>((tie) => ({
   ),
 })).value;
 
-const plain = (value: unknown) => JSON.parse(JSON.stringify(value, (_, x) => (Object.is(x, -0) ? "-0" : x)));
+const plain = (value: unknown) => JSON.parse(JSON.stringify(value));
 
 describe("against the library @msgpack/msgpack", () => {
   it("packs what the library unpacks to the same", () => {
