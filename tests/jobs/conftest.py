@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import sqlalchemy as sa
 
 sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import, and the pipelines that they name
 
@@ -21,8 +22,9 @@ from postgres_server import PostgresServer, missing_program
 
 from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient, JobRequest
+from jobs.database import create_engine, prepare_database
 from jobs.home import Home
-from jobs.store import Job
+from jobs.store import Job, metadata
 
 MODULES = Path(__file__).parent / "modules"
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -64,6 +66,16 @@ def pipeline() -> str:
 @pytest.fixture
 def home(tmp_path: Path, pipeline: str) -> Home:
     return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=pipeline)
+
+
+@pytest.fixture
+def engine(tmp_path: Path) -> Iterator[sa.Engine]:
+    """The tables of a home on SQLite."""
+    home = Home.at(tmp_path)
+    engine = create_engine(home)
+    prepare_database(home, engine, metadata)
+    yield engine
+    engine.dispose()
 
 
 @pytest.fixture

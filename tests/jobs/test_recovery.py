@@ -9,7 +9,6 @@ import contextlib
 import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -18,11 +17,9 @@ import sqlalchemy as sa
 from dbos import DBOS
 
 from jobs import recovery
-from jobs.database import create_engine, prepare_database
-from jobs.home import Home
 from jobs.liveness import Liveness
 from jobs.recovery import Recovery
-from jobs.store import Job, JobState, JobTable, metadata
+from jobs.store import Job, JobState, JobTable
 from jobs.subprocesses import StageRunner
 
 
@@ -90,15 +87,6 @@ class FakeLiveness:
 
     def suspects(self, executor: str) -> bool:
         return executor in self.suspected
-
-
-@pytest.fixture
-def engine(tmp_path: Path) -> Iterator[sa.Engine]:
-    home = Home.at(tmp_path)
-    engine = create_engine(home)
-    prepare_database(home, engine, metadata)
-    yield engine
-    engine.dispose()
 
 
 @pytest.fixture

@@ -2,25 +2,15 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
-from jobs.database import create_engine, prepare_database
+from jobs.database import prepare_database
 from jobs.home import Home
 from jobs.store import Job, JobState, JobTable, Place, metadata
-
-
-@pytest.fixture
-def engine(tmp_path: Path) -> Iterator[sa.Engine]:
-    home = Home.at(tmp_path)
-    engine = create_engine(home)
-    prepare_database(home, engine, metadata)
-    yield engine
-    engine.dispose()
 
 
 @pytest.fixture

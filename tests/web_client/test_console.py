@@ -244,6 +244,7 @@ def test_a_scene_is_shared_renamed_and_deleted(console: Console, page: Page) -> 
     watcher = page.context.new_page()
     watcher.goto(f"/view/{job}")
     watcher.wait_for_function("() => window.hgs !== undefined")
+    watcher.get_by_role("heading", name="On stage").wait_for()
     page.get_by_role("button", name="More about On stage").click()
     page.get_by_role("button", name="Delete …").click()
     dialog = page.get_by_role("dialog", name="Delete On stage?")

@@ -12,7 +12,7 @@ const page = pageAt(location.pathname);
 // Each page is a bundle of its own, so that the console does not load the player.
 switch (page.kind) {
   case "view": {
-    const { showViewPage } = await import("./ui/view_page");
+    const { showViewPage } = await import("./console/view_page");
     showViewPage(document.body, page.scene);
     break;
   }

@@ -16,7 +16,7 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   player: ["camera", "codec", "renderer", "source", "worker"],
   xr: ["camera", "codec", "player", "renderer"],
   ui: ["camera", "codec", "player", "renderer", "source", "xr"],
-  console: ["protocol", "ui"],
+  console: ["player", "protocol", "renderer", "ui"],
   element: ["player", "ui"],
   three: ["camera", "codec", "player", "renderer", "source"],
   "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],

@@ -104,6 +104,11 @@ export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
   return ((await getJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
 }
 
+/** @throws ApiError */
+export async function getScene(id: string, signal: AbortSignal): Promise<Scene> {
+  return (await getJson(`/v1/scenes/${encodeURIComponent(id)}`, signal)) as unknown as Scene;
+}
+
 export async function renameScene(id: string, title: string): Promise<void> {
   await sendJson("PATCH", sceneAddress(id), { title });
 }

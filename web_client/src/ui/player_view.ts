@@ -110,6 +110,11 @@ export class PlayerView {
     this.#showPoster();
   }
 
+  /** What the scene is called, over the picture. */
+  set title(title: string) {
+    this.#title.textContent = title;
+  }
+
   /** Fill the screen, or leave it; says why if that fails. */
   toggleFullscreen(): void {
     void toggleFullscreen(this.#host).catch((error: Error) => this.#notices.fail(error.message));

@@ -1,12 +1,13 @@
 /** The page that plays a scene: a player alone, its address's parameters, its title, and a handle for scripts. */
 
 import type { HgsPlayer } from "../player/hgs_player";
+import { getScene } from "../protocol/api";
 import type { Pixels } from "../renderer/shot";
-import { element } from "./element";
-import { PlayerView } from "./player_view";
-import type { WholePage } from "./player_view_options";
-import { linkWithBookmarks, sharedLink } from "./shared_view";
-import { parseViewParameters, type ViewParameters } from "./view_parameters";
+import { element } from "../ui/element";
+import { PlayerView } from "../ui/player_view";
+import type { WholePage } from "../ui/player_view_options";
+import { linkWithBookmarks, sharedLink } from "../ui/shared_view";
+import { parseViewParameters, type ViewParameters } from "../ui/view_parameters";
 
 /** What the page offers to scripts, such as tests: `window.hgs`. */
 export interface ViewerHandle {
@@ -54,8 +55,17 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     page,
   });
   const { player } = view;
+  const call = (title: string) => {
+    view.title = title;
+    document.title = `${title} · HGS`;
+  };
   player.addEventListener("manifest", ({ detail }) => {
-    document.title = `${detail.title || scene} · HGS`;
+    call(detail.title || scene);
+    // The server knows a later title; without an answer the scene's own one stays.
+    getScene(scene, player.disposed).then(
+      ({ title }) => call(title || scene),
+      () => {},
+    );
   });
   const ready = player.load(`/view/${scene}`);
   ready.catch(() => {}); // shown on the page already
