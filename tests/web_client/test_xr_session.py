@@ -210,7 +210,7 @@ def test_leaving_brings_the_page_back(browser: Browser, site: Site, leave: Calla
         page.wait_for_function("() => headset.session === null")
         page.evaluate("() => hgs.seek(0.4)")
         assert np.array_equal(canvas_pixels(page), before)
-        page.keyboard.press("ArrowLeft")
+        page.keyboard.press("Shift+ArrowLeft")
         page.evaluate("() => hgs.seek(0.4)")
         assert not np.array_equal(canvas_pixels(page), before)
         headset.enter()
