@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.metrics.psnr import decibels
+
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Playwright
 
@@ -146,8 +148,7 @@ def capture_canvas(url: str, width: int, height: int, chromium: str) -> npt.NDAr
 
 def psnr(picture: npt.NDArray[Any], truth: npt.NDArray[Any]) -> float:
     """Return the PSNR in dB (data range 1) of two sRGB pictures, uint8 or floats in [0, 1]; inf if they are equal."""
-    error = float(np.mean((_unit(picture) - _unit(truth)) ** 2))
-    return float("inf") if error == 0.0 else -10.0 * float(np.log10(error))
+    return decibels(float(np.mean((_unit(picture) - _unit(truth)) ** 2)))
 
 
 def _unit(picture: npt.NDArray[Any]) -> npt.NDArray[np.float64]:

@@ -5,37 +5,11 @@ import type { Mat3, Vec3 as Vector } from "../../../src/camera/vector";
 import { ScenePlayer } from "../../../src/player/player";
 import { CanvasRenderer } from "../../../src/renderer/canvas_renderer";
 import type { Quality } from "../../../src/renderer/quality";
-import type { OpenSource } from "../../../src/source/scene_source";
+import { openSource } from "../../../src/source/open_source";
 import { type BenchCamera, canvasOf, type OpenViewer } from "./viewer";
 
 /** The bench waits for the device itself. */
 Object.defineProperty(CanvasRenderer.prototype, "busy", { value: () => false });
-
-/** All chunks at once: how they come is not what is measured. */
-const folder =
-  (files: URL): OpenSource =>
-  (events) => {
-    const bytes = async (name: string) =>
-      new Uint8Array(await (await fetch(new URL(`scene/${name}`, files))).arrayBuffer());
-    void (async () => {
-      const manifest = await bytes("manifest.json");
-      events.manifest(manifest);
-      const { slices, static: statics } = JSON.parse(new TextDecoder().decode(manifest));
-      const chunks = [...statics, ...slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks)];
-      for (const { id } of chunks) events.chunk(id, await bytes(`chunks/${id}`));
-    })();
-    const nothing = () => {};
-    return {
-      play: nothing,
-      pause: nothing,
-      seek: nothing,
-      playheadAt: nothing,
-      consumed: nothing,
-      wake: nothing,
-      close: nothing,
-      fetchAgain: (id) => bytes(`chunks/${id}`),
-    };
-  };
 
 function viewOf({ eye, target, up, fovY, near }: BenchCamera, width: number, height: number) {
   const minus = (a: Vector, b: Vector): Vector => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -67,7 +41,7 @@ export const openHgs =
     let nudge = 0;
     const player = new ScenePlayer({
       canvas,
-      source: folder(request.files),
+      source: openSource(new URL("scene/manifest.json", request.files).href),
       time: null,
       playing: false,
       antialiased: null,
