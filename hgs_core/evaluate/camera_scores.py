@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from torch import Tensor
 
-from hgs_core.evaluate.picture_scores import PICTURE_METRICS, PictureScorer
+from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, PictureScorer
 from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError
 from hgs_core.metrics.flicker import Flicker
+from hgs_core.metrics.psnr import decibels
 from hgs_core.metrics.region_psnr import RegionError
 
 __all__ = ["REGIONS", "CameraScores", "Scores", "combine"]
@@ -21,6 +23,22 @@ Scores = dict[str, float | None]
 """A score by the name of its metric; None where it was not measured or is not finite, as JSON needs it."""
 
 
+_SERIES = (*PICTURE_METRICS, *REGIONS, *REGION_METRICS)
+
+
+@dataclass
+class _PixelMean:
+    """A mean over pixels, added up over frames."""
+
+    total: float = 0.0
+    pixels: int = 0
+
+    def add(self, mean: float, pixels: int) -> None:
+        """Add the mean of so many pixels."""
+        self.total += mean * pixels
+        self.pixels += pixels
+
+
 class CameraScores:
     """What the frames of one camera scored."""
 
@@ -30,13 +48,16 @@ class CameraScores:
         self.flicker: float | None = None
         self.flicker_steady: float | None = None
         self.colour_corrected = ColourCorrectedError()
-        self.frames: dict[str, list[float | None]] = {name: [] for name in (*PICTURE_METRICS, *REGIONS)}
+        self.frames: dict[str, list[float | None]] = {name: [] for name in _SERIES}
         self.regions = {name: RegionError() for name in REGIONS}
+        self.means = {name: _PixelMean() for name in REGION_METRICS}
 
     def add(self, image: Tensor, truth: Tensor, moving: Tensor | None) -> None:
         """Score the next frame [3, H, W] in [0, 1], with its mask [H, W] bool of what moves, if there is one."""
-        for name, value in self._scorer.score(image, truth).items():
+        for name, value in self._scorer.score(image, truth, moving).items():
             self.frames[name].append(value)
+            if name in self.means and value is not None and moving is not None:
+                self.means[name].add(value, int(moving.sum()))
         for name, inside in REGIONS.items():
             error = RegionError()
             if moving is not None:
@@ -44,7 +65,7 @@ class CameraScores:
             self.frames[name].append(error.psnr())
             self.regions[name].include(error)
         self._flicker.add(image, truth, moving)
-        self.colour_corrected.add(image, truth)
+        self.colour_corrected.add(image, truth, moving)
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""
@@ -60,8 +81,8 @@ class CameraScores:
 def combine(cameras: Sequence[CameraScores]) -> Scores:
     """Return the scores of all frames of the cameras together.
 
-    They are means over frames and cameras, but for psnr_dynamic and psnr_static, which are of the squared error pooled
-    over all frames, and psnr_colour_corrected, flicker and flicker_steady, which are means over cameras.
+    They are means over frames and cameras, but for those of regions, which are of all their pixels in all frames
+    together, and psnr_colour_corrected, flicker and flicker_steady, which are means over cameras.
     """
     scores: Scores = {
         name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
@@ -71,10 +92,22 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
         for camera in cameras:
             pooled.include(camera.regions[name])
         scores[name] = _finite(pooled.psnr())
+    for name in REGION_METRICS:
+        means = [camera.means[name] for camera in cameras]
+        pixels = sum(mean.pixels for mean in means)
+        scores[name] = _finite(sum(mean.total for mean in means) / pixels) if pixels else None
+    scores["psnr_dynamic_colour_corrected"] = _finite(_pooled_after_colours(cameras))
     scores["psnr_colour_corrected"] = _mean([_finite(camera.colour_corrected.psnr()) for camera in cameras])
     scores["flicker"] = _mean([camera.flicker for camera in cameras])
     scores["flicker_steady"] = _mean([camera.flicker_steady for camera in cameras])
     return scores
+
+
+def _pooled_after_colours(cameras: Sequence[CameraScores]) -> float | None:
+    """Return the PSNR of what moves in all frames, after each camera's colour map; None if nothing moves."""
+    errors = [camera.colour_corrected.region_error() for camera in cameras]
+    values = sum(count for _, count in errors)
+    return decibels(sum(squared for squared, _ in errors) / values) if values else None
 
 
 def _mean(values: Sequence[float | None]) -> float | None:

@@ -10,12 +10,15 @@ from hgs_core.metrics.flip import flip, require_flip
 from hgs_core.metrics.lpips import Lpips
 from hgs_core.metrics.ms_ssim import ms_ssim
 from hgs_core.metrics.psnr import psnr
-from hgs_core.metrics.ssim import ssim
+from hgs_core.metrics.ssim import region_ssim, ssim
 
-__all__ = ["PICTURE_METRICS", "PictureScorer"]
+__all__ = ["PICTURE_METRICS", "REGION_METRICS", "PictureScorer"]
 
 PICTURE_METRICS = ("psnr", "ssim", "ms_ssim", "lpips", "flip")
-"""The names of the scores in their order."""
+"""The names of the scores of whole pictures in their order."""
+
+REGION_METRICS = ("ssim_dynamic", "lpips_dynamic")
+"""The names of the scores of what moves in a picture that are means over its pixels."""
 
 
 class PictureScorer:
@@ -32,15 +35,23 @@ class PictureScorer:
         if with_flip:
             require_flip()
 
-    def score(self, image: Tensor, truth: Tensor) -> dict[str, float | None]:
-        """Compare two pictures [3, H, W] in [0, 1].
+    def score(self, image: Tensor, truth: Tensor, moving: Tensor | None = None) -> dict[str, float | None]:
+        """Compare two pictures [3, H, W] in [0, 1], of which the pixels `moving` [H, W] move (None: unknown).
 
-        Returns every one of `PICTURE_METRICS`, None where it was not wanted or is not defined; psnr may be infinite.
+        Returns every one of `PICTURE_METRICS` and `REGION_METRICS`, None where it was not wanted or is not defined;
+        psnr may be infinite.
         """
+        lpips = lpips_dynamic = None
+        if self._lpips and moving is not None:
+            lpips, lpips_dynamic = self._lpips.with_region(image, truth, moving)
+        elif self._lpips:
+            lpips = self._lpips(image, truth)
         return {
             "psnr": psnr(image, truth),
             "ssim": ssim(image, truth),
             "ms_ssim": ms_ssim(image, truth),
-            "lpips": self._lpips(image, truth) if self._lpips else None,
+            "lpips": lpips,
             "flip": flip(image, truth) if self._flip else None,
+            "ssim_dynamic": None if moving is None else region_ssim(image, truth, moving),
+            "lpips_dynamic": lpips_dynamic,
         }

@@ -46,7 +46,7 @@ def evaluate_run(
         cameras: names of the cameras to score; those held out by default.
         all_cameras: score every camera of the capture instead.
         truth: folder of pictures to score against instead of the capture's (`Truth`).
-        masks: folder of masks of what moves; without it the capture's own are used, if it has some.
+        masks: folder of masks of what moves; without it the capture's own are used, or what moves in the truth.
         lpips: file of the weights (`Lpips`); without it there is no LPIPS.
         flip: whether to compute FLIP.
         backend: that draws (`hgs_core.render.rasterize`).

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 
@@ -21,6 +22,7 @@ from hgs_core.capture.picture import (
     reduced_mask,
     reduced_picture,
 )
+from hgs_core.decompose.temporal import Background, estimate_background, moving_pixels
 from hgs_core.scene.camera import Camera
 from hgs_core.train.targets import target_picture
 
@@ -54,9 +56,11 @@ class Truth:
         self._masks = _files(capture, cameras, masks, "mask", downscale) if masks is not None else {}
         self.of_pictures = "capture" if pictures is None else "given"
         """Where the pictures are from."""
+        self._backgrounds: dict[int, Background] = {}
         own = masks is None and any(capture.mask(camera, 0) is not None for camera in cameras)
-        self.of_masks = "given" if masks is not None else "capture" if own else None
-        """Where the masks are from; None if there are none."""
+        several = len(capture.times) > 1
+        self.of_masks = "given" if masks is not None else "capture" if own else "automatic" if several else None
+        """Where the masks are from; None if there are none: at a single moment nothing moves."""
 
     def picture(self, camera: int, frame: int) -> Tensor:
         """Return the true picture [3, H, W], float32 in [0, 1].
@@ -74,15 +78,31 @@ class Truth:
     def moving(self, camera: int, frame: int) -> Tensor | None:
         """Return the mask [H, W] bool of what moves, or None if there is none for this camera.
 
+        Automatic ones say where a frame differs from what the camera sees most of the time, in the true pictures alone:
+        they are the same for all runs that are scored against these.
+
         Raises:
             InputError: the file is missing or unreadable.
         """
+        if self.of_masks == "automatic":
+            return torch.from_numpy(moving_pixels(self._levels(camera, frame), self._background(camera)))
         if camera not in self._masks:
             mask = self._capture.mask(camera, frame)
         else:
             path, stored = self._masks[camera][frame]
             mask = reduced_mask(read_mask(path, stored), self._capture.cameras[camera])
         return None if mask is None else torch.from_numpy(np.array(mask))
+
+    def _background(self, camera: int) -> Background:
+        if camera not in self._backgrounds:
+            frames = len(self._capture.times)
+            self._backgrounds = {camera: estimate_background(lambda frame: self._levels(camera, frame), frames)}
+        return self._backgrounds[camera]
+
+    def _levels(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        """Return the true picture [H, W, 3]."""
+        planes = self.picture(camera, frame).mul(255).round().to(torch.uint8)
+        return np.ascontiguousarray(planes.permute(1, 2, 0).numpy())
 
 
 def _files(

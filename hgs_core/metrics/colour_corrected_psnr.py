@@ -19,31 +19,57 @@ __all__ = ["ColourCorrectedError", "colour_corrected_psnr"]
 class ColourCorrectedError:
     """The squared error of one camera's pictures after the affine map of colours that makes it least.
 
-    The map A rgb + b is the same for all frames. Only the sums of the normal equations are kept, in float64, and the
-    error follows from them: mapped colours are not clamped.
+    The map A rgb + b is the same for all frames and fitted to whole pictures; its error can also be told for a region
+    of them. Only sums of products are kept, in float64, and errors follow from them: mapped colours are not clamped.
     """
 
     def __init__(self) -> None:
-        self._gram = torch.zeros(4, 4, dtype=torch.float64)  # of (r, g, b, 1) of the pictures
-        self._cross = torch.zeros(4, 3, dtype=torch.float64)  # of these with the truth
-        self._truth = 0.0  # sum of squares of the truth
-        self._values = 0  # colour values
+        self._whole, self._region = _Products(), _Products()
 
-    def add(self, image: Tensor, truth: Tensor) -> None:
-        """Add a frame and its truth, [3, H, W] in [0, 1]."""
-        pixels, target = image.flatten(1).double(), truth.flatten(1).double()
-        extended = torch.cat([pixels, torch.ones_like(pixels[:1])])
-        self._gram += extended @ extended.T
-        self._cross += extended @ target.T
-        self._truth += float(target.square().sum())
-        self._values += target.numel()
+    def add(self, image: Tensor, truth: Tensor, region: Tensor | None = None) -> None:
+        """Add a frame and its truth, [3, H, W] in [0, 1], and the pixels [H, W] of its region (None: it has none)."""
+        self._whole.add(image.flatten(1), truth.flatten(1))
+        if region is not None:
+            self._region.add(image[:, region], truth[:, region])
 
     def psnr(self) -> float:
         """Return the PSNR in dB of the squared error pooled over all frames, peak 1; nan without frames."""
-        if self._values == 0:
+        if self._whole.values == 0:
             return math.nan
-        explained = self._cross * (torch.linalg.pinv(self._gram, hermitian=True) @ self._cross)
-        return decibels(max(0.0, self._truth - float(explained.sum())) / self._values)
+        return decibels(self._whole.squared_error(self._map()) / self._whole.values)
+
+    def region_error(self) -> tuple[float, int]:
+        """Return the squared error of the regions, added up over all frames, and of how many values it is."""
+        return self._region.squared_error(self._map()), self._region.values
+
+    def _map(self) -> Tensor:
+        """Return the best map [4, 3]."""
+        inverse: Tensor = torch.linalg.pinv(self._whole.gram, hermitian=True)
+        return inverse @ self._whole.cross
+
+
+class _Products:
+    """Sums over pixels of the products of drawn colours with themselves and with the true ones."""
+
+    def __init__(self) -> None:
+        self.gram = torch.zeros(4, 4, dtype=torch.float64)  # of (r, g, b, 1) of the pictures
+        self.cross = torch.zeros(4, 3, dtype=torch.float64)  # of these with the truth
+        self.truth = 0.0  # sum of squares of the truth
+        self.values = 0  # colour values
+
+    def add(self, pixels: Tensor, target: Tensor) -> None:
+        """Add pixels [3, N] and their truth."""
+        pixels, target = pixels.double(), target.double()
+        extended = torch.cat([pixels, torch.ones_like(pixels[:1])])
+        self.gram += extended @ extended.T
+        self.cross += extended @ target.T
+        self.truth += float(target.square().sum())
+        self.values += target.numel()
+
+    def squared_error(self, affine: Tensor) -> float:
+        """Return the sum of squares that a map [4, 3] leaves: of `affine^T x - y` over all pixels."""
+        explained = (affine * (2 * self.cross - self.gram @ affine)).sum()
+        return max(0.0, self.truth - float(explained))
 
 
 def colour_corrected_psnr(images: Tensor, truths: Tensor) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import torch
 from torch import Tensor
-from torch.nn.functional import conv2d, max_pool2d
+from torch.nn.functional import adaptive_avg_pool2d, conv2d, max_pool2d
 
 from hgs_core.base.errors import InputError
 
@@ -67,25 +67,45 @@ class Lpips:
             self._biases.append(arrays.read(f"AlexNet_0.Conv_{i}.bias", (layer.outputs,)))
             self._linear.append(arrays.read(f"NetLinLayer_{i}.Conv_0.kernel", (1, 1, layer.outputs, 1)).view(-1, 1, 1))
 
-    @torch.no_grad()
     def __call__(self, image: Tensor, truth: Tensor) -> float | None:
         """Return the distance of two pictures [3, H, W] in [0, 1] (sRGB), or None if a side is below `SMALLEST_SIDE`.
 
         Equation 1 of the paper: at every layer the features of a pixel are scaled to unit length; the squared
         differences are weighted by channel, averaged over the pixels, and added up over the layers.
         """
+        maps = self._distances(image, truth)
+        return None if maps is None else float(sum(distances.mean() for distances in maps))
+
+    def with_region(self, image: Tensor, truth: Tensor, region: Tensor) -> tuple[float | None, float | None]:
+        """Return the distance of two pictures, and that of the pixels `region` [H, W]: None if there are none.
+
+        For the region, a layer's mean over its pixels is weighted by the share of the region in the part of the picture
+        that a pixel of the layer stands for.
+        """
+        maps = self._distances(image, truth)
+        if maps is None:
+            return None, None
+        whole = float(sum(distances.mean() for distances in maps))
+        if not region.any():
+            return whole, None
+        shares = [adaptive_avg_pool2d(region[None].float(), (d.shape[0], d.shape[1]))[0] for d in maps]
+        return whole, float(sum((d * share).sum() / share.sum() for d, share in zip(maps, shares, strict=True)))
+
+    @torch.no_grad()
+    def _distances(self, image: Tensor, truth: Tensor) -> list[Tensor] | None:
+        """Return the weighted squared differences [rows, columns] of every layer; None for too small a picture."""
         if min(image.shape[1:]) < SMALLEST_SIDE:
             return None
         pair = torch.stack((image, truth)).float() * 2 - 1
         pair = (pair - pair.new_tensor(_MEAN).view(3, 1, 1)) / pair.new_tensor(_DEVIATION).view(3, 1, 1)
-        distance = 0.0
+        maps = []
         for layer, kernel, bias, linear in zip(_ALEXNET, self._kernels, self._biases, self._linear, strict=True):
             if layer.pool:
                 pair = max_pool2d(pair, kernel_size=3, stride=2)
             pair = conv2d(pair, kernel, bias, stride=layer.stride, padding=layer.padding).relu_()
             unit = pair / (pair.square().sum(dim=1, keepdim=True).sqrt() + _EPSILON)
-            distance += float(((unit[0] - unit[1]).square() * linear).sum(dim=0).mean())
-        return distance
+            maps.append(((unit[0] - unit[1]).square() * linear).sum(dim=0))
+        return maps
 
 
 class _Arrays:

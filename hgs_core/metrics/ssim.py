@@ -11,7 +11,7 @@ from torch.nn.functional import conv2d
 from hgs_core.native import library
 from hgs_core.native.loss import l1_dssim
 
-__all__ = ["RADIUS", "gaussian_window", "ssim", "ssim_map", "ssim_terms"]
+__all__ = ["RADIUS", "gaussian_window", "region_ssim", "ssim", "ssim_map", "ssim_terms"]
 
 C1, C2 = 0.01**2, 0.03**2  # for a data range of 1
 RADIUS = 5  # of the window, pixels
@@ -25,6 +25,16 @@ def ssim(image: Tensor, truth: Tensor) -> float:
     if image.device.type == "cpu" and image.dtype == torch.float32 and library.available():
         return 1 - l1_dssim(image.contiguous().numpy(), truth.contiguous().numpy(), dssim_weight=1.0)[0]
     return float(ssim_map(image, truth).mean())
+
+
+def region_ssim(image: Tensor, truth: Tensor, region: Tensor) -> float | None:
+    """Return the mean of the similarity map over the pixels `region` [H, W] of a picture; None if there are none.
+
+    Windows reach five pixels beyond the region.
+    """
+    if not region.any():
+        return None
+    return float(ssim_map(image, truth)[:, region].mean())
 
 
 def gaussian_window(dtype: torch.dtype, device: torch.device | str = "cpu") -> Tensor:

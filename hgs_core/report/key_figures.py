@@ -22,6 +22,9 @@ _SCORES = (
     ("flicker", "flicker", 4, ""),
     ("flicker_steady", "flicker of the truth itself", 4, ""),
     ("psnr_dynamic", "PSNR where it moves", 2, "dB"),
+    ("ssim_dynamic", "SSIM where it moves", 4, ""),
+    ("lpips_dynamic", "LPIPS where it moves", 4, ""),
+    ("psnr_dynamic_colour_corrected", "PSNR where it moves, colours matched", 2, "dB"),
     ("psnr_static", "PSNR where it is still", 2, "dB"),
     ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
 )

@@ -22,7 +22,10 @@ FIELDS = (
     "flicker_steady",  # of a picture that never changes: the truth's own
     "psnr_dynamic",  # dB, pooled over frames and cameras
     "psnr_static",
+    "ssim_dynamic",  # mean over all pixels that move
+    "lpips_dynamic",
     "psnr_colour_corrected",  # dB, after the best affine colour map of each camera
+    "psnr_dynamic_colour_corrected",  # dB, after the same maps
     "bytes_total",
     "bytes_static",
     "bytes_dynamic",
@@ -49,7 +52,7 @@ def add_parser(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--masks", metavar="FOLDER", type=Path,
-        help="masks of what moves, <camera>/<FFFF>.png; without it the capture's, if it has some",
+        help="masks of what moves, <camera>/<FFFF>.png; without it the capture's, or what moves in the true pictures",
     )  # fmt: skip
     parser.add_argument("--lpips", metavar="WEIGHTS", type=Path, help="compute LPIPS with these weights (.npz)")
     parser.add_argument("--flip", action="store_true", help="compute FLIP (needs the extra eval)")
@@ -80,7 +83,7 @@ def _run(options: argparse.Namespace) -> int:
         print(json.dumps(scores))
     else:
         for name, value in scores.items():
-            print(f"{name:<18} {_text(value)}")
+            print(f"{name:<29} {_text(value)}")
     return 0
 
 

@@ -5,11 +5,11 @@ from torch import Tensor
 
 from hgs_core.evaluate.camera_scores import CameraScores, combine
 from hgs_core.evaluate.picture_scores import PictureScorer
-from hgs_core.metrics.colour_corrected_psnr import colour_corrected_psnr
+from hgs_core.metrics.colour_corrected_psnr import ColourCorrectedError, colour_corrected_psnr
 from hgs_core.metrics.flicker import flicker
-from hgs_core.metrics.psnr import psnr
+from hgs_core.metrics.psnr import decibels, psnr
 from hgs_core.metrics.region_psnr import pooled_region_psnr
-from hgs_core.metrics.ssim import ssim
+from hgs_core.metrics.ssim import ssim, ssim_map
 
 SHAPE = (4, 3, 20, 30)
 
@@ -46,14 +46,30 @@ def test_every_score_is_combined_as_its_metric_says() -> None:
     assert together["ms_ssim"] is together["lpips"] is together["flip"] is None
 
 
+def test_every_moving_pixel_counts_once_in_the_scores_of_what_moves() -> None:
+    """Reference: the similarity of all moving pixels of both cameras in one list, and the pooled error of both maps."""
+    clips = [clip(seed) for seed in range(2)]
+    together = combine([scored(*frames) for frames in clips])
+    pixels = [ssim_map(x, y)[:, m] for frames in clips for x, y, m in zip(*frames, strict=True)]
+    torch.testing.assert_close(together["ssim_dynamic"], float(torch.cat(pixels, 1).mean()), atol=1e-6, rtol=0)
+    squared, values = 0.0, 0
+    for frames in clips:
+        error = ColourCorrectedError()
+        for frame in zip(*frames, strict=True):
+            error.add(*frame)
+        squared, values = squared + error.region_error()[0], values + error.region_error()[1]
+    torch.testing.assert_close(together["psnr_dynamic_colour_corrected"], decibels(squared / values))
+
+
 def test_frames_have_the_metrics_that_were_measured() -> None:
     frames = clip(0)
     assert {name: len(values) for name, values in scored(*frames).per_frame().items()} == {
-        "psnr": 4, "ssim": 4, "psnr_dynamic": 4, "psnr_static": 4,
+        "psnr": 4, "ssim": 4, "psnr_dynamic": 4, "psnr_static": 4, "ssim_dynamic": 4,
     }  # fmt: skip
     without_masks = scored(*frames[:2], None)
     assert list(without_masks.per_frame()) == ["psnr", "ssim"]
-    assert combine([without_masks])["psnr_dynamic"] is None
+    nothing = combine([without_masks])
+    assert nothing["psnr_dynamic"] is nothing["ssim_dynamic"] is nothing["psnr_dynamic_colour_corrected"] is None
 
 
 def test_a_frame_in_which_nothing_moves_has_no_dynamic_score() -> None:

@@ -8,7 +8,7 @@ import torch
 
 from hgs_core.base.errors import InputError
 from hgs_core.evaluate import picture_scores
-from hgs_core.evaluate.picture_scores import PICTURE_METRICS, PictureScorer
+from hgs_core.evaluate.picture_scores import PICTURE_METRICS, REGION_METRICS, PictureScorer
 from hgs_core.metrics.ms_ssim import SMALLEST_SIDE
 
 
@@ -17,7 +17,7 @@ def test_scores_stand_under_their_names_and_unwanted_ones_are_none() -> None:
     truth = torch.rand(3, SMALLEST_SIDE, SMALLEST_SIDE, generator=torch.Generator().manual_seed(0)) * 0.8
     scorer = PictureScorer(None, with_flip=False)
     scores = scorer.score(truth + 0.1, truth)
-    assert tuple(scores) == PICTURE_METRICS
+    assert tuple(scores) == PICTURE_METRICS + REGION_METRICS
     assert scores["psnr"] == pytest.approx(20.0, abs=1e-4)
     assert (scores["lpips"], scores["flip"]) == (None, None)
     equal = scorer.score(truth, truth)

@@ -10,6 +10,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.open import open_capture
 from hgs_core.evaluate.truth import Truth
 from tests.hgs_core.evaluate.conftest import FRAMES, SIZE, save
+from tests.synthetic import write_capture
 
 
 @pytest.fixture
@@ -25,8 +26,31 @@ def test_without_folders_the_capture_is_the_truth(capture_folder: Path) -> None:
     truth = Truth(capture, [2], pictures=None, masks=None, downscale=1)
     expected = torch.tensor(np.array(capture.frame(2, 1))).permute(2, 0, 1) / 255
     assert torch.equal(truth.picture(2, 1), expected)
-    assert truth.moving(2, 1) is None
-    assert (truth.of_pictures, truth.of_masks) == ("capture", None)
+    assert (truth.of_pictures, truth.of_masks) == ("capture", "automatic")
+
+
+def test_without_masks_they_are_made_of_the_true_pictures(tmp_path: Path) -> None:
+    """A square passes over a still wall; the capture, whose pictures are not the truth, has nothing that moves."""
+    write_capture(tmp_path / "capture", frames=8, width=SIZE[1], height=SIZE[0])
+    wall = np.random.default_rng(0).integers(60, 90, (*SIZE, 3), np.uint8)
+    for frame in range(8):
+        picture = wall.copy()
+        picture[16:32, 8 * frame : 8 * frame + 8] = 250
+        save(picture, tmp_path / "truth" / "2" / f"{frame:04d}.png")
+    truth = Truth(open_capture(tmp_path / "capture"), [2], pictures=tmp_path / "truth", masks=None, downscale=1)
+    assert truth.of_masks == "automatic"
+    for frame in (1, 6):
+        moving = truth.moving(2, frame)
+        assert moving is not None
+        assert moving[18:30, 8 * frame + 1 : 8 * frame + 7].all()
+        moving[8:40, max(0, 8 * frame - 8) : 8 * frame + 16] = False
+        assert not moving.any()
+
+
+def test_at_a_single_moment_nothing_moves(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=1, width=SIZE[1], height=SIZE[0])
+    truth = Truth(open_capture(tmp_path / "capture"), [2], pictures=None, masks=None, downscale=1)
+    assert (truth.of_masks, truth.moving(2, 0)) == (None, None)
 
 
 def test_the_captures_own_masks_are_used_unless_others_are_given(capture_folder: Path, masks_folder: Path) -> None:

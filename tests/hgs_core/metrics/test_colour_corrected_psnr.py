@@ -46,3 +46,20 @@ def test_a_constant_picture_is_no_obstacle() -> None:
 
 def test_without_frames_there_is_nothing_to_say() -> None:
     assert math.isnan(ColourCorrectedError().psnr())
+
+
+def test_a_region_is_judged_by_the_map_of_whole_pictures() -> None:
+    """Reference: numpy's least squares over all pixels, its residuals over those of the region."""
+    images, truths = pictures(5), pictures(5) * 0.8 + 0.1 * pictures(6)
+    region = torch.rand(3, 20, 30, generator=torch.Generator().manual_seed(7)) < 0.2
+    error = ColourCorrectedError()
+    for frame in zip(images, truths, region, strict=True):
+        error.add(*frame)
+    x = images.permute(0, 2, 3, 1).reshape(-1, 3).numpy().astype(np.float64)
+    y = truths.permute(0, 2, 3, 1).reshape(-1, 3).numpy().astype(np.float64)
+    extended = np.concatenate([x, np.ones((len(x), 1))], 1)
+    left = extended @ np.linalg.lstsq(extended, y, rcond=None)[0] - y
+    squared, values = error.region_error()
+    assert values == 3 * int(region.sum())
+    assert squared == pytest.approx(float((left[region.flatten().numpy()] ** 2).sum()), rel=1e-6)
+    assert error.psnr() == pytest.approx(-10 * np.log10(np.mean(left**2)), abs=1e-6)

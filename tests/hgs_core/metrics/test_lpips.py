@@ -84,6 +84,33 @@ def test_equal_pictures_have_zero_and_tiny_ones_no_score(file: Path) -> None:
     assert lpips(picture[:, :30], picture[:, :30]) is None
 
 
+def test_of_a_region_pixels_of_layers_count_by_the_share_of_it_that_they_stand_for(
+    file: Path, weights: dict[str, npt.NDArray[np.float32]]
+) -> None:
+    """Reference: the formula with the weights written out; everywhere gives the whole, nowhere gives none."""
+    a, b = wave_pair(50, 67)
+    pair = torch.from_numpy(a).float(), torch.from_numpy(b).float()
+    region = np.zeros((50, 67), np.bool_)
+    region[10:30, 20:31] = True
+    expected = 0.0
+    for i, (x, y) in enumerate(zip(features(a, weights), features(b, weights), strict=True)):
+        x, y = (f / (np.linalg.norm(f, axis=2, keepdims=True) + 1e-10) for f in (x, y))
+        distances = (x - y) ** 2 @ weights[f"NetLinLayer_{i}.Conv_0.kernel"].ravel()
+        rows, columns = distances.shape
+        share = np.empty((rows, columns))
+        for r, c in np.ndindex(rows, columns):
+            top, bottom = r * 50 // rows, -(-(r + 1) * 50 // rows)
+            left, right = c * 67 // columns, -(-(c + 1) * 67 // columns)
+            share[r, c] = region[top:bottom, left:right].mean()
+        expected += (distances * share).sum() / share.sum()
+    lpips = Lpips(file)
+    whole, inside = lpips.with_region(*pair, torch.from_numpy(region))
+    assert (whole, inside) == (lpips(*pair), pytest.approx(expected, rel=1e-4))
+    assert lpips.with_region(*pair, torch.ones(50, 67, dtype=torch.bool))[1] == pytest.approx(whole)
+    assert lpips.with_region(*pair, torch.zeros(50, 67, dtype=torch.bool))[1] is None
+    assert lpips.with_region(pair[0][:, :30], pair[1][:, :30], torch.ones(30, 67, dtype=torch.bool)) == (None, None)
+
+
 @pytest.mark.data
 def test_it_agrees_with_the_authors_package(test_data: Callable[[str], Path]) -> None:
     a, b = (torch.from_numpy(picture).float() for picture in wave_pair(192, 208))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from hgs_core.metrics.ssim import gaussian_window, ssim, ssim_map
+from hgs_core.metrics.ssim import gaussian_window, region_ssim, ssim, ssim_map
 from hgs_core.native import library
 
 
@@ -48,3 +48,11 @@ def test_the_window_is_a_gaussian_of_deviation_one_and_a_half_that_sums_to_one()
 def test_equal_pictures_have_ssim_one() -> None:
     picture = torch.rand(3, 20, 20, generator=torch.Generator().manual_seed(0))
     assert ssim(picture, picture) == pytest.approx(1.0, abs=1e-6)
+
+
+def test_of_a_region_it_is_the_mean_of_its_pixels() -> None:
+    generator = torch.Generator().manual_seed(1)
+    x, y = (torch.rand(3, 20, 30, generator=generator) for _ in range(2))
+    region = torch.rand(20, 30, generator=generator) < 0.1
+    assert region_ssim(x, y, region) == pytest.approx(float(ssim_map(x, y)[:, region].mean()))
+    assert region_ssim(x, y, torch.zeros_like(region)) is None
