@@ -5,14 +5,16 @@ const LAST = 1; // bit of a block's header
 const RLE = 1; // types of blocks
 const RESERVED = 3;
 
-/** What the WebAssembly of the package zstddec offers. Addresses and sizes are in bytes of its memory. */
+/** What zstd.wasm offers (`web_client/zstd/decoder.c`). Addresses and sizes are in bytes of its memory. */
 interface Zstd {
   readonly memory: WebAssembly.Memory;
-  malloc(size: number): number;
-  free(address: number): void;
-  /** Returns how much came out, or more than `capacity` for an error. */
-  ZSTD_decompress(to: number, capacity: number, from: number, size: number): number;
+  /** Where the memory begins that it leaves to the caller. */
+  readonly __heap_base: WebAssembly.Global<"i32">;
+  /** Returns how much came out, or a number below zero for an error. */
+  decompress(to: number, capacity: number, from: number, size: number): number;
 }
+
+const PAGE = 65536; // by which memories grow, bytes
 
 let zstd: Zstd | undefined;
 let nowReady: () => void;
@@ -22,9 +24,7 @@ const ready = new Promise<void>((resolve) => {
 
 /** Give this module the decompressor, compiled from what the build writes as zstd.wasm; before anything is decompressed. */
 export async function provideZstd(module: WebAssembly.Module): Promise<void> {
-  // It tells when its memory has grown; here the memory is looked at anew for every call.
-  const imports = { env: { emscripten_notify_memory_growth: () => {} } };
-  const { exports } = await WebAssembly.instantiate(module, imports);
+  const { exports } = await WebAssembly.instantiate(module);
   zstd = exports as unknown as Zstd;
   nowReady();
 }
@@ -58,16 +58,14 @@ function firstDamaged(frames: readonly Uint8Array[], length: number): number | u
 
 function contentOf(frames: Uint8Array, length: number): Uint8Array | undefined {
   if (!zstd) throw new Error("the decompressor has not been provided yet");
-  const from = zstd.malloc(frames.length);
-  const to = zstd.malloc(length);
-  try {
-    new Uint8Array(zstd.memory.buffer).set(frames, from);
-    const size = zstd.ZSTD_decompress(to, length, from, frames.length);
-    return size === length ? new Uint8Array(zstd.memory.buffer).slice(to, to + length) : undefined;
-  } finally {
-    zstd.free(from);
-    zstd.free(to);
-  }
+  const { memory } = zstd;
+  const to = zstd.__heap_base.value;
+  const from = to + length;
+  const lacking = from + frames.length - memory.buffer.byteLength;
+  if (lacking > 0) memory.grow(Math.ceil(lacking / PAGE));
+  const bytes = new Uint8Array(memory.buffer);
+  bytes.set(frames, from);
+  return zstd.decompress(to, length, from, frames.length) === length ? bytes.slice(to, from) : undefined;
 }
 
 /** Whether the bytes are one frame (RFC 8878, section 3.1.1) that states `length` and ends with the bytes; content unread. */
