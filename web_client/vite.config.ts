@@ -13,7 +13,11 @@ export default defineConfig({
     zstdWasmFile(),
     leanShaders(),
     preloadedPages({
-      "view.html": { module: "/src/console/view_page.ts", change: alwaysDark },
+      "view.html": {
+        module: "/src/console/view_page.ts",
+        later: ["/src/source/scene_stream.ts"],
+        change: alwaysDark,
+      },
       "job.html": { module: "/src/console/job_page.ts" },
       "new.html": { module: "/src/console/submit_page.ts" },
       "index.html": { module: "/src/console/list_page.ts" },

@@ -3,6 +3,8 @@ import type { Plugin, Rollup } from "vite";
 /** A page to write: the module that index.html imports for it, and what is changed of index.html. */
 export interface PreloadedPage {
   readonly module: string;
+  /** Modules that the page's scripts import when they run, where it always comes to that. */
+  readonly later?: readonly string[];
   readonly change?: (html: string) => string;
 }
 
@@ -26,10 +28,12 @@ export function preloadedPages(pages: Readonly<Record<string, PreloadedPage>>): 
         const index = bundle["index.html"];
         if (index?.type !== "asset") return this.error("there is no index.html to begin with");
         const html = String(index.source);
-        for (const [page, { module, change }] of Object.entries(pages)) {
-          const chunk = Object.values(bundle).find((c) => c.type === "chunk" && c.facadeModuleId?.endsWith(module));
-          if (chunk?.type !== "chunk") return this.error(`${page}: index.html imports no ${module}`);
-          const named = html.replace("  </head>", `${links(chunk, bundle, html, base)}  </head>`);
+        for (const [page, { module, later = [], change }] of Object.entries(pages)) {
+          const chunks = [module, ...later].map((name) => {
+            const chunk = Object.values(bundle).find((c) => c.type === "chunk" && c.facadeModuleId?.endsWith(name));
+            return chunk?.type === "chunk" ? chunk : this.error(`${page}: no script is imported for ${name}`);
+          });
+          const named = html.replace("  </head>", `${links(chunks, bundle, html, base)}  </head>`);
           const source = change ? change(named) : named;
           if (page === index.fileName) index.source = source;
           else this.emitFile({ type: "asset", fileName: page, source });
@@ -40,11 +44,11 @@ export function preloadedPages(pages: Readonly<Record<string, PreloadedPage>>): 
 }
 
 /**
- * Links to the style sheets and scripts of a page, the workers that it starts and what it fetches for them, but for those that the
+ * Links to the style sheets and scripts of a page, given the first of these, the workers that it starts and what it fetches for them, but for those that the
  * page names already. Workers are said to be modules of the page: Chromium knows no other kind, and the worker finds them in the cache.
  */
-function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: string, base: string): string {
-  const scripts = new Set([chunk.fileName]);
+function links(chunks: readonly Rollup.OutputChunk[], bundle: Rollup.OutputBundle, html: string, base: string): string {
+  const scripts = new Set(chunks.map((chunk) => chunk.fileName));
   for (const name of scripts) {
     const imported = bundle[name];
     if (imported?.type === "chunk") for (const next of imported.imports) scripts.add(next); // the loop goes on to these
@@ -55,7 +59,7 @@ function links(chunk: Rollup.OutputChunk, bundle: Rollup.OutputBundle, html: str
     const imported = bundle[name];
     if (imported?.type === "chunk") for (const style of imported.viteMetadata?.importedCss ?? []) styles.add(style);
   }
-  const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && chunk.code.includes(name));
+  const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && chunks[0].code.includes(name));
   const workers = assets.filter((name) => name.endsWith(".js"));
   const fetched = assets.filter((name) => name.endsWith(".wasm"));
   const link = (how: string) => (name: string) => `    <link ${how} crossorigin href="${base}${name}" />\n`;

@@ -6,6 +6,7 @@ const WORDS: Readonly<Record<SourceFailure, string>> = {
   "no-scene": "There is no such scene here. It may have been taken away.",
   "scene-changed": "This scene has been published anew. Load the page again to see it.",
   "not-understood": "This page and the server are of different versions. Loading the page again may help.",
+  "not-loaded": "A part of the player could not be loaded. Loading the page again may help.",
   ended: "The server has ended the stream. Loading the page again may help.",
 };
 

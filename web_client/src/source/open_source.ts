@@ -1,8 +1,8 @@
 /** Which source brings the scene of an address. */
 
 import { HttpSource } from "./http_source";
+import { openLate } from "./late_source";
 import type { OpenSource } from "./scene_source";
-import { SceneStream } from "./scene_stream";
 import { streamUrl } from "./stream_url";
 
 /** A scene on a server of HGS: its page, or what the API has of it. */
@@ -20,7 +20,7 @@ const FOLDER = /\/(?:[^/]*\.json)?$/;
  */
 export function openSource(src: string, base: string = document.baseURI): OpenSource {
   const url = parse(src, base);
-  if (/^wss?:$/.test(url.protocol)) return (events, playhead) => new SceneStream(url.href, events, playhead);
+  if (/^wss?:$/.test(url.protocol)) return openStream(url.href);
   const served = SERVED.exec(url.pathname);
   if (!served) {
     if (!/^https?:$/.test(url.protocol) || !FOLDER.test(url.pathname)) {
@@ -31,8 +31,14 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
     const manifest = url.pathname.endsWith("/") ? new URL("manifest.json", url) : url;
     return (events, playhead) => new HttpSource(manifest.href, events, playhead);
   }
-  const stream = streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] });
-  return (events, playhead) => new SceneStream(stream, events, playhead);
+  return openStream(streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] }));
+}
+
+function openStream(stream: string): OpenSource {
+  return openLate(async () => {
+    const { SceneStream } = await import("./scene_stream"); // a folder needs none of it
+    return (events, playhead) => new SceneStream(stream, events, playhead);
+  });
 }
 
 function parse(src: string, base: string): URL {

@@ -1,7 +1,10 @@
 /** Where a scene comes from: what a player needs of a stream, a server or a folder of files. */
 
-/** The scene is not there; it is another one than before; page and server are of different versions; anything else. */
-export type SourceFailure = "no-scene" | "scene-changed" | "not-understood" | "ended";
+/**
+ * The scene is not there; it is another one than before; page and server are of different versions; the source's own script
+ * cannot be had; anything else.
+ */
+export type SourceFailure = "no-scene" | "scene-changed" | "not-understood" | "not-loaded" | "ended";
 
 export type SourceState = "connecting" | "open" | "retrying" | "closed";
 

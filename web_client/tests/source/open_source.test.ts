@@ -4,14 +4,16 @@ import { openSource } from "../../src/source/open_source";
 afterEach(() => vi.unstubAllGlobals());
 
 /** The address of the WebSocket that a source opens. */
-function opened(src: string, base: string): string {
+async function opened(src: string, base: string): Promise<string> {
   const sockets: string[] = [];
   vi.stubGlobal("WebSocket", function open(this: object, url: string) {
     sockets.push(url);
     Object.assign(this, { close: () => {} });
   });
   const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
-  openSource(src, base)(events, { time: null, rate: 0 }).close();
+  const source = openSource(src, base)(events, { time: null, rate: 0 });
+  await vi.waitUntil(() => sockets.length > 0);
+  source.close();
   return sockets.join();
 }
 
@@ -22,8 +24,8 @@ describe("a scene on a server", () => {
     ["https://hgs.example/view/studio/", "wss://hgs.example/v1/scenes/studio/stream"],
     ["https://hgs.example/v1/scenes/studio", "wss://hgs.example/v1/scenes/studio/stream"],
     ["https://hgs.example/lab/view/studio", "wss://hgs.example/lab/v1/scenes/studio/stream"],
-  ])("is streamed from %s", (src, stream) => {
-    expect(opened(src, "http://page.example:8000/")).toBe(stream);
+  ])("is streamed from %s", async (src, stream) => {
+    expect(await opened(src, "http://page.example:8000/")).toBe(stream);
   });
 });
 
