@@ -139,6 +139,7 @@ def test_a_stretch_is_repeated_until_it_is_cleared(browser: Browser, site: Site)
         page.keyboard.press("i")
         page.keyboard.press("3")
         page.keyboard.press("o")
+        stretch.wait_for()
         bar, shown = page.locator(".timeline").bounding_box(), stretch.bounding_box()
         assert bar
         assert shown
@@ -166,6 +167,7 @@ def test_bookmarks_are_shown_reached_and_kept_in_the_address(browser: Browser, s
         page.keyboard.press("b")
         page.keyboard.press("8")
         page.keyboard.press("b")
+        page.locator(".mark").nth(1).wait_for()
         assert page.locator(".mark").count() == 2
         page.keyboard.press("PageUp")
         wait_for_time(page, 0.4)
@@ -278,6 +280,8 @@ def test_nothing_keeps_anybody_out(browser: Browser, site: Site, opened: str, op
     with viewing(browser, site, **options) as page:
         if opened == "settings":
             page.get_by_role("button", name="Settings").click()
+            page.get_by_role("group", name="Settings").wait_for()
         elif opened == "help":
             page.keyboard.press("?")
+            page.get_by_role("dialog").wait_for()
         assert violations(page) == []

@@ -135,6 +135,7 @@ def test_two_fingers_do_not_play(browser: Browser, site: Site) -> None:
 def test_controls_are_large_enough_for_fingers(browser: Browser, site: Site) -> None:
     with viewing(browser, site, **PHONE) as page:
         page.get_by_role("button", name="Settings").tap()
+        page.get_by_role("group", name="Settings").wait_for()
         controls = page.locator("button:visible, a:visible, select:visible, input:visible").all()
         boxes = [control.bounding_box() for control in controls]
         assert len(boxes) >= 16

@@ -4,7 +4,8 @@
     python web_client/zstd/build.py --check   # fails unless they are what the source gives
 
 Source and compiler come from PyPI in pinned versions: zstandard carries zstd 1.5.7 in one file, ziglang is clang with
-the headers of a C library. The result is kept in the repository: building the viewer needs no compiler of 100 MB.
+the headers of a C library; wasm-opt comes from npm. The result is kept in the repository: building the viewer needs no
+compiler of 100 MB.
 """
 
 import argparse
@@ -18,6 +19,7 @@ from pathlib import Path
 HERE = Path(__file__).parent
 ZSTD = "zstandard==0.25.0 --hash=sha256:7713e1179d162cf5c7906da876ec2ccb9c3a9dcbdffef0cc7f70c3667a205f0b"
 ZIG = "ziglang==0.17.1"
+BINARYEN = "binaryen@132.0.0"
 
 # Left out is what makes large frames faster. Chunks have small ones, and decode no slower (`npm run bench`).
 SMALL = [
@@ -57,6 +59,8 @@ def build(folder: Path) -> dict[str, bytes]:
     options = [*TARGET, *SMALL, "-DNDEBUG", "-DZSTD_DISABLE_ASM=1", "-w", f"-Wl,{','.join(LINK)}"]
     command = [str(zig), "cc", *options, *included, str(HERE / "decoder.c"), "-o", str(folder / "zstd.wasm")]
     subprocess.run(command, check=True)
+    wasm_opt = ["npx", "--yes", f"--package={BINARYEN}", "wasm-opt", "-O3", "--enable-bulk-memory", "--enable-sign-ext"]
+    subprocess.run([*wasm_opt, "zstd.wasm", "-o", "zstd.wasm"], cwd=folder, check=True)
     return {"zstd.wasm": (folder / "zstd.wasm").read_bytes(), "LICENSE": (source / "LICENSE").read_bytes()}
 
 
@@ -71,7 +75,9 @@ def main() -> None:
         if not check:
             (HERE / name).write_bytes(content)
         elif (HERE / name).read_bytes() != content:
-            sys.exit(f"{HERE / name} is not what decoder.c and {ZSTD.split()[0]} give with {ZIG}: run build.py")
+            sys.exit(
+                f"{HERE / name} is not what {ZSTD.split()[0]}, {ZIG} and {BINARYEN} make of decoder.c: run build.py"
+            )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,8 @@
 /** Buttons that show the scene in a headset or in the room; each is there only where the browser and a device offer it. */
 
 import type { HgsPlayer } from "../player/hgs_player";
-import { describeRefusal, type HeadsetMode, offeredModes, requestSession } from "../xr/offer";
+import { type HeadsetMode, offeredModes } from "../xr/offer";
+import { describeRefusal, requestSession } from "../xr/session_request";
 import { element, setAttribute, setText } from "./element";
 
 const WORDS: Readonly<Record<HeadsetMode, readonly [string, string]>> = {

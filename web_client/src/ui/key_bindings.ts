@@ -22,26 +22,17 @@ export function keyName({ key, shiftKey }: KeyboardEvent): string {
   return shiftKey && key.length > 1 ? `Shift+${key}` : key;
 }
 
-/** Obey keys heard on `target` until `signal` aborts, unless `ignores` says that one is for somebody else. */
-export function obeyKeys(
-  target: EventTarget,
-  groups: readonly KeyGroup[],
-  ignores: (event: KeyboardEvent, control: EventTarget) => boolean,
-  signal: AbortSignal,
-): void {
+/** A function that obeys a key that the table has, in place of what the browser would do. */
+export function obey(groups: readonly KeyGroup[]): (event: KeyboardEvent) => void {
   const actions = new Map<string, KeyBinding>();
   for (const { bindings } of groups) {
     for (const binding of bindings) for (const key of binding.keys) actions.set(key, binding);
   }
-  const heard = (event: KeyboardEvent): void => {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
-    // The element that it is for may be inside a shadow root.
-    if (ignores(event, event.composedPath()[0])) return;
+  return (event) => {
     const name = keyName(event);
     const binding = actions.get(name);
     if (!binding) return;
     event.preventDefault();
     binding.action(name);
   };
-  target.addEventListener("keydown", (event) => heard(event as KeyboardEvent), { signal });
 }

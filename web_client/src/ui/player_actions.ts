@@ -4,6 +4,7 @@ import type { FlyMode } from "../camera/fly_mode";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { formatTime } from "./format";
+import { moves } from "./playing";
 import { savePicture } from "./save_picture";
 import type { SharedView } from "./shared_view";
 
@@ -42,13 +43,7 @@ export class PlayerActions {
 
   /** Whether anything moves in the scene. */
   get moves(): boolean {
-    return this.player.duration > 0;
-  }
-
-  toggle(): void {
-    if (!this.moves) return;
-    if (this.player.paused) this.player.play();
-    else this.player.pause();
+    return moves(this.player);
   }
 
   /** Move the playhead, seconds. */
@@ -66,13 +61,6 @@ export class PlayerActions {
   /** Go to a share of the scene. */
   jump(share: number): void {
     if (this.moves) this.seekTo(this.player.start + share * this.player.duration);
-  }
-
-  /** Stand still, so many frames later. */
-  step(frames: number): void {
-    const { player } = this;
-    player.pause();
-    player.currentTime += frames / (player.manifest?.frameRate ?? 1);
   }
 
   set rate(rate: number) {

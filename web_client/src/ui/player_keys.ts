@@ -3,6 +3,7 @@
 import type { HgsPlayer } from "../player/hgs_player";
 import type { KeyGroup } from "./key_bindings";
 import { longSeekStep, type PlayerActions, rateAfter, seekStep } from "./player_actions";
+import { stepFrames, togglePlaying } from "./playing";
 import { steering } from "./steering";
 
 const TURN = 0.06; // radians
@@ -29,7 +30,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
   const arrow = (direction: 1 | -1) => () =>
     actions.moves ? actions.seekBy(direction * seekStep(player.duration)) : turn(-direction * TURN, 0)();
   const playing = [
-    { keys: [" ", "k"], shown: "Space, K", does: "Play or pause", action: () => actions.toggle() },
+    { keys: [" ", "k"], shown: "Space, K", does: "Play or pause", action: () => togglePlaying(player) },
     { keys: ["ArrowLeft"], shown: "←", does: "Back 5 s, or a tenth of a short scene", action: arrow(-1) },
     { keys: ["ArrowRight"], shown: "→", does: "Ahead 5 s, or a tenth of a short scene", action: arrow(1) },
     {
@@ -42,8 +43,8 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
       does: "Ahead 10 s, or a fifth of a short scene",
       action: () => actions.seekBy(longSeekStep(player.duration)),
     },
-    { keys: [","], does: "One frame back", action: () => actions.step(-1) },
-    { keys: ["."], does: "One frame ahead", action: () => actions.step(1) },
+    { keys: [","], does: "One frame back", action: () => stepFrames(player, -1) },
+    { keys: ["."], does: "One frame ahead", action: () => stepFrames(player, 1) },
     {
       keys: [..."0123456789"],
       shown: "0 … 9",

@@ -1,13 +1,12 @@
-/** The style sheet of all players of a page, made once; it holds inside their shadow roots only. */
+/** Style sheets of players, each made once for all of a page; they hold inside the players' shadow roots only. */
 
-import css from "./player.css?inline";
+const sheets = new Map<string, CSSStyleSheet>();
 
-let sheet: CSSStyleSheet | null = null;
-
-export function adoptPlayerStyle(shadow: ShadowRoot): void {
-  if (!sheet) {
-    sheet = new CSSStyleSheet();
+export function adoptStyle(shadow: ShadowRoot, css: string): void {
+  const sheet = sheets.get(css) ?? new CSSStyleSheet();
+  if (!sheets.has(css)) {
     sheet.replaceSync(css);
+    sheets.set(css, sheet);
   }
-  shadow.adoptedStyleSheets = [sheet];
+  if (!shadow.adoptedStyleSheets.includes(sheet)) shadow.adoptedStyleSheets.push(sheet);
 }

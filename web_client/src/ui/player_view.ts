@@ -1,30 +1,31 @@
 /** A player with its controls, inside one element of a page: nothing of it reaches the page, and nothing of the page reaches it. */
 
-import { FlyMode } from "../camera/fly_mode";
 import { listenForGestures } from "../camera/gestures";
 import type { Manifest } from "../codec/types";
 import { HgsPlayer } from "../player/hgs_player";
 import { Bookmarks } from "./bookmarks";
+import type { Commands } from "./commands";
 import { element, icon } from "./element";
 import { toggleFullscreen } from "./full_screen";
-import { HeadsetButtons } from "./headset_buttons";
-import { Help } from "./help";
-import { BACK, FULLSCREEN } from "./icons";
+import { offerHeadset } from "./headset_offer";
+import { BACK, FULLSCREEN, SETTINGS } from "./icons";
 import { IdleHiding } from "./idle_hiding";
-import { type KeyGroup, obeyKeys } from "./key_bindings";
+import { listenForKeys, mayBeObeyed } from "./key_listener";
+import { LatePart } from "./late_part";
 import { Message } from "./message";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
-import { PlayerActions } from "./player_actions";
-import { playerKeys } from "./player_keys";
-import { adoptPlayerStyle } from "./player_style";
+import css from "./player.css?inline";
+import { adoptStyle } from "./player_style";
 import type { PlayerViewOptions } from "./player_view_options";
-import { SettingsMenu } from "./settings_menu";
-import { StatsPanel } from "./stats_panel";
+import { togglePlaying } from "./playing";
 import { steering } from "./steering";
 import { Transport } from "./transport";
 
 const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";
+
+const button = (label: string, path: string, onclick: () => void) =>
+  element("button", { type: "button", class: "round", title: label, "aria-label": label, onclick }, icon(path));
 
 export class PlayerView {
   readonly player: HgsPlayer;
@@ -37,17 +38,14 @@ export class PlayerView {
   readonly #controls = element("div", { class: "controls" });
   readonly #title: HTMLElement;
   readonly #notices: Notices;
-  readonly #stats: StatsPanel;
-  readonly #headset: HeadsetButtons;
+  readonly #commands: LatePart<Commands>;
+  readonly #panels = element("div"); // that commands open
+  readonly #headset: HTMLElement;
   readonly #message: Message;
-  readonly #help = new Help();
+  readonly #settings = button("Settings", SETTINGS, () => this.#commands.use((all) => all.toggleSettings()));
   readonly #keys: EventTarget;
-  readonly #fly: FlyMode;
   readonly #bookmarks: Bookmarks;
-  readonly #actions: PlayerActions;
-  readonly #bindings: readonly KeyGroup[];
   #transport: Transport | null = null;
-  #menu: SettingsMenu | null = null;
 
   /** @param host gets a shadow root, unless it has an open one that is empty. */
   constructor(host: HTMLElement, options: PlayerViewOptions = {}) {
@@ -60,35 +58,23 @@ export class PlayerView {
       reload: page ? page.reload : () => void this.player.reload().catch(() => {}),
       home: page?.home ?? null,
     });
-    this.#stats = new StatsPanel(this.player);
-    this.#headset = new HeadsetButtons(this.player);
+    this.#headset = offerHeadset(this.player);
     const signal = this.player.disposed;
     this.#message = new Message(signal);
     this.#keys = page ? window : this.root;
-    this.#fly = new FlyMode(this.#keys, this.player.camera, signal);
     this.#bookmarks = new Bookmarks(options.bookmarks ?? [], () => page?.keep?.(this.#bookmarks.times));
-    this.#actions = new PlayerActions(this.player, {
-      fly: this.#fly,
-      bookmarks: this.#bookmarks,
-      say: (text) => this.#message.say(text),
-      fail: (text) => this.#notices.fail(text),
-      changed: () => this.#showChoices(),
-      link: page?.link ? (shared) => page.link?.(shared) ?? "" : null,
-    });
-    this.#bindings = playerKeys(this.player, this.#actions, this.#surroundings);
+    this.#commands = new LatePart(
+      () => this.#loadCommands(),
+      (message) => this.fail(message),
+      signal,
+    );
+    this.#settings.setAttribute("aria-expanded", "false");
     this.controls = options.controls ?? true;
     this.poster = options.poster ?? null;
     this.root.classList.toggle("whole-page", page !== undefined);
-    this.root.append(
-      this.#stage,
-      this.#poster,
-      this.#notices.node,
-      this.#message.node,
-      this.#controls,
-      this.#help.node,
-    );
+    this.root.append(this.#stage, this.#poster, this.#notices.node, this.#message.node, this.#controls);
     const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
-    adoptPlayerStyle(shadow);
+    adoptStyle(shadow, css);
     shadow.replaceChildren(this.root);
     this.#follow();
     if (!exact) this.#obey();
@@ -139,8 +125,6 @@ export class PlayerView {
       "loadstart",
       () => {
         this.#transport = null;
-        this.#menu?.dispose();
-        this.#menu = null;
         this.#controls.replaceChildren();
         this.#showPoster();
         notices.begin();
@@ -181,10 +165,7 @@ export class PlayerView {
     const { page } = this.#options;
     const { player } = this;
     if (manifest.title) this.#title.textContent = manifest.title;
-    this.#transport = new Transport(player, this.#actions, this.#bookmarks);
-    this.#menu = new SettingsMenu(player, this.#actions, this.#bookmarks, this.#surroundings, this.root);
-    const button = (label: string, path: string, onclick: () => void) =>
-      element("button", { type: "button", class: "round", title: label, "aria-label": label, onclick }, icon(path));
+    this.#transport = new Transport(player, this.#bookmarks);
     const bar = element(
       "header",
       { class: "top-bar" },
@@ -192,52 +173,58 @@ export class PlayerView {
         ? element("a", { class: "round", title: "All scenes", "aria-label": "All scenes", href: page.home }, icon(BACK))
         : null,
       this.#title,
-      this.#headset.node,
-      this.#menu.button,
+      this.#headset,
+      this.#settings,
       // Where the browser has it at all: on a phone of Apple only videos can fill the screen.
       "requestFullscreen" in this.#host ? button("Full screen (F)", FULLSCREEN, () => this.toggleFullscreen()) : null,
     );
-    this.#controls.replaceChildren(bar, this.#menu.node, this.#stats.node, this.#transport.node);
-    this.#showChoices();
+    this.#controls.replaceChildren(bar, this.#panels, this.#transport.node);
+    this.#transport.timeline.mark();
   }
 
-  get #surroundings() {
-    const stats = this.#stats;
-    return {
-      get statisticsShown() {
-        return !stats.node.hidden;
-      },
-      toggleStatistics: () => {
-        stats.toggle();
-        this.#showChoices();
-      },
+  async #loadCommands(): Promise<Commands> {
+    const { Commands } = await import("./commands"); // for those who press a key or open the settings
+    return new Commands(this.player, {
+      bookmarks: this.#bookmarks,
+      root: this.root,
+      place: this.#panels,
+      button: this.#settings,
+      keys: this.#keys,
+      link: this.#options.page?.link,
       toggleFullscreen: () => this.toggleFullscreen(),
-      toggleHelp: () => this.#help.show(this.#bindings),
-    };
-  }
-
-  #showChoices(): void {
-    this.#transport?.timeline.mark();
-    this.#menu?.update();
-    this.root.classList.toggle("flying", this.#fly.active);
+      say: (text) => this.#message.say(text),
+      fail: (text) => this.fail(text),
+      marked: () => this.#transport?.timeline.mark(),
+    });
   }
 
   #obey(): void {
     const { page } = this.#options;
     const { player, root } = this;
     const signal = player.disposed;
+    const commands = this.#commands;
+    const fly = {
+      get active() {
+        return commands.here?.fly.active ?? false;
+      },
+    };
     const gestures = {
       wheelZooms: () => page !== undefined || root.matches(":focus-within"),
-      onTap: () => this.#actions.toggle(),
+      onTap: () => togglePlaying(player),
     };
-    listenForGestures(this.#stage, steering(player.camera, this.#fly), gestures, signal);
+    listenForGestures(this.#stage, steering(player.camera, fly), gestures, signal);
+    const heard = (event: KeyboardEvent) => {
+      if (!commands.here) {
+        if (!mayBeObeyed(event)) return;
+        event.preventDefault(); // until it is known what the key does
+      }
+      commands.use((all) => all.press(event));
+    };
     const ignores = (event: KeyboardEvent, control: EventTarget) =>
       this.#transport === null ||
-      this.#help.open ||
-      this.#fly.uses(event) ||
       control instanceof HTMLSelectElement ||
       ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // which it presses
-    obeyKeys(this.#keys, this.#bindings, ignores, signal);
+    listenForKeys(this.#keys, heard, ignores, signal);
     new IdleHiding(root, this.#keys, () => !player.paused, signal);
   }
 }

@@ -2,13 +2,10 @@
 
 import type { HgsPlayer } from "../player/hgs_player";
 import { QUALITIES, type Quality } from "../renderer/quality";
-import type { Bookmarks } from "./bookmarks";
 import { readableCameraNames } from "./camera_names";
-import { element, icon } from "./element";
+import { element } from "./element";
 import { formatTime } from "./format";
-import { SETTINGS } from "./icons";
 import { type PlayerActions, RATES } from "./player_actions";
-import type { KeySurroundings } from "./player_keys";
 
 const QUALITY_NAMES: Readonly<Record<Quality, string>> = {
   auto: "Auto",
@@ -17,14 +14,14 @@ const QUALITY_NAMES: Readonly<Record<Quality, string>> = {
   low: "Low",
 };
 
+/** What the menu opens and closes beside itself. */
+export interface MenuSurroundings {
+  readonly statisticsShown: boolean;
+  toggleStatistics(): void;
+  showHelp(): void;
+}
+
 export class SettingsMenu {
-  readonly button = element("button", {
-    type: "button",
-    class: "round",
-    title: "Settings",
-    "aria-label": "Settings",
-    "aria-expanded": "false",
-  });
   readonly node = element("div", { class: "menu", role: "group", "aria-label": "Settings", hidden: true });
   readonly #rate = element("select", { "aria-label": "Speed" });
   readonly #quality = element("select", { "aria-label": "Quality" });
@@ -36,17 +33,15 @@ export class SettingsMenu {
   readonly #marks = element("div", { class: "menu-marks" });
   readonly #gone = new AbortController();
 
-  /** For the scene that the player shows now; `root` is all of the player. */
+  /** For the scene that the player shows now; `root` is all of the player, `button` tells whether the menu is open. */
   constructor(
     readonly player: HgsPlayer,
     readonly actions: PlayerActions,
-    readonly bookmarks: Bookmarks,
-    readonly view: KeySurroundings & { readonly statisticsShown: boolean },
+    readonly view: MenuSurroundings,
     root: HTMLElement,
+    readonly button: HTMLElement,
   ) {
     const { camera } = player;
-    this.button.append(icon(SETTINGS));
-    this.button.addEventListener("click", () => this.#show(this.node.hidden === true));
     choose(this.#quality, QUALITIES, (quality) => QUALITY_NAMES[quality]);
     this.#quality.addEventListener("change", () => {
       player.quality = this.#quality.value as Quality;
@@ -89,11 +84,15 @@ export class SettingsMenu {
       group(
         ...(link ? [command("Copy link (C)", () => this.#close(() => actions.copyLink()))] : []),
         command("Save picture (P)", () => this.#close(() => actions.savePicture())),
-        command("Keys and gestures (?)", () => this.#close(() => view.toggleHelp())),
+        command("Keys and gestures (?)", () => this.#close(() => view.showHelp())),
       ),
     );
     this.#closeBeside(root);
     this.update();
+  }
+
+  toggle(): void {
+    this.#show(this.node.hidden === true);
   }
 
   /** Show what is chosen. */
@@ -107,7 +106,7 @@ export class SettingsMenu {
     press(this.#statistics, view.statisticsShown);
     this.#clear.hidden = player.loopRange === null;
     this.#marks.replaceChildren(
-      ...this.bookmarks.times.map((time) => {
+      ...actions.surroundings.bookmarks.times.map((time) => {
         const shown = formatTime(time - player.start);
         const button = command(shown, () => actions.seekTo(time));
         button.setAttribute("aria-label", `To the bookmark at ${shown}`);
@@ -118,6 +117,7 @@ export class SettingsMenu {
 
   /** Another scene takes the place of this one. */
   dispose(): void {
+    this.#show(false);
     this.#gone.abort();
   }
 

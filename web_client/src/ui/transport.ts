@@ -5,7 +5,7 @@ import type { Bookmarks } from "./bookmarks";
 import { element, icon, setText } from "./element";
 import { formatTime } from "./format";
 import { PAUSE, PLAY, REPLAY } from "./icons";
-import type { PlayerActions } from "./player_actions";
+import { moves, stepFrames, togglePlaying } from "./playing";
 import { Timeline } from "./timeline";
 
 type Button = "play" | "pause" | "replay";
@@ -22,13 +22,12 @@ export class Transport {
   /** For the scene that the player shows now. */
   constructor(
     readonly player: HgsPlayer,
-    actions: PlayerActions,
     bookmarks: Bookmarks,
   ) {
-    this.#play.addEventListener("click", () => actions.toggle());
-    this.timeline = new Timeline(player, bookmarks, (frames) => actions.step(frames));
+    this.#play.addEventListener("click", () => togglePlaying(player));
+    this.timeline = new Timeline(player, bookmarks, (frames) => stepFrames(player, frames));
     this.node = element("div", { class: "transport" }, this.#play, this.timeline.node, this.#time);
-    this.node.hidden = !actions.moves;
+    this.node.hidden = !moves(player);
   }
 
   /** Show the player's state; called at every frame of the player. */

@@ -2,6 +2,7 @@ import { readFileSync } from "node:fs";
 import { describe, expect, it, vi } from "vitest";
 import type { HgsPlayer } from "../../src/player/hgs_player";
 import { FLYING, GESTURES, shownKeys } from "../../src/ui/help";
+import { mayBeObeyed } from "../../src/ui/key_listener";
 import type { PlayerActions } from "../../src/ui/player_actions";
 import { playerKeys } from "../../src/ui/player_keys";
 
@@ -21,6 +22,12 @@ function keys(more: Partial<PlayerActions> = {}, flying = false) {
 it("gives every key to one action", () => {
   const all = keys().bindings.flatMap((binding) => binding.keys);
   expect(new Set(all).size).toBe(all.length);
+});
+
+it("has no key that the player would not wait for", () => {
+  for (const key of keys().bindings.flatMap((binding) => binding.keys)) {
+    expect(mayBeObeyed({ key: key.replace("Shift+", "") } as KeyboardEvent), key).toBe(true);
+  }
 });
 
 it("seeks with arrows and jumps with digits", () => {

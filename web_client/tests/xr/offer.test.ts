@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { describeRefusal, offeredModes } from "../../src/xr/offer";
+import { offeredModes } from "../../src/xr/offer";
 
 const system = (answer: (mode: string) => Promise<boolean>) => ({ isSessionSupported: answer }) as unknown as XRSystem;
 
@@ -15,15 +15,5 @@ describe("what a browser offers", () => {
   it("is nothing where a policy forbids to ask", async () => {
     const forbidden = () => Promise.reject(new DOMException("", "SecurityError"));
     expect(await offeredModes(system(forbidden))).toEqual([]);
-  });
-});
-
-describe("a refusal", () => {
-  it("is told by what the reader can do about it", () => {
-    const words = ["NotAllowedError", "NotSupportedError", "InvalidStateError", "AbortError"].map((name) =>
-      describeRefusal(new DOMException("", name)),
-    );
-    expect(new Set(words).size).toBe(4);
-    expect(describeRefusal(new Error("other"))).toBe(words[3]);
   });
 });

@@ -1,0 +1,27 @@
+/** Asking for a session, and what to say when that is refused. */
+
+import type { HeadsetMode } from "./offer";
+
+/**
+ * Ask for a session; only while the browser handles a click or a key.
+ *
+ * @throws DOMException, for `describeRefusal`
+ */
+export function requestSession(xr: XRSystem, mode: HeadsetMode): Promise<XRSession> {
+  return xr.requestSession(mode, { optionalFeatures: ["local-floor", "bounded-floor", "hand-tracking"] });
+}
+
+/** The words for a headset that could not be entered. */
+export function describeRefusal(error: unknown): string {
+  switch (error instanceof DOMException ? error.name : "") {
+    case "NotAllowedError":
+    case "SecurityError":
+      return "The browser did not let this page use the headset. Allow it in the settings for this site, then try again.";
+    case "NotSupportedError":
+      return "This headset cannot show the scene.";
+    case "InvalidStateError":
+      return "The headset is in use. Leave what it shows now, then try again.";
+    default:
+      return "The headset could not be started.";
+  }
+}
