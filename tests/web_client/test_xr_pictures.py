@@ -58,6 +58,17 @@ def expected(headset: Headset, position: Position, yaw: float = 0.0, pitch: floa
     return one, other
 
 
+def eyes_see_what_is_expected(
+    browser: Browser, site: Site, position: Position, yaw: float = 0.0, pitch: float = 0.0
+) -> None:
+    with headset_page(browser, site) as headset:
+        headset.enter()
+        headset.look(position, yaw, pitch)
+        headset.settle()
+        for eye, truth in zip(headset.pictures(), expected(headset, position, yaw, pitch), strict=True):
+            assert psnr(eye[..., :3], truth) >= EYE_PSNR
+
+
 @heads
 def test_both_eyes_see_the_reference_picture(
     browser: Browser, dust: Site, position: Position, yaw: float, pitch: float
@@ -76,19 +87,8 @@ def test_both_eyes_see_the_reference_picture(
 def test_large_splats_lie_in_the_order_of_their_distance_from_the_head(
     browser: Browser, site: Site, position: Position, yaw: float, pitch: float
 ) -> None:
-    with headset_page(browser, site) as headset:
-        headset.enter()
-        headset.look(position, yaw, pitch)
-        headset.settle()
-        for eye, truth in zip(headset.pictures(), expected(headset, position, yaw, pitch), strict=True):
-            assert psnr(eye[..., :3], truth) >= EYE_PSNR
+    eyes_see_what_is_expected(browser, site, position, yaw, pitch)
 
 
 def test_splats_fade_before_an_eye_that_is_among_them(browser: Browser, site: Site) -> None:
-    position = (0.0, 1.6, -2.2)
-    with headset_page(browser, site) as headset:
-        headset.enter()
-        headset.look(position)
-        headset.settle()
-        for eye, truth in zip(headset.pictures(), expected(headset, position), strict=True):
-            assert psnr(eye[..., :3], truth) >= EYE_PSNR
+    eyes_see_what_is_expected(browser, site, (0.0, 1.6, -2.2))

@@ -1,17 +1,10 @@
 /** What a camera of three.js sees of a scene that stands somewhere in its world. */
 
 import type { Camera, Matrix4 } from "three";
+import { projectedIntrinsics, type Viewport } from "../camera/projection";
 import { cross, dot, length, type Mat3, type Vec3 } from "../camera/vector";
 import type { View } from "../player/view";
 import type { HostSurface } from "../renderer/host_surface";
-
-/** In pixels of the framebuffer; (x, y) is the lower left corner. */
-export interface Viewport {
-  readonly x: number;
-  readonly y: number;
-  readonly width: number;
-  readonly height: number;
-}
 
 export interface HostView {
   readonly view: View;
@@ -39,7 +32,6 @@ export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): Ho
   // Rows in OpenCV axes: y and z the other way round. Lengths in the scene's own units.
   const rows = [0, 1, 2].map((i) => [m[i], m[i + 4], m[i + 8], m[i + 12]].map((v) => ((i ? -1 : 1) * v) / scale));
   const rotation = rows.flatMap((row) => row.slice(0, 3)) as unknown as Mat3;
-  const { width, height } = viewport;
   const row = (i: number): [number, number, number, number] => [
     p[i] * scale,
     -p[i + 4] * scale,
@@ -49,15 +41,7 @@ export function hostView(camera: Camera, world: Matrix4, viewport: Viewport): Ho
   return {
     view: {
       pose: { rotation, translation: [rows[0][3], rows[1][3], rows[2][3]] },
-      camera: {
-        width,
-        height,
-        fx: (p[0] * width) / 2,
-        fy: (p[5] * height) / 2,
-        cx: ((1 - p[8]) * width) / 2,
-        cy: ((1 + p[9]) * height) / 2,
-        near: nearOf(camera) / scale,
-      },
+      camera: projectedIntrinsics(p, viewport, nearOf(camera) / scale),
     },
     depth: { z: row(2), w: row(3) },
   };

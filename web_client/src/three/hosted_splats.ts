@@ -1,10 +1,10 @@
 /** The splats in the context of a host's renderer: made and filled when the host draws, and drawn with its bindings kept. */
 
 import type { WebGLRenderer } from "three";
+import type { Viewport } from "../camera/projection";
 import type { HostSurface } from "../renderer/host_surface";
 import type { Shot } from "../renderer/shot";
 import { SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
-import type { Viewport } from "./host_view";
 import { keepBindings, keepUnpacking } from "./kept_state";
 import { LinearLight } from "./linear_light";
 import { WaitingSplats } from "./waiting_splats";

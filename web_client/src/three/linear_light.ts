@@ -4,9 +4,9 @@
  */
 
 import { FloatType, HalfFloatType, RGBAFormat, type WebGLRenderTarget } from "three";
+import type { Viewport } from "../camera/projection";
 import { Program } from "../renderer/program";
 import { PRESENT_VERTEX_SHADER } from "../renderer/shaders";
-import type { Viewport } from "./host_view";
 
 /** Draws a copy over what it is a copy of, its colours turned from or into linear light; brighter than white is kept. */
 const CONVERT_FRAGMENT_SHADER = `#version 300 es

@@ -1,6 +1,6 @@
-/** What an eye of a headset sees, as a camera of this project: OpenCV axes, pixels, world units. */
+/** Where an eye of a headset is, as a camera of this project: OpenCV axes, world units. */
 
-import { type Intrinsics, type Pose, poseAt } from "../camera/pinhole";
+import { type Pose, poseAt } from "../camera/pinhole";
 import type { Mat3, Vec3 } from "../camera/vector";
 import { multiply, rotationOf, type Similarity, transformed, transpose } from "./similarity";
 
@@ -8,13 +8,6 @@ import { multiply, rotationOf, type Similarity, transformed, transpose } from ".
 export interface RoomPose {
   readonly position: Vec3;
   readonly rotation: Mat3;
-}
-
-export interface Viewport {
-  readonly x: number;
-  readonly y: number;
-  readonly width: number;
-  readonly height: number;
 }
 
 /** WebXR's axes from OpenCV's: y and z the other way. A half turn about x, no mirror. */
@@ -28,21 +21,4 @@ export function roomPose({ position: p, orientation }: XRRigidTransform): RoomPo
 export function scenePose(pose: RoomPose, sceneFromRoom: Similarity): Pose {
   const sceneFromCamera = multiply(sceneFromRoom.rotation, multiply(pose.rotation, FLIP));
   return poseAt(transformed(sceneFromRoom, pose.position), transpose(sceneFromCamera));
-}
-
-/**
- * The intrinsics of an eye, exactly, however lopsided its picture: `projection` is WebXR's matrix by columns.
- *
- * @param near world units
- */
-export function eyeIntrinsics(projection: ArrayLike<number>, { width, height }: Viewport, near: number): Intrinsics {
-  return {
-    width,
-    height,
-    fx: (projection[0] * width) / 2,
-    fy: (projection[5] * height) / 2,
-    cx: ((1 - projection[8]) * width) / 2,
-    cy: ((1 + projection[9]) * height) / 2,
-    near,
-  };
 }

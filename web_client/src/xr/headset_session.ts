@@ -3,6 +3,7 @@
  * although the order of the splats may be of the frame before; one order serves both eyes.
  */
 
+import { projectedIntrinsics, type Viewport } from "../camera/projection";
 import { startCamera } from "../camera/start";
 import type { Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
@@ -10,7 +11,7 @@ import type { ScenePlayer } from "../player/player";
 import type { View } from "../player/view";
 import type { Shot } from "../renderer/shot";
 import { type Commands, Controls } from "./controls";
-import { eyeIntrinsics, type RoomPose, roomPose, scenePose, type Viewport } from "./eye_camera";
+import { type RoomPose, roomPose, scenePose } from "./eye_camera";
 import { EyeLayer, NEAR } from "./eye_layer";
 import type { EyeMatrices } from "./flat_drawer";
 import { Grab, turned } from "./grab";
@@ -123,7 +124,7 @@ export class HeadsetSession {
       viewport,
       view: {
         pose: scenePose(pose, this.#sceneFromRoom),
-        camera: eyeIntrinsics(view.projectionMatrix, viewport, NEAR * this.#sceneFromRoom.scale),
+        camera: projectedIntrinsics(view.projectionMatrix, viewport, NEAR * this.#sceneFromRoom.scale),
       },
       matrices: { projection: view.projectionMatrix, eyeFromRoom: view.transform.inverse.matrix },
       position: pose.position,
