@@ -5,8 +5,10 @@ import type { Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
-import { checkedRate, type PlayerClock } from "./clock";
+import type { PlayerClock } from "./clock";
 import type { Beginning, HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
+import type { Playback } from "./playback";
+import { type Asked, asked, played } from "./played_scene";
 import type { ScenePlayer } from "./player";
 import { PlayerCamera } from "./player_camera";
 import type { PlayerStats } from "./player_types";
@@ -22,20 +24,16 @@ const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
  * await player.load("https://cdn.example/studio/manifest.json");
  * player.play();
  */
-export class HgsPlayer extends Target {
+export class HgsPlayer extends played(Target) {
   /** From where the scene is seen. */
   readonly camera = new PlayerCamera(() => this.#scene?.viewpoint ?? null);
+  protected readonly asked: Asked;
   readonly #stage: HTMLElement;
   readonly #options: HgsPlayerOptions;
   readonly #disposed = new AbortController();
   #src: string | OpenSource | null = null;
   #beginning: Beginning = {};
   #scene: ScreenedScene | null = null;
-  // What is asked for counts for the scene that is there, and for one that is still to come.
-  #playing: boolean;
-  #rate: number;
-  #loop: boolean;
-  #time: number | null;
   #quality: Quality;
 
   /**
@@ -46,10 +44,7 @@ export class HgsPlayer extends Target {
     super();
     this.#stage = stage;
     this.#options = options;
-    this.#playing = options.autoplay ?? false;
-    this.#rate = checkedRate(options.playbackRate ?? 1);
-    this.#loop = options.loop ?? false;
-    this.#time = options.time ?? null;
+    this.asked = asked(options);
     this.#quality = options.quality ?? "auto";
   }
 
@@ -66,7 +61,7 @@ export class HgsPlayer extends Target {
     this.#beginning = beginning;
     const shown = this.#load(src);
     shown.then(
-      () => this.#tell("ready", null),
+      () => this.tell("ready", null),
       () => {}, // told by `error`, or left on purpose
     );
     return shown;
@@ -91,7 +86,7 @@ export class HgsPlayer extends Target {
     if (!this.#scene) return;
     this.#scene.dispose();
     this.#scene = null;
-    this.#time = null; // another scene begins at its own start
+    this.asked.time = null; // another scene begins at its own start
   }
 
   /** Stop for good and give everything back. */
@@ -105,85 +100,6 @@ export class HgsPlayer extends Target {
     return this.#disposed.signal;
   }
 
-  /** Begin to play or go on; from the start if the end has been reached. Told by `play`. */
-  play(): void {
-    this.#playing = true;
-    this.#scene?.player.play();
-  }
-
-  pause(): void {
-    this.#playing = false;
-    this.#scene?.player.pause();
-  }
-
-  /**
-   * Move the playhead, within the scene.
-   *
-   * @returns a promise that is fulfilled once all of what is to be seen then is drawn.
-   * @throws RangeError if `time` is not a finite number.
-   */
-  async seek(time: number): Promise<void> {
-    const scene = this.#scene;
-    this.#time = checkedTime(time);
-    if (!scene) return;
-    scene.player.seek(time);
-    await scene.settled();
-    this.#tell("seeked", null);
-  }
-
-  get paused(): boolean {
-    return !(this.#scene?.clock?.playing ?? this.#playing);
-  }
-
-  /** True while the playhead waits for data. */
-  get stalled(): boolean {
-    return this.#scene?.clock?.stalled ?? false;
-  }
-
-  get ended(): boolean {
-    const clock = this.#scene?.clock;
-    return clock ? !clock.playing && clock.time >= clock.end : false;
-  }
-
-  get currentTime(): number {
-    return this.#scene?.clock?.time ?? this.#time ?? 0;
-  }
-
-  set currentTime(time: number) {
-    this.seek(checkedTime(time)).catch(() => {}); // what fails is told by `error`
-  }
-
-  /** Of the scene, seconds; 0 until it is known. */
-  get start(): number {
-    return this.manifest?.start ?? 0;
-  }
-
-  /** Of the scene, seconds; NaN until it is known. */
-  get end(): number {
-    return this.manifest?.end ?? Number.NaN;
-  }
-
-  /** Seconds from start to end; NaN until it is known. */
-  get duration(): number {
-    return this.end - this.start;
-  }
-
-  /** The stretches of time that are loaded, as disjoint [start, end] in order. */
-  get buffered(): readonly (readonly [number, number])[] {
-    return this.#scene?.player.buffer?.ranges() ?? [];
-  }
-
-  /** Scene seconds per second, in (0, 16]; another number throws a RangeError. */
-  get playbackRate(): number {
-    return this.#rate;
-  }
-
-  set playbackRate(rate: number) {
-    this.#rate = checkedRate(rate);
-    this.#scene?.player.setRate(rate);
-    this.#tell("ratechange", null);
-  }
-
   /** How finely pictures are drawn: see `Quality`. */
   get quality(): Quality {
     return this.#quality;
@@ -192,16 +108,6 @@ export class HgsPlayer extends Target {
   set quality(quality: Quality) {
     this.#quality = quality;
     if (this.#scene) this.#scene.player.quality = quality;
-  }
-
-  get loop(): boolean {
-    return this.#loop;
-  }
-
-  set loop(loop: boolean) {
-    this.#loop = loop;
-    const clock = this.#scene?.clock;
-    if (clock) clock.loop = loop;
   }
 
   /** The stretch of time that playing repeats, seconds, whether or not `loop`; null for none, and without a scene. */
@@ -265,6 +171,24 @@ export class HgsPlayer extends Target {
     return canvas.convertToBlob({ type, quality: 0.92 });
   }
 
+  protected get playback(): Playback | null {
+    return this.#scene?.player.playback ?? null;
+  }
+
+  protected changed(): void {
+    this.#scene?.player.invalidate();
+  }
+
+  protected async settled(): Promise<boolean> {
+    const scene = this.#scene;
+    await scene?.settled();
+    return scene !== null;
+  }
+
+  protected tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+
   #read(as: "canvas" | "float" | "finest"): Pixels {
     const pixels = this.#scene?.player.readPixels(as);
     if (!pixels) throw new Error("nothing has been drawn yet");
@@ -274,18 +198,18 @@ export class HgsPlayer extends Target {
   async #load(src: string | OpenSource): Promise<void> {
     if (this.#disposed.signal.aborted) throw new Error("this player has been disposed of");
     this.unload();
-    this.#time = this.#beginning.time ?? this.#time;
-    this.#tell("loadstart", null);
+    this.asked.time = this.#beginning.time ?? this.asked.time;
+    this.tell("loadstart", null);
     try {
       const open = typeof src === "string" ? openSource(src) : src;
       const { antialiased = null, memoryBudget } = this.#options;
-      const [time, playing, viewpoint] = [this.#time, this.#playing, this.#viewpoint()];
+      const [time, playing, viewpoint] = [this.asked.time, this.asked.playing, this.#viewpoint()];
       const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
       this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
       this.#scene.player.quality = this.#quality;
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);
-      this.#tell("error", { message, cause: message });
+      this.tell("error", { message, cause: message });
       throw error;
     }
     await this.#scene.settled();
@@ -299,21 +223,13 @@ export class HgsPlayer extends Target {
   #heard<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
     const scene = this.#scene;
     if (type === "manifest" && scene?.clock) {
-      scene.clock.loop = this.#loop;
-      scene.player.setRate(this.#rate);
-      if (this.#time !== null) scene.player.seek(this.#time);
       const { view = null, loopRange = null } = { ...this.#options, ...this.#beginning };
       if (view) scene.viewpoint.place(view);
       if (loopRange) scene.clock.range = within(loopRange, scene.clock);
-      if (this.#playing) scene.player.play();
-      else scene.player.pause();
+      this.begin();
     }
-    if (type === "pause") this.#playing = false;
-    this.#tell(type, detail);
-  }
-
-  #tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
-    this.dispatchEvent(new CustomEvent(type, { detail }));
+    if (type === "pause") this.asked.playing = false;
+    this.tell(type, detail);
   }
 }
 
@@ -321,9 +237,4 @@ export class HgsPlayer extends Target {
 function within([from, to]: readonly [number, number], { start, end }: PlayerClock): readonly [number, number] | null {
   const range = [Math.max(from, start), Math.min(to, end)] as const;
   return range[0] < range[1] ? range : null;
-}
-
-function checkedTime(time: number): number {
-  if (!Number.isFinite(time)) throw new RangeError(`time ${time} is not a finite number`);
-  return time;
 }

@@ -16,7 +16,8 @@ export interface Beginning {
   readonly loopRange?: readonly [number, number] | null;
 }
 
-export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptions, "camera">> {
+/** How a scene plays. */
+export interface PlayingOptions {
   /** Whether to play at once; false if left out. */
   readonly autoplay?: boolean;
   /** Whether to begin again at the end; false if left out. */
@@ -27,6 +28,9 @@ export interface HgsPlayerOptions extends Beginning, Partial<Omit<ViewpointOptio
   readonly antialiased?: boolean | null;
   /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
   readonly memoryBudget?: number;
+}
+
+export interface HgsPlayerOptions extends Beginning, PlayingOptions, Partial<Omit<ViewpointOptions, "camera">> {
   /** How finely pictures are drawn; `auto` if left out. */
   readonly quality?: Quality;
 }

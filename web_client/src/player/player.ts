@@ -6,9 +6,8 @@
 import { CanvasRenderer } from "../renderer/canvas_renderer";
 import type { Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
-import type { SceneBuffer } from "./buffer";
-import type { PlayerClock } from "./clock";
 import { Picture } from "./picture";
+import type { Playback } from "./playback";
 import type { PlayerOptions, PlayerStats } from "./player_types";
 import { type SceneStep, StreamedScene } from "./streamed_scene";
 import type { View } from "./view";
@@ -51,12 +50,9 @@ export class ScenePlayer {
     this.invalidate();
   }
 
-  get clock(): PlayerClock | null {
-    return this.#scene.playback?.clock ?? null;
-  }
-
-  get buffer(): SceneBuffer | null {
-    return this.#scene.playback?.buffer ?? null;
+  /** Null until the manifest has arrived. */
+  get playback(): Playback | null {
+    return this.#scene.playback;
   }
 
   get stats(): PlayerStats {
@@ -70,8 +66,8 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#scene.lineRate(now),
       chunks,
-      lostChunks: this.buffer?.lost ?? 0,
-      complete: this.buffer?.complete ?? false,
+      lostChunks: this.playback?.buffer.lost ?? 0,
+      complete: this.playback?.buffer.complete ?? false,
       splats: orders.count,
       dynamicSplats: orders.dynamicSplats,
       framesPerSecond: frames.rate(now),
@@ -117,20 +113,6 @@ export class ScenePlayer {
     return step;
   }
 
-  play(): void {
-    this.#scene.playback?.play();
-    this.invalidate();
-  }
-
-  pause(): void {
-    this.#scene.playback?.pause();
-    this.invalidate();
-  }
-
-  setRate(rate: number): void {
-    this.#scene.playback?.setRate(rate);
-  }
-
   get quality(): Quality {
     return this.renderer.quality.quality;
   }
@@ -139,12 +121,6 @@ export class ScenePlayer {
   set quality(quality: Quality) {
     this.renderer.quality.quality = quality;
     this.#picture.outdate();
-    this.invalidate();
-  }
-
-  /** Move the playhead; what is missing there comes before everything else. */
-  seek(time: number): void {
-    this.#scene.playback?.seek(time);
     this.invalidate();
   }
 
@@ -200,7 +176,7 @@ export class ScenePlayer {
     const view = this.#options.view();
     const step = view && this.#scene.step(now, [view]);
     const shot = step?.shots[0];
-    const playing = this.clock?.playing ?? false;
+    const playing = this.playback?.clock.playing ?? false;
     const unfinished = shot ? this.#picture.update(shot, step.moving, now) : false;
     if (unfinished || (step && playing)) this.invalidate();
     else this.#picture.frames.rest();

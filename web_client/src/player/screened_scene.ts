@@ -80,7 +80,7 @@ export class ScreenedScene {
   }
 
   get clock(): PlayerClock | null {
-    return this.player.clock;
+    return this.player.playback?.clock ?? null;
   }
 
   /** Fulfilled when all of what is to be seen at the playhead is drawn; rejected if that cannot be. */

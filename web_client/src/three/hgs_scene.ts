@@ -2,8 +2,8 @@
 
 import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } from "three";
 import type { Manifest } from "../codec/types";
-import { checkedRate } from "../player/clock";
 import type { Playback } from "../player/playback";
+import { type Asked, asked, played } from "../player/played_scene";
 import { ProgressEvents } from "../player/progress_events";
 import { StreamedScene } from "../player/streamed_scene";
 import { openSource } from "../source/open_source";
@@ -22,8 +22,9 @@ export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };
  * const scene = new HgsScene({ src: "studio/manifest.json", loop: true, autoplay: true });
  * threeScene.add(scene);
  */
-export class HgsScene extends Object3D<HgsSceneEventMap> {
+export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
   override readonly type: string = "HgsScene";
+  protected readonly asked: Asked;
   readonly #mesh: SplatMesh;
   readonly #pictures: HostPictures;
   readonly #scene: StreamedScene;
@@ -33,11 +34,6 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
   readonly #failed: Promise<never>;
   #fail: (error: Error) => void = () => {};
   #refused: string | null = null;
-  // What is asked for counts for the scene that is there, and for one that is still to come.
-  #playing: boolean;
-  #rate: number;
-  #loop: boolean;
-  #time: number | null;
 
   /**
    * @throws Error with one line for people if no scene can be at such an address.
@@ -45,11 +41,9 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
    */
   constructor(options: HgsSceneOptions) {
     super();
-    const { src, time = null, autoplay = false, loop = false, playbackRate = 1, antialiased = null } = options;
-    this.#playing = autoplay;
-    this.#rate = checkedRate(playbackRate);
-    this.#loop = loop;
-    this.#time = time;
+    const { src, antialiased = null } = options;
+    this.asked = asked(options);
+    const { time, playing } = this.asked;
     this.#failed = new Promise((_, reject) => {
       this.#fail = reject;
     });
@@ -58,7 +52,7 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
       frame: (settled) => this.#framed(settled),
       restored: () => {
         this.#scene.restore();
-        this.#tell("change", null);
+        this.tell("change", null);
       },
     });
     this.#scene = new StreamedScene(
@@ -66,17 +60,21 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
         open: typeof src === "string" ? openSource(src) : src,
         sink: this.#pictures.sink,
         time,
-        playing: autoplay,
+        playing,
         antialiased,
         memoryBudget: options.memoryBudget,
       },
       {
-        manifest: (manifest) => this.#begin(manifest),
-        changed: () => this.#tell("change", null),
-        ordered: () => this.#tell("change", null),
+        manifest: (manifest) => {
+          this.#mesh.bound(manifest);
+          this.begin();
+          this.tell("manifest", manifest);
+        },
+        changed: () => this.tell("change", null),
+        ordered: () => this.tell("change", null),
         failed: (message, cause) => {
           this.#fail(new Error(cause));
-          this.#tell("error", { message, cause });
+          this.tell("error", { message, cause });
         },
       },
     );
@@ -85,97 +83,10 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
     const { signal } = this.#listeners;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     addEventListener("online", () => this.#scene.wake(), { signal });
-    this.#settle("ready").catch(() => {}); // told by `error`, or left on purpose
-  }
-
-  /** Begin to play or go on; from the start if the end has been reached. Told by `play`. */
-  play(): void {
-    this.#playing = true;
-    this.#playback?.play();
-    this.#tell("change", null);
-  }
-
-  pause(): void {
-    this.#playing = false;
-    this.#playback?.pause();
-    this.#tell("change", null);
-  }
-
-  /**
-   * Move the playhead, within the scene.
-   *
-   * @returns a promise that is fulfilled once the host has drawn all of what is to be seen then.
-   * @throws RangeError if `time` is not a finite number.
-   */
-  async seek(time: number): Promise<void> {
-    if (!Number.isFinite(time)) throw new RangeError(`time ${time} is not a finite number`);
-    this.#time = time;
-    this.#playback?.seek(time);
-    await this.#settle("seeked");
-  }
-
-  get paused(): boolean {
-    return !(this.#playback?.clock.playing ?? this.#playing);
-  }
-
-  /** True while the playhead waits for data. */
-  get stalled(): boolean {
-    return this.#playback?.clock.stalled ?? false;
-  }
-
-  get ended(): boolean {
-    const clock = this.#playback?.clock;
-    return clock ? !clock.playing && clock.time >= clock.end : false;
-  }
-
-  get currentTime(): number {
-    return this.#playback?.clock.time ?? this.#time ?? 0;
-  }
-
-  set currentTime(time: number) {
-    if (!Number.isFinite(time)) throw new RangeError(`time ${time} is not a finite number`);
-    this.seek(time).catch(() => {}); // what fails is told by `error`
-  }
-
-  /** Of the scene, seconds; 0 until it is known. */
-  get start(): number {
-    return this.manifest?.start ?? 0;
-  }
-
-  /** Of the scene, seconds; NaN until it is known. */
-  get end(): number {
-    return this.manifest?.end ?? Number.NaN;
-  }
-
-  /** Seconds from start to end; NaN until it is known. */
-  get duration(): number {
-    return this.end - this.start;
-  }
-
-  /** The stretches of time that are loaded, as disjoint [start, end] in order. */
-  get buffered(): readonly (readonly [number, number])[] {
-    return this.#playback?.buffer.ranges() ?? [];
-  }
-
-  /** Scene seconds per second, in (0, 16]; another number throws a RangeError. */
-  get playbackRate(): number {
-    return this.#rate;
-  }
-
-  set playbackRate(rate: number) {
-    this.#rate = checkedRate(rate);
-    this.#playback?.setRate(rate);
-    this.#tell("ratechange", null);
-  }
-
-  /** Whether to begin again at the end. */
-  get loop(): boolean {
-    return this.#loop;
-  }
-
-  set loop(loop: boolean) {
-    this.#loop = loop;
-    if (this.#playback) this.#playback.clock.loop = loop;
+    this.settled().then(
+      () => this.tell("ready", null),
+      () => {}, // told by `error`, or left on purpose
+    );
   }
 
   /** What the scene says of itself; null until it has come. */
@@ -210,22 +121,19 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
     throw new Error("an HgsScene cannot be copied or cloned: make another one of the same src");
   }
 
-  get #playback(): Playback | null {
+  protected get playback(): Playback | null {
     return this.#scene.playback;
   }
 
-  /** The scene is known: what was asked for before counts now. */
-  #begin(manifest: Manifest): void {
-    this.#mesh.bound(manifest);
-    const playback = this.#playback;
-    if (playback) {
-      playback.clock.loop = this.#loop;
-      playback.setRate(this.#rate);
-      if (this.#time !== null) playback.seek(this.#time);
-      if (this.#playing) playback.play();
-      else playback.pause();
-    }
-    this.#tell("manifest", manifest);
+  protected changed(): void {
+    this.tell("change", null);
+  }
+
+  protected async settled(): Promise<boolean> {
+    const settled = new Promise<void>((resolve) => this.#waiting.push(resolve));
+    this.changed();
+    await Promise.race([settled, this.#failed]);
+    return true;
   }
 
   #draw(renderer: WebGLRenderer, camera: Camera): void {
@@ -239,37 +147,29 @@ export class HgsScene extends Object3D<HgsSceneEventMap> {
       this.#refused = cause;
       // biome-ignore lint/suspicious/noConsole: whoever has put the scene there looks for it here
       console.warn(`HgsScene: ${cause}`);
-      this.#tell("error", { message: cause, cause });
+      this.tell("error", { message: cause, cause });
     }
   }
 
   #framed(settled: boolean): void {
     if (this.#listeners.signal.aborted) return;
     if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
-    const clock = this.#playback?.clock;
+    const clock = this.playback?.clock;
     if (!clock) return;
     for (const type of this.#progress.since(clock, this.#scene.orders.count > 0, performance.now())) {
-      if (type === "pause") this.#playing = false;
-      this.#tell(type, null);
+      if (type === "pause") this.asked.playing = false;
+      this.tell(type, null);
     }
-    if (clock.playing) this.#tell("change", null);
-  }
-
-  /** Fulfilled when all of what is to be seen at the playhead is drawn, which is told; rejected if that cannot be. */
-  async #settle(told: "ready" | "seeked"): Promise<void> {
-    const settled = new Promise<void>((resolve) => this.#waiting.push(resolve));
-    this.#tell("change", null);
-    await Promise.race([settled, this.#failed]);
-    this.#tell(told, null);
+    if (clock.playing) this.tell("change", null);
   }
 
   /** While the page was hidden the connection may have died. */
   #visibility(): void {
     if (!document.hidden) this.#scene.wake();
-    this.#playback?.pageHidden(document.hidden);
+    this.playback?.pageHidden(document.hidden);
   }
 
-  #tell<K extends keyof HgsSceneEvents>(type: K, detail: HgsSceneEvents[K]): void {
+  protected tell<K extends keyof HgsSceneEvents>(type: K, detail: HgsSceneEvents[K]): void {
     (this.dispatchEvent as (event: { type: K; detail: HgsSceneEvents[K] }) => void).call(this, { type, detail });
   }
 }

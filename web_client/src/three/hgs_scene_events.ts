@@ -1,24 +1,12 @@
 /** What an `HgsScene` is made from and what it tells. */
 
 import type { Object3DEventMap } from "three";
-import type { HgsPlayerEvents } from "../player/hgs_player_events";
+import type { Beginning, HgsPlayerEvents, PlayingOptions } from "../player/hgs_player_events";
 import type { OpenSource } from "../source/scene_source";
 
-export interface HgsSceneOptions {
+export interface HgsSceneOptions extends PlayingOptions, Pick<Beginning, "time"> {
   /** Where the scene is (see `openSource`), or a source of one's own. */
   readonly src: string | OpenSource;
-  /** Seconds on the scene's clock; the scene's start if left out. */
-  readonly time?: number | null;
-  /** Whether to play at once; false if left out. */
-  readonly autoplay?: boolean;
-  /** Whether to begin again at the end; false if left out. */
-  readonly loop?: boolean;
-  /** Scene seconds per second, above 0 and at most 16; 1 if left out. */
-  readonly playbackRate?: number;
-  /** Whether to fade splats thinner than a pixel; as the scene asks for if left out. */
-  readonly antialiased?: boolean | null;
-  /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
-  readonly memoryBudget?: number;
   /**
    * Whether to write colours in linear light, for what turns them into sRGB later. Left out or null: as three.js' own
    * materials do, by the renderer's `outputColorSpace` on its canvas, and in linear light to render targets.

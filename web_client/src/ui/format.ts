@@ -9,19 +9,6 @@ export function formatBytes(bytes: number): string {
   return `${value < 10 ? value.toFixed(1) : Math.round(value)} ${units[power - 1]}`;
 }
 
-/** "512 kbit/s", "1.9 Mbit/s" of bytes per second, as lines are sold. */
-export function formatBitRate(bytesPerSecond: number): string {
-  const kilobits = (8 * bytesPerSecond) / 1000;
-  return kilobits < 999.5 ? `${Math.round(kilobits)} kbit/s` : `${(kilobits / 1000).toFixed(1)} Mbit/s`;
-}
-
-/** "950", "12.4k", "1.2M" */
-export function formatCount(count: number): string {
-  if (count < 1000) return String(count);
-  if (count < 999_500) return `${(count / 1000).toFixed(count < 100_000 ? 1 : 0)}k`;
-  return `${(count / 1e6).toFixed(1)}M`;
-}
-
 /** "0:01.98", "12:05.00": minutes, seconds and hundredths, for a playhead. */
 export function formatTime(seconds: number): string {
   const hundredths = Math.round(Math.max(0, seconds) * 100);

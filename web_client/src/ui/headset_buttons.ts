@@ -4,6 +4,8 @@ import type { HgsPlayer } from "../player/hgs_player";
 import { type HeadsetMode, offeredModes } from "../xr/offer";
 import { describeRefusal, requestSession } from "../xr/session_request";
 import { element, setAttribute, setText } from "./element";
+import css from "./headset_buttons.css?inline";
+import { adoptStyle } from "./player_style";
 
 const WORDS: Readonly<Record<HeadsetMode, readonly [string, string]>> = {
   "immersive-vr": ["VR", "Show in the headset"],
@@ -19,7 +21,11 @@ export class HeadsetButtons {
   #session: XRSession | null = null;
   #asking = false;
 
-  constructor(readonly player: HgsPlayer) {
+  constructor(
+    readonly player: HgsPlayer,
+    shadow: ShadowRoot,
+  ) {
+    adoptStyle(shadow, css);
     const signal = player.disposed;
     for (const [mode, [text, label]] of Object.entries(WORDS) as [HeadsetMode, readonly [string, string]][]) {
       const onclick = () => void this.#press(mode);

@@ -6,13 +6,13 @@ import { element } from "./element";
 import { LatePart } from "./late_part";
 
 /** An element that holds the buttons as soon as there is a use for them, until the player is disposed of. */
-export function offerHeadset(player: HgsPlayer): HTMLElement {
+export function offerHeadset(player: HgsPlayer, shadow: ShadowRoot): HTMLElement {
   const place = element("div");
   const { xr } = navigator;
   const buttons = new LatePart(
     async () => {
       const { HeadsetButtons } = await import("./headset_buttons"); // for those who have a headset
-      return new HeadsetButtons(player);
+      return new HeadsetButtons(player, shadow);
     },
     // biome-ignore lint/suspicious/noConsole: nobody has asked for a headset yet
     (message, cause) => console.warn(message, cause),

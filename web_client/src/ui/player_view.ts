@@ -58,7 +58,6 @@ export class PlayerView {
       reload: page ? page.reload : () => void this.player.reload().catch(() => {}),
       home: page?.home ?? null,
     });
-    this.#headset = offerHeadset(this.player);
     const signal = this.player.disposed;
     this.#message = new Message(signal);
     this.#keys = page ? window : this.root;
@@ -75,6 +74,7 @@ export class PlayerView {
     this.root.append(this.#stage, this.#poster, this.#notices.node, this.#message.node, this.#controls);
     const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     adoptStyle(shadow, css);
+    this.#headset = offerHeadset(this.player, shadow);
     shadow.replaceChildren(this.root);
     this.#follow();
     if (!exact) this.#obey();

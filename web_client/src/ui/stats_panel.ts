@@ -3,7 +3,8 @@
 import type { HgsPlayer } from "../player/hgs_player";
 import type { PlayerStats } from "../player/player_types";
 import { element, setText } from "./element";
-import { formatBitRate, formatBytes, formatCount } from "./format";
+import { formatBytes } from "./format";
+import { formatBitRate, formatCount } from "./format_figures";
 
 /** Often enough to follow, and slowly enough to read, milliseconds. */
 const REFRESH = 500;

@@ -50,7 +50,7 @@ export const openHgs =
         return { ...view, camera: { ...view.camera, fx: view.camera.fx + nudge } };
       },
       onManifest: () => {
-        if (player.clock) player.clock.loop = true;
+        if (player.playback) player.playback.clock.loop = true;
       },
       onFrame: () => {},
       onError: (_, cause) => {
@@ -69,6 +69,10 @@ export const openHgs =
         player.invalidate();
       },
       busy: () => !player.stats.complete || player.stats.firstFrame === null,
-      play: (playing) => (playing ? player.play() : player.pause()),
+      play: (playing) => {
+        if (playing) player.playback?.play();
+        else player.playback?.pause();
+        player.invalidate();
+      },
     };
   };
