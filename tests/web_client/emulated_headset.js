@@ -82,15 +82,16 @@
       super.postMessage(message, ...rest);
     }
   };
-  const draw = WebGL2RenderingContext.prototype.drawElementsInstanced;
-  WebGL2RenderingContext.prototype.drawElementsInstanced = function (...args) {
+  const draw = WebGL2RenderingContext.prototype.drawArraysInstanced; // the only one that draws splats
+  WebGL2RenderingContext.prototype.drawArraysInstanced = function (...args) {
     headset.draws++;
     draw.apply(this, args);
   };
 
   const getParameter = WebGL2RenderingContext.prototype.getParameter;
   WebGL2RenderingContext.prototype.getParameter = function (name) {
-    return getParameter.call(this, name) ?? [0, 0, 0, 0]; // IWER does not expect that a context is lost
+    const value = getParameter.call(this, name);
+    return this.isContextLost() ? [0, 0, 0, 0] : value; // IWER does not expect that a context is lost
   };
 
   const base64 = (bytes) => {
@@ -116,12 +117,16 @@
     skip(time) {
       skipped += time;
     },
-    /** Run one frame; returns how often splats were drawn in it. */
+    /** Run one frame; returns how often splats were drawn in it. Throws if the page says that it drew, and none was seen. */
     frame() {
       headset.frames++;
-      const before = headset.draws;
+      const [before, shown] = [headset.draws, hgs.state.framesDrawn];
       for (const callback of held.splice(0)) callback?.(performance.now());
-      return headset.draws - before;
+      const draws = headset.draws - before;
+      // Else a page that draws in another way would be waited for without end.
+      if (draws === 0 && hgs.state.splats > 0 && hgs.state.framesDrawn > shown)
+        throw new Error("the page drew splats by a call that the headset of this test does not count");
+      return draws;
     },
     /** Run frames until the session has a picture. */
     async entered() {

@@ -192,6 +192,8 @@ def headset_page(
         page = context.new_page()
         problems: list[str] = []
         page.on("pageerror", lambda error: problems.append(str(error)))
+        # The emulator only writes down what a frame throws.
+        page.on("console", lambda message: problems.append(message.text) if message.type == "error" else None)
         page.goto(f"{site.page}?{parameters}")
         page.wait_for_function("() => window.hgs?.ready.then(() => true)")
         page.evaluate(

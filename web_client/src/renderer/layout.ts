@@ -24,5 +24,5 @@ export const FIFTH_WIDTH = DYNAMICS_PER_ROW * FIFTH_TEXELS;
 /** Set in the ids of dynamic splats. */
 export const DYNAMIC_BIT = 0x80000000;
 
-/** Quads drawn by one instance: many, because small instances starve GPUs, and 4 x 1,024 vertices need 16-bit indices. */
-export const QUADS_PER_INSTANCE = 1024;
+/** Triangles drawn by one instance, one for each splat: many, because small instances starve GPUs. */
+export const TRIANGLES_PER_INSTANCE = 1024;

@@ -10,9 +10,9 @@ import {
   DYNAMIC_TEXELS,
   FIFTH_TEXELS,
   FIFTH_WIDTH,
-  QUADS_PER_INSTANCE,
   STATIC_TEXELS,
   TEXTURE_WIDTH,
+  TRIANGLES_PER_INSTANCE,
 } from "./layout";
 
 /** A shader with what only pictures of hosts need (`HostSurface`); a page's own is free of it. */
@@ -54,6 +54,8 @@ const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
 const float LARGEST = 1e18;   // pixels squared: what is wider would overflow
 const float FAINTEST = 0.005 * 0.005;
+// Of a triangle around the unit circle. It covers 30 % more pixels than a square would, and costs half as much to set up.
+const vec2 CORNERS[3] = vec2[](vec2(-1.7320508, -1.0), vec2(1.7320508, -1.0), vec2(0.0, 2.0));
 const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
 const int WIDTH_BITS = ${Math.log2(TEXTURE_WIDTH)};
 
@@ -75,7 +77,7 @@ void main() {
   falloff = vec3(0.0);
   colour = vec4(0.0);
 
-  uint rank = uint(gl_InstanceID) * ${QUADS_PER_INSTANCE}u + uint(gl_VertexID >> 2);
+  uint rank = uint(gl_InstanceID) * ${TRIANGLES_PER_INSTANCE}u + uint(gl_VertexID / 3);
   if (rank >= count) return;
   uint id = texelFetch(order, place(int(rank)), 0).r;
 
@@ -146,7 +148,7 @@ void main() {
   vec2 axis = half_ >= 0.0 ? vec2(half_ + radius, xy) : vec2(xy, radius - half_);
   float norm = length(axis);
   axis = norm > 0.0 ? axis / norm : vec2(1.0, 0.0);
-  vec2 corner = vec2(float(gl_VertexID & 1), float((gl_VertexID >> 1) & 1)) * 2.0 - 1.0;
+  vec2 corner = CORNERS[gl_VertexID % 3];
   vec2 offset = reach * (corner.x * sqrt(major) * axis + corner.y * sqrt(minor) * vec2(-axis.y, axis.x));
 
   mean2d = focal * uv + centre;

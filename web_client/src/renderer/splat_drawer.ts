@@ -4,7 +4,7 @@
  */
 
 import type { HostSurface } from "./host_surface";
-import { FIFTH_WIDTH, QUADS_PER_INSTANCE, STATICS_PER_ROW, TEXTURE_WIDTH } from "./layout";
+import { FIFTH_WIDTH, STATICS_PER_ROW, TEXTURE_WIDTH, TRIANGLES_PER_INSTANCE } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
 import { FRAGMENT_SHADER, forHost, VERTEX_SHADER } from "./shaders";
@@ -57,8 +57,7 @@ export class SplatDrawer implements SplatSink {
   readonly #fifth = new SplatTexture("dynamic", FIFTH_WIDTH);
   readonly #order = new OrderTexture();
   #program!: Program<(typeof UNIFORMS)[number]>;
-  #quads!: WebGLVertexArrayObject;
-  #indices!: WebGLBuffer;
+  #vertices!: WebGLVertexArrayObject; // without attributes: the shader reads the textures
   #dynamicRows = 0;
   #count = 0;
 
@@ -115,12 +114,7 @@ export class SplatDrawer implements SplatSink {
   rebuild(): void {
     const { gl } = this;
     this.#program = new Program(gl, this.hosted ? forHost(VERTEX_SHADER) : VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
-    this.#quads = gl.createVertexArray();
-    this.#indices = gl.createBuffer();
-    gl.bindVertexArray(this.#quads);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#indices);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, quadIndices(), gl.STATIC_DRAW);
-    gl.bindVertexArray(null);
+    this.#vertices = gl.createVertexArray();
     this.#order.forget();
     this.#count = 0;
     this.#statics.create(gl);
@@ -157,7 +151,7 @@ export class SplatDrawer implements SplatSink {
     gl.blendEquation(gl.FUNC_ADD);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA); // colours are multiplied by alpha in the shader
     gl.useProgram(this.#program.handle);
-    gl.bindVertexArray(this.#quads);
+    gl.bindVertexArray(this.#vertices);
     this.#statics.bind(gl, 0);
     this.#dynamics.bind(gl, 1);
     this.#order.bind(gl, 2);
@@ -184,8 +178,8 @@ export class SplatDrawer implements SplatSink {
       gl.uniform1i(u.linear, host.linear ? 1 : 0);
     }
     gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
-    const instances = Math.ceil(this.#count / QUADS_PER_INSTANCE);
-    gl.drawElementsInstanced(gl.TRIANGLES, 6 * QUADS_PER_INSTANCE, gl.UNSIGNED_SHORT, 0, instances);
+    const instances = Math.ceil(this.#count / TRIANGLES_PER_INSTANCE);
+    gl.drawArraysInstanced(gl.TRIANGLES, 0, 3 * TRIANGLES_PER_INSTANCE, instances);
     gl.bindVertexArray(null);
   }
 
@@ -193,21 +187,8 @@ export class SplatDrawer implements SplatSink {
   dispose(): void {
     const { gl } = this;
     this.#program.dispose();
-    gl.deleteVertexArray(this.#quads);
-    gl.deleteBuffer(this.#indices);
+    gl.deleteVertexArray(this.#vertices);
     for (const texture of [this.#statics, this.#dynamics, this.#fifth, this.#order]) texture.dispose(gl);
     this.#count = 0;
   }
-}
-
-/** Two triangles for each of an instance's quads, four vertices each. */
-function quadIndices(): Uint16Array<ArrayBuffer> {
-  const indices = new Uint16Array(6 * QUADS_PER_INSTANCE);
-  for (let quad = 0; quad < QUADS_PER_INSTANCE; quad++) {
-    indices.set(
-      [0, 1, 2, 2, 1, 3].map((corner) => 4 * quad + corner),
-      6 * quad,
-    );
-  }
-  return indices;
 }

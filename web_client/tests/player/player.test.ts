@@ -29,7 +29,7 @@ beforeEach(() => {
   const silent = () => {};
   let source: SourceEvents | undefined;
   player = new ScenePlayer({
-    canvas: fakeCanvas({ drawElementsInstanced: draw, ...never }),
+    canvas: fakeCanvas({ drawArraysInstanced: draw, ...never }),
     source: (events) => {
       source = events;
       return { playheadAt: silent, play: silent, pause: silent, close: silent } as unknown as SceneSource;
