@@ -45,10 +45,11 @@ if TYPE_CHECKING:
 
 __all__ = ["VIEWERS", "ViewerPoint", "ViewerReport", "bench_viewers"]
 
-VIEWERS = ("hgs", "hgs-8bit", "playcanvas", "babylon", "spark", "gaussian-splats-3d")
-"""Ours as pages have it and with an 8-bit target, and four others at the versions of web_client/bench/viewers."""
+VIEWERS = ("hgs", "hgs-8bit", "hgs-budget", "playcanvas", "babylon", "spark", "gaussian-splats-3d")
+"""Ours as pages have it, with an 8-bit target, and with the more useful half of the splats; and four others at the
+versions of web_client/bench/viewers."""
 
-OURS = ("hgs", "hgs-8bit")
+OURS = ("hgs", "hgs-8bit", "hgs-budget")
 DEGREES = (0, 70)
 """Around the scene, where pictures are compared."""
 
@@ -121,7 +122,8 @@ def bench_viewers(
                     with open_browser(chromium) as browser:
                         version = browser.version
                         page = browser.new_page(viewport={"width": size[0], "height": size[1]})
-                        query = {"viewer": name, "width": size[0], "height": size[1], "camera": json.dumps(camera)}
+                        query = {"viewer": name, "width": size[0], "height": size[1], "splats": len(splats)}
+                        query |= {"camera": json.dumps(camera)}
                         page.goto(f"{address}?{urllib.parse.urlencode(query)}")
                         playing = name in OURS and scene.dynamic_splats > 0
                         measured[name].append(_measure(page, size, frames, playing))

@@ -78,7 +78,10 @@
       });
     }
     postMessage(message, ...rest) {
-      if (message.type === "order") asked.push(headset.frames);
+      if (message.type === "order") {
+        asked.push(headset.frames);
+        headset.budget = message.request.budget;
+      }
       super.postMessage(message, ...rest);
     }
   };
@@ -112,6 +115,7 @@
     projections: null, // { left, right }: 16 numbers by columns; null for those of IWER
     frames: 0,
     draws: 0, // of splats
+    budget: Infinity, // of the order that was asked for last, splats
     orderOf: 0, // the frame in which the newest order was asked for
     /** Let time pass without frames, milliseconds. */
     skip(time) {

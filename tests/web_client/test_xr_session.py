@@ -364,6 +364,27 @@ def test_pictures_become_coarser_while_frames_are_late_and_finer_again(browser: 
         assert drawn(72 * 14, 1000 / 72) == [32, 32]
 
 
+def test_fewer_splats_are_drawn_while_frames_are_late_all_the_same(browser: Browser, site: Site) -> None:
+    with headset_page(browser, site, size=(32, 32)) as headset:
+        page = headset.page
+        page.evaluate("() => { let time = 0; performance.now = () => time; headset.skip = (ms) => (time += ms); }")
+        headset.enter()
+        budgets = []
+        for _ in range(5):
+            page.evaluate("() => { for (let i = 0; i < 72; i++) { headset.skip(2000 / 72); headset.frame(); } }")
+            page.evaluate("() => headset.answered()")
+            budgets.append(page.evaluate("() => { headset.frame(); return headset.budget; }"))
+            page.evaluate("() => headset.answered()")
+        assert budgets == [math.inf, math.inf, math.inf, 200_000, 100_000]
+
+
+def test_both_eyes_draw_the_splats_that_the_page_has_a_budget_for(browser: Browser, site: Site) -> None:
+    with headset_page(browser, site, "paused=1&t=0.4&splats=1000") as headset:
+        headset.enter()
+        assert headset.frame() == 2
+        assert 900 < headset.page.evaluate("() => hgs.state.splats") <= 1000
+
+
 def test_a_lost_context_comes_back_in_the_headset(browser: Browser, site: Site) -> None:
     with headset_page(browser, site) as headset:
         headset.enter()

@@ -39,7 +39,8 @@ for (const count of [100_000, 300_000, 1_000_000, 3_000_000]) {
       for (const [i, exact] of [false, true].entries()) {
         costs[1 + i].push(
           cost(() => {
-            const request = { depth, frustum: frustumOf(pose, camera), exact, time: 0, from: 0, until: 0 };
+            const frustum = frustumOf(pose, camera);
+            const request = { depth, frustum, exact, budget: Infinity, time: 0, from: 0, until: 0 };
             const order = ours.order(request, recycled);
             recycled = order.ids;
             shown = order.count;

@@ -1,7 +1,7 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
 import type { Manifest } from "../codec/types";
-import type { Quality } from "../renderer/quality";
+import { checkedSplats, type Quality } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
@@ -35,10 +35,11 @@ export class HgsPlayer extends played(Target) {
   #beginning: Beginning = {};
   #scene: ScreenedScene | null = null;
   #quality: Quality;
+  #splatBudget: number;
 
   /**
    * @param stage an element of the page with a size and a position of its own (not `static`); the picture fills it.
-   * @throws RangeError if `playbackRate` is not in (0, 16].
+   * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
   constructor(stage: HTMLElement, options: HgsPlayerOptions = {}) {
     super();
@@ -46,6 +47,7 @@ export class HgsPlayer extends played(Target) {
     this.#options = options;
     this.asked = asked(options);
     this.#quality = options.quality ?? "auto";
+    this.#splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
   }
 
   /**
@@ -108,6 +110,19 @@ export class HgsPlayer extends played(Target) {
   set quality(quality: Quality) {
     this.#quality = quality;
     if (this.#scene) this.#scene.player.quality = quality;
+  }
+
+  /**
+   * So many splats are drawn at most, the most useful ones of those that the picture can show; at least 1, or a RangeError is
+   * thrown. Quality `low`, `auto` on a slow device, and headsets may draw fewer.
+   */
+  get splatBudget(): number {
+    return this.#splatBudget;
+  }
+
+  set splatBudget(budget: number) {
+    this.#splatBudget = checkedSplats(budget);
+    if (this.#scene) this.#scene.player.splatBudget = budget;
   }
 
   /** The stretch of time that playing repeats, seconds, whether or not `loop`; null for none, and without a scene. */
@@ -207,6 +222,7 @@ export class HgsPlayer extends played(Target) {
       const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
       this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
       this.#scene.player.quality = this.#quality;
+      this.#scene.player.splatBudget = this.#splatBudget;
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);
       this.tell("error", { message, cause: message });

@@ -28,6 +28,8 @@ export interface PlayingOptions {
   readonly antialiased?: boolean | null;
   /** Bytes that the scene's splats may take; by default 384 MiB, and 192 MiB on phones. What is passed makes room. */
   readonly memoryBudget?: number;
+  /** So many splats are drawn at most, the most useful ones; at least 1. As many as there are if left out. */
+  readonly splatBudget?: number;
 }
 
 export interface HgsPlayerOptions extends Beginning, PlayingOptions, Partial<Omit<ViewpointOptions, "camera">> {

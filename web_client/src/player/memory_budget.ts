@@ -10,8 +10,8 @@ const MB = 1 << 20;
 const UNDER_WAY = 40 * MB;
 /** Bytes of a texture's row: RGBA32F. */
 const ROW = 16 * TEXTURE_WIDTH;
-/** Bytes of a row of dynamics in all: two textures, motion and lives at the worker, and the chunk's compressed bytes. */
-const DYNAMIC_ROW = ROW + ROW / 4 + 256 * (18 + 3) * 4 + 256 * 24;
+/** Bytes of a row of dynamics in all: two textures, motion, lives and reaches at the worker, and the chunk's compressed bytes. */
+const DYNAMIC_ROW = ROW + ROW / 4 + 256 * (18 + 4) * 4 + 256 * 24;
 /** Of a row of statics: the texture, positions at the worker, and the chunk's compressed bytes. */
 const STATIC_ROW = ROW + 512 * (3 * 4 + 16);
 

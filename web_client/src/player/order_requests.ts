@@ -11,6 +11,8 @@ import { type Sight, sameSight } from "./sight";
 export interface OrderKey extends Moment, Sight {
   /** Of a view that stands; one that moves has an order that is quicker and may swap splats of all but the same depth. */
   readonly exact: boolean;
+  /** So many splats are in it at most, the most useful ones. */
+  readonly budget: number;
   /** Counts what the worker has decoded. */
   readonly version: number;
 }
@@ -115,7 +117,8 @@ export class OrderRequests {
   shows(key: OrderKey): boolean {
     const shown = this.shown;
     if (key.exact && !shown?.exact) return false;
-    return shown !== null && shown.version === key.version && shown.time === key.time && sameSight(shown, key);
+    const same = shown?.version === key.version && shown.time === key.time && shown.budget === key.budget;
+    return same && sameSight(shown, key);
   }
 
   /** The renderer has lost its order. */

@@ -16,6 +16,7 @@ export class Picture {
   readonly #stillness = new Stillness();
   #drawn: Shot | null = null; // null when the picture is out of date
   #rung = 0; // of the ladder of finenesses, on which it was drawn
+  #aim = 0; // the rung on which to draw now
   #first: number | null = null;
 
   constructor(
@@ -31,6 +32,11 @@ export class Picture {
   /** How finely the last picture was drawn. */
   get fineness(): Fineness {
     return LADDER[this.#rung];
+  }
+
+  /** So many splats should be in its order at most, as of the last `update`. */
+  get splats(): number {
+    return this.renderer.quality.splats(this.#aim);
   }
 
   /** The order has changed, or the canvas was lost. */
@@ -51,7 +57,8 @@ export class Picture {
   update(shot: Shot, moving: boolean, now: number): boolean {
     const still = this.#stillness.update(shot, moving, now);
     const { quality } = this.renderer;
-    const drawn = this.#draw(shot, still ? quality.resting : quality.moving, now);
+    this.#aim = still ? quality.resting : quality.moving;
+    const drawn = this.#draw(shot, this.#aim, now);
     if (moving && !drawn) this.frames.drop();
     // Also until the device is done, because only then its pace is known.
     return !this.renderer.lost && (this.renderer.busy(now) || (this.#rung !== quality.resting && !moving));

@@ -20,6 +20,7 @@ export class ScenePlayer {
   readonly #abort = new AbortController();
   readonly #picture: Picture;
   readonly #waiting: (() => void)[] = [];
+  #splatBudget = Number.POSITIVE_INFINITY;
   #animation = 0; // 0 while no frame is asked for
   #driven = false;
 
@@ -103,10 +104,11 @@ export class ScenePlayer {
 
   /**
    * One frame of whoever drives, at `now`, milliseconds of the clock of animation frames: moves the playhead, asks for the
-   * order for the views, and tells what to draw for each. A frame is never skipped for the device's sake. Null until the
-   * manifest has arrived.
+   * order for the views, of at most so many splats, and tells what to draw for each. A frame is never skipped for the
+   * device's sake. Null until the manifest has arrived.
    */
-  step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
+  step(now: number, views: readonly [View, ...View[]], splats = Number.POSITIVE_INFINITY): SceneStep | null {
+    this.#scene.splatBudget = Math.min(this.#splatBudget, splats);
     const step = this.#scene.step(now, views);
     if (step?.shots.length) this.#picture.countFrame(now);
     this.#finish(step?.settled ?? false);
@@ -121,6 +123,16 @@ export class ScenePlayer {
   set quality(quality: Quality) {
     this.renderer.quality.quality = quality;
     this.#picture.outdate();
+    this.invalidate();
+  }
+
+  /** So many splats are drawn of a view at most, the most useful ones, and fewer where the quality says so. */
+  get splatBudget(): number {
+    return this.#splatBudget;
+  }
+
+  set splatBudget(budget: number) {
+    this.#splatBudget = budget;
     this.invalidate();
   }
 
@@ -174,13 +186,16 @@ export class ScenePlayer {
   #frame(now: number): void {
     this.#animation = 0;
     const view = this.#options.view();
+    const budget = () => Math.min(this.#splatBudget, this.#picture.splats);
+    this.#scene.splatBudget = budget();
     const step = view && this.#scene.step(now, [view]);
     const shot = step?.shots[0];
     const playing = this.playback?.clock.playing ?? false;
     const unfinished = shot ? this.#picture.update(shot, step.moving, now) : false;
-    if (unfinished || (step && playing)) this.invalidate();
+    const outgrown = this.#scene.splatBudget !== budget(); // it has come to rest, or begun to move
+    if (unfinished || outgrown || (step && playing)) this.invalidate();
     else this.#picture.frames.rest();
-    this.#finish(shot && this.#picture.shows(shot, playing) ? step.settled : false);
+    this.#finish(shot && !outgrown && this.#picture.shows(shot, playing) ? step.settled : false);
   }
 
   /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */

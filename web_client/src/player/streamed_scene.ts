@@ -58,6 +58,8 @@ export interface SceneEvents {
 
 export class StreamedScene {
   readonly orders: OrderRequests;
+  /** So many splats are drawn of a view at most, the most useful ones; from the next step on. */
+  splatBudget = Number.POSITIVE_INFINITY;
   readonly #options: SceneOptions;
   readonly #events: SceneEvents;
   readonly #worker: SceneWorker;
@@ -162,7 +164,8 @@ export class StreamedScene {
     const sight = sightOf(views);
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
-    const wanted = { ...sight, exact, ...this.#nextMoment(playback), version: this.#chunks.version };
+    const { splatBudget: budget } = this;
+    const wanted = { ...sight, exact, budget, ...this.#nextMoment(playback), version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
@@ -205,7 +208,9 @@ export class StreamedScene {
       !playback.buffer.ready(shown.time)
     )
       return false;
-    return playback.clock.playing ? shown.version === wanted.version : this.orders.shows(wanted);
+    return playback.clock.playing
+      ? shown.version === wanted.version && shown.budget === wanted.budget
+      : this.orders.shows(wanted);
   }
 
   /** What to order: at rest the very moment, else the one at which the order will be shown and those about it. */

@@ -13,14 +13,20 @@ export interface Fineness {
   /** Of the canvas's width and height. */
   readonly scale: number;
   readonly float: boolean;
-  /** Of the time that the finest takes, about: pixels count, and half floats. */
+  /** So many splats are drawn at most, the most useful ones. */
+  readonly splats: number;
+  /** Of the time that the finest takes, about: pixels count, half floats, and how many of the splats there are. */
   readonly cost: number;
 }
 
-const fineness = (scale: number, float: boolean): Fineness => ({
+/** A budget of splats for slow devices. */
+const FEW = 100_000;
+
+const fineness = (scale: number, float: boolean, splats = Number.POSITIVE_INFINITY): Fineness => ({
   scale,
   float,
-  cost: scale * scale * (float ? 1 : 0.75),
+  splats,
+  cost: scale * scale * (float ? 1 : 0.75) * (splats === FEW ? 0.6 : 1), // as of a scene of twice as many
 });
 
 /** From the finest on. */
@@ -30,6 +36,7 @@ export const LADDER: readonly Fineness[] = [
   fineness(0.71, false),
   fineness(0.5, false),
   fineness(0.35, false),
+  fineness(0.35, false, FEW),
 ];
 
 const FIXED: Readonly<Record<Exclude<Quality, "auto">, number>> = { high: 0, medium: 1, low: 3 };
@@ -56,6 +63,11 @@ export class QualityControl {
     return this.quality === "auto" ? 0 : FIXED[this.quality];
   }
 
+  /** So many splats a picture of a rung has at most, the most useful ones; `Infinity` for all. */
+  splats(rung: number): number {
+    return this.quality === "low" ? FEW : LADDER[rung].splats;
+  }
+
   /** Note how long a picture of a rung took, milliseconds. */
   measured(duration: number, rung: number): void {
     const recent = this.#finest;
@@ -66,4 +78,14 @@ export class QualityControl {
     const fits = LADDER.findIndex(({ cost }, step) => finest * cost <= (step < this.#step ? CAUTION : 1) * BUDGET);
     this.#step = fits < 0 ? LADDER.length - 1 : fits;
   }
+}
+
+/**
+ * What a page may set as its budget of splats.
+ *
+ * @throws RangeError if it is not at least 1.
+ */
+export function checkedSplats(budget: number): number {
+  if (!(budget >= 1)) throw new RangeError(`a budget of ${budget} splats is not at least 1; Infinity is for all`);
+  return budget;
 }

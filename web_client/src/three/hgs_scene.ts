@@ -6,6 +6,7 @@ import type { Playback } from "../player/playback";
 import { type Asked, asked, played } from "../player/played_scene";
 import { ProgressEvents } from "../player/progress_events";
 import { StreamedScene } from "../player/streamed_scene";
+import { checkedSplats } from "../renderer/quality";
 import { openSource } from "../source/open_source";
 import { lookFrom } from "./capture_view";
 import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
@@ -37,7 +38,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
 
   /**
    * @throws Error with one line for people if no scene can be at such an address.
-   * @throws RangeError if `playbackRate` is not in (0, 16].
+   * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
    */
   constructor(options: HgsSceneOptions) {
     super();
@@ -78,6 +79,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
         },
       },
     );
+    this.#scene.splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
     this.#mesh = new SplatMesh((renderer, camera) => this.#draw(renderer, camera));
     this.add(this.#mesh);
     const { signal } = this.#listeners;

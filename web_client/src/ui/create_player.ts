@@ -18,7 +18,7 @@ export interface CreatePlayerOptions extends PlayerViewOptions {
  * player.addEventListener("ended", () => player.camera.look("cam01"));
  *
  * @param container an element with a size of its own.
- * @throws RangeError if `playbackRate` is not in (0, 16].
+ * @throws RangeError if `playbackRate` is not in (0, 16], or `splatBudget` not at least 1.
  */
 export function createPlayer(container: HTMLElement, options: CreatePlayerOptions = {}): HgsPlayer {
   const host = document.createElement("div");

@@ -22,6 +22,8 @@ export interface ViewParameters {
   readonly exact: boolean;
   /** `antialiased`: 1 to fade splats thinner than a pixel, 0 not to, to compare; null to do what the scene asks for. */
   readonly antialiased: boolean | null;
+  /** `splats`: so many are drawn at most, the most useful ones; `undefined` for all. */
+  readonly splatBudget: number | undefined;
 }
 
 const LARGEST = 8192;
@@ -62,6 +64,8 @@ export function parseViewParameters(search: string): ViewParameters {
     return values;
   };
 
+  const splats = finite("splats");
+  if (splats !== null && !(splats >= 1)) throw new Error(`splats=${splats} in the address is not at least 1`);
   const view = numbers("view", 9);
   const loop = numbers("loop", 2);
   if (loop && !(loop[0] < loop[1])) throw new Error(`loop=${loop} in the address does not begin before it ends`);
@@ -82,5 +86,6 @@ export function parseViewParameters(search: string): ViewParameters {
     size: width !== null && height !== null ? { width, height } : null,
     exact: flag("exact") ?? false,
     antialiased: flag("antialiased"),
+    splatBudget: splats ?? undefined,
   };
 }

@@ -55,8 +55,8 @@ export class SceneWorker {
   }
 
   /** Order the splats, one order at a time; `recycled` gives back the ids of an earlier one. Answered by `ordered`. */
-  order({ depth, frustum, exact, time, from, until }: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): void {
-    const request = { depth, frustum, exact, time, from, until };
+  order({ depth, frustum, exact, budget, time, from, until }: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): void {
+    const request = { depth, frustum, exact, budget, time, from, until };
     if (recycled) this.#tell({ type: "order", request, recycled }, [recycled.buffer]);
     else this.#tell({ type: "order", request });
   }

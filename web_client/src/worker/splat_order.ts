@@ -12,6 +12,7 @@ import { Dynamics } from "./dynamics";
 import { type Frustum, sameFrustum } from "./frustum";
 import type { StaticPlacement } from "./placement";
 import { DepthList, mergeBackToFront } from "./sort";
+import { SplatBudget } from "./splat_budget";
 
 /** What is to be ordered; times in seconds, of one segment. */
 export interface OrderRequest {
@@ -20,6 +21,8 @@ export interface OrderRequest {
   readonly frustum: Frustum | null;
   /** Whether the order must be exact; else it may take splats of all but the same depth for equal, which is faster. */
   readonly exact: boolean;
+  /** So many splats are in the order at most, the most useful ones; `Infinity` for all. */
+  readonly budget: number;
   /** Dynamics are sorted where they are at this moment. */
   readonly time: number;
   /** All dynamics are in the order that are alive at any moment from `from` until `until`; `time` lies between. */
@@ -35,11 +38,17 @@ export interface SplatOrder {
   readonly dynamic: number;
 }
 
+interface Living {
+  readonly chunks: readonly Dynamics[];
+  readonly span: readonly [time: number, from: number, until: number];
+}
+
 export class SplatOrderer {
   readonly #statics: StaticBlocks[] = []; // by id
   readonly #dynamics = new Map<string, Dynamics>();
   readonly #staticList = new DepthList();
   readonly #dynamicList = new DepthList();
+  readonly #budget: SplatBudget;
   #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // the static list; null when it is out of date
   readonly #ranks: ReadonlyMap<string, number>; // of the chunks that move, in the manifest: so ties are broken
 
@@ -47,6 +56,7 @@ export class SplatOrderer {
     readonly manifest: Manifest,
     readonly placement: StaticPlacement,
   ) {
+    this.#budget = new SplatBudget(placement.rows);
     this.#ranks = new Map(manifest.slices.flatMap(({ chunks }) => chunks).map(({ id }, rank) => [id, rank]));
   }
 
@@ -59,6 +69,7 @@ export class SplatOrderer {
     const first = this.placement.first.get(id);
     if (first === undefined) return;
     this.#statics.push(new StaticBlocks(first, chunk));
+    this.#budget.addStatics(first, chunk.count, chunk.bounds);
     this.#statics.sort((a, b) => a.first - b.first);
     this.#sortedFor = null;
   }
@@ -70,7 +81,19 @@ export class SplatOrderer {
 
   /** `recycled` is an earlier array of ids that may be written again. */
   order(request: OrderRequest, recycled?: Uint32Array<ArrayBuffer>): SplatOrder {
-    return request.exact ? this.#exactly(request, recycled) : this.#quickly(request, recycled);
+    const order = request.exact ? this.#exactly(request, recycled) : this.#quickly(request, recycled);
+    return order.count > request.budget ? this.#cut(order, request) : order;
+  }
+
+  /** What of an order a budget has room for. */
+  #cut({ ids, count }: SplatOrder, request: OrderRequest): SplatOrder {
+    const { chunks, span } = this.#living(request);
+    const levels = this.#budget.levels(Math.max(0, ...chunks.map(({ end }) => end)));
+    for (const chunk of chunks) chunk.writeLevels(levels, span[0]);
+    const kept = this.#budget.cut(ids, count, request.budget);
+    let dynamic = 0;
+    for (let i = 0; i < kept; i++) dynamic += ids[i] >>> 31; // DYNAMIC_BIT
+    return { ids, count: kept, dynamic };
   }
 
   /** For a view that stands: only the dynamics are sorted anew. */
@@ -121,16 +144,21 @@ export class SplatOrderer {
   }
 
   /** Add the living dynamics to a list. */
-  #addDynamics({ depth, frustum, time, from, until }: OrderRequest, list: DepthList): void {
+  #addDynamics(request: OrderRequest, list: DepthList): void {
+    const { chunks, span } = this.#living(request);
+    list.makeRoom(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
+    for (const chunk of chunks) chunk.addTo(list, request.depth, request.frustum, ...span);
+  }
+
+  /** The chunks with dynamics alive from `from` until `until`; and `time`, `from` and `until`, normalised. */
+  #living({ time, from, until }: OrderRequest): Living {
     const { slices, segments } = this.manifest;
     const { segment } = slices[sliceAt(slices, time)] ?? {};
-    if (segment === undefined) return;
+    if (segment === undefined) return { chunks: [], span: [0, 0, 0] };
     const { start, end } = segments[segment];
     const normalised = (moment: number) => (end > start ? (moment - start) / (end - start) : 0);
     const span = [normalised(time), normalised(from), normalised(until)] as const;
-    const chunks = this.#chunksBetween(segment, from, until);
-    list.makeRoom(chunks.reduce((sum, chunk) => sum + chunk.count, 0));
-    for (const chunk of chunks) chunk.addTo(list, depth, frustum, ...span);
+    return { chunks: this.#chunksBetween(segment, from, until), span };
   }
 
   /** Those of a segment with splats alive from `from` until `until`, seconds, in the manifest's order. */

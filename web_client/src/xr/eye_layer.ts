@@ -52,6 +52,11 @@ export class EyeLayer {
     return viewport && viewport.width > 0 && viewport.height > 0 ? viewport : null;
   }
 
+  /** So many splats to draw for each eye at most. */
+  get splats(): number {
+    return this.#quality.quality.splats;
+  }
+
   /** Frames have been held up for a reason of their own. */
   interrupted(): void {
     this.#quality.interrupted();

@@ -8,14 +8,20 @@ export interface EyeQuality {
   readonly scale: number;
   /** Fixed foveation, 0 to 1. */
   readonly foveation: number;
+  /** So many splats are drawn for each eye at most, the most useful ones. */
+  readonly splats: number;
 }
+
+const ALL = Number.POSITIVE_INFINITY;
 
 /** Finest first. */
 export const EYE_QUALITIES: readonly EyeQuality[] = [
-  { scale: 1, foveation: 0.25 },
-  { scale: 0.85, foveation: 0.5 },
-  { scale: 0.7, foveation: 0.75 },
-  { scale: 0.55, foveation: 1 },
+  { scale: 1, foveation: 0.25, splats: ALL },
+  { scale: 0.85, foveation: 0.5, splats: ALL },
+  { scale: 0.7, foveation: 0.75, splats: ALL },
+  { scale: 0.55, foveation: 1, splats: ALL },
+  { scale: 0.55, foveation: 1, splats: 200_000 },
+  { scale: 0.55, foveation: 1, splats: 100_000 },
 ];
 
 /** An interval this much longer than a frame means that a frame was missed. */

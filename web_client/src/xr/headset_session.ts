@@ -112,7 +112,7 @@ export class HeadsetSession {
     const [first, ...others] = pose.views.flatMap((view) => this.#eye(layer, view) ?? []);
     if (!first) return;
     const eyes: readonly [Eye, ...Eye[]] = [first, ...others];
-    const step = this.scene.step(now, [first.view, ...others.map(({ view }) => view)]);
+    const step = this.scene.step(now, [first.view, ...others.map(({ view }) => view)], this.#layer.splats);
     this.#draw(layer, eyes, step?.shots ?? [], now);
   }
 

@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import { LADDER, type Quality, QualityControl } from "../../src/renderer/quality";
+import { checkedSplats, LADDER, type Quality, QualityControl } from "../../src/renderer/quality";
 
 let control: QualityControl;
 
@@ -49,6 +49,14 @@ describe("auto", () => {
     expect(control.moving).toBe(rung);
   });
 
+  it("draws fewer splats where coarser pictures do not help, and all of them at rest", () => {
+    move(250, 8);
+    expect(control.splats(control.moving)).toBe(Infinity);
+    move(500, 8);
+    expect(control.splats(control.moving)).toBe(100_000);
+    expect(control.splats(control.resting)).toBe(Infinity);
+  });
+
   it("is not put off by one slow picture", () => {
     move(10, 8);
     control.measured(900, 0);
@@ -66,5 +74,16 @@ describe("a quality that is chosen", () => {
     move(500, 8);
     expect(LADDER[control.moving]).toMatchObject({ scale, float });
     expect(control.resting).toBe(control.moving);
+    expect(control.splats(control.moving)).toBe(quality === "low" ? 100_000 : Infinity);
+  });
+});
+
+describe("a budget of splats", () => {
+  it.each([1, 2.5, Infinity])("may be %d", (budget) => {
+    expect(checkedSplats(budget)).toBe(budget);
+  });
+
+  it.each([0, -1, 0.5, Number.NaN])("may not be %d", (budget) => {
+    expect(() => checkedSplats(budget)).toThrow(RangeError);
   });
 });

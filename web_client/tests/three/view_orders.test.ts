@@ -11,7 +11,7 @@ const CAMERA = { width: 64, height: 48, fx: 50, fy: 50, cx: 32, cy: 24, near: 0.
 const at = (x: number): View => ({ pose: poseAt([x, 0, -3 + x / 10], [1, 0, 0, 0, 1, 0, 0, 0, 1]), camera: CAMERA });
 const key = (view: View, exact = true): OrderKey => ({
   ...sightOf([view]),
-  ...{ exact, time: 1, from: 1, until: 1, version: 4 },
+  ...{ exact, budget: Infinity, time: 1, from: 1, until: 1, version: 4 },
 });
 
 /** Take the order of whose turn it is, so often; returns whose turn it was. */

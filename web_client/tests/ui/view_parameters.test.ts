@@ -10,6 +10,7 @@ describe("parseViewParameters", () => {
       size: null,
       exact: false,
       antialiased: null,
+      splatBudget: undefined,
       view: null,
       loopRange: null,
       bookmarks: [],
@@ -18,7 +19,7 @@ describe("parseViewParameters", () => {
 
   it("reads every parameter", () => {
     const parsed = parseViewParameters(
-      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
+      "?t=0.5&camera=cam00&paused=1&width=512&height=384&exact=1&antialiased=1&splats=5e4&view=1,2,3,4,5,6,0,-1,0&loop=0.5,1e1&marks=2,1",
     );
     expect(parsed).toEqual({
       time: 0.5,
@@ -27,6 +28,7 @@ describe("parseViewParameters", () => {
       size: { width: 512, height: 384 },
       exact: true,
       antialiased: true,
+      splatBudget: 50_000,
       view: { position: [1, 2, 3], target: [4, 5, 6], up: [0, -1, 0] },
       loopRange: [0.5, 10],
       bookmarks: [2, 1],
@@ -50,6 +52,8 @@ describe("parseViewParameters", () => {
     "width=9",
     "paused=yes",
     "antialiased=2",
+    "splats=0.5",
+    "splats=all",
     "view=1,2,3",
     "view=1,2,3,4,5,6,7,8,x",
     "loop=1",

@@ -60,7 +60,7 @@ it("packs nothing that is evicted while it packs", async () => {
 
 it("orders what is here", () => {
   const depth = { kind: "planar", x: 0, y: 0, z: 1, offset: 0, near: 0.1 } as const;
-  const request = { depth, frustum: null, exact: true, time: 0, from: 0, until: 0 };
+  const request = { depth, frustum: null, budget: Infinity, exact: true, time: 0, from: 0, until: 0 };
   scene.receive({ type: "order", request });
   scene.receive({ type: "evict", id: "d" });
   scene.receive({ type: "order", request });

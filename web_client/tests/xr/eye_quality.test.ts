@@ -28,6 +28,13 @@ describe("the quality of a headset's pictures", () => {
     expect(control.quality).toBe(EYE_QUALITIES.at(-1));
   });
 
+  it("takes splats away only where a coarser picture was not enough", () => {
+    const [splats, scales] = [EYE_QUALITIES.map((step) => step.splats), EYE_QUALITIES.map((step) => step.scale)];
+    const first = splats.findIndex(Number.isFinite);
+    expect(splats.slice(first)).toEqual([200_000, 100_000]);
+    expect(new Set(scales.slice(first))).toEqual(new Set([Math.min(...scales)]));
+  });
+
   it("comes back when frames are in time for a while", () => {
     const control = new EyeQualityControl(72);
     run(control, 72, 2);

@@ -33,8 +33,9 @@ function viewOf({ eye, target, up, fovY, near }: BenchCamera, width: number, hei
 
 const transposed = (m: Mat3): Mat3 => [m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]];
 
+/** @param share of the scene's splats that are drawn at most. */
 export const openHgs =
-  (quality: Quality): OpenViewer =>
+  (quality: Quality, share = Number.POSITIVE_INFINITY): OpenViewer =>
   async (request) => {
     const canvas = canvasOf(request);
     let { camera } = request;
@@ -58,6 +59,7 @@ export const openHgs =
       },
     });
     player.quality = quality;
+    player.splatBudget = share * request.splats;
     return {
       gl: canvas.getContext("webgl2") as WebGL2RenderingContext,
       look: (next) => {

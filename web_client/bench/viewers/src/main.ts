@@ -14,6 +14,7 @@ declare global {
 const VIEWERS: Readonly<Record<string, () => Promise<OpenViewer>>> = {
   hgs: async () => (await import("./hgs")).openHgs("high"),
   "hgs-8bit": async () => (await import("./hgs")).openHgs("medium"),
+  "hgs-budget": async () => (await import("./hgs")).openHgs("high", 0.5),
   playcanvas: async () => (await import("./playcanvas")).openPlayCanvas,
   babylon: async () => (await import("./babylon")).openBabylon,
   spark: async () => (await import("./spark")).openSpark,
@@ -22,10 +23,10 @@ const VIEWERS: Readonly<Record<string, () => Promise<OpenViewer>>> = {
 
 const query = new URLSearchParams(location.search);
 const camera = JSON.parse(query.get("camera") ?? "") as BenchCamera;
-const [width, height] = [Number(query.get("width")), Number(query.get("height"))];
+const [width, height, splats] = ["width", "height", "splats"].map((name) => Number(query.get(name)));
 const host = document.getElementById("host") as HTMLElement;
 host.style.width = `${width}px`;
 host.style.height = `${height}px`;
 const open = await VIEWERS[query.get("viewer") ?? ""]();
-const viewer = await open({ host, width, height, camera, files: new URL("data/", location.href) });
+const viewer = await open({ host, width, height, camera, splats, files: new URL("data/", location.href) });
 window.bench = new Bench(viewer, camera, width, height);

@@ -20,6 +20,8 @@ export interface BenchRequest {
   /** Folder of the scene's files: scene.ply, scene.splat, scene/manifest.json. */
   readonly files: URL;
   readonly camera: BenchCamera;
+  /** So many there are at the scene's start. */
+  readonly splats: number;
 }
 
 export interface BenchedViewer {
