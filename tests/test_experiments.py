@@ -9,6 +9,7 @@ from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
 from scripts.experiments.near_duplicates import has_duplicate
 from scripts.experiments.outside_views import degrees_outside
+from scripts.experiments.splat_budgets import taken
 from scripts.experiments.unseen_pixels import times_seen
 
 
@@ -54,3 +55,12 @@ def test_the_distance_is_bhattacharyyas_for_turned_splats() -> None:
     turned = torch.tensor([[1.0, 0, 0, 0], [0.5**0.5, 0, 0, 0.5**0.5], [0, 0, 0, 1.0]])
     splats = StaticSplats(torch.zeros(3, 3), scales, turned, torch.zeros(3), torch.zeros(3, 3))
     assert has_duplicate(splats).tolist() == [True, False, True]
+
+
+def test_a_budget_takes_the_useful_evenly_and_nothing_dead() -> None:
+    chunks = [np.full(100, 3.0), np.full(8, 5.0), np.array([9.0, -np.inf])]
+    assert np.flatnonzero(taken(chunks, 9)).tolist()[-9:] == [*range(100, 109)]
+    half = np.flatnonzero(taken(chunks, 59)[:100])
+    assert len(half) == 50
+    assert np.diff(half).max() <= 3
+    assert taken(chunks, 200).sum() == 109
