@@ -34,6 +34,7 @@ uniform vec3 translation;
 uniform vec2 focal;           // pixels
 uniform vec2 centre;          // principal point, pixels from the top left
 uniform vec2 size;            // picture, pixels
+uniform vec2 origin;          // its lower left corner in the framebuffer, pixels
 uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
@@ -46,14 +47,15 @@ uniform bool linear;          // whether colours are wanted in linear light
 #endif
 uniform bool depths;          // colours are depths, world units
 
-flat out vec2 mean2d;         // pixels from the top left
-flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y)
-flat out vec4 colour;         // rgb, opacity
+flat out vec2 middle;         // pixels of the framebuffer
+flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y); times BASE
+flat out vec4 colour;         // rgb, log2 of the opacity
 
 const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
 const float LARGEST = 1e18;   // pixels squared: what is wider would overflow
 const float FAINTEST = 0.005 * 0.005;
+const float BASE = 0.84932180;  // sqrt(log2(e) / 2), so that exp(-d^2 / 2) is exp2 of -(BASE d)^2
 // Of a triangle around the unit circle. It covers 30 % more pixels than a square would, and costs half as much to set up.
 const vec2 CORNERS[3] = vec2[](vec2(-1.7320508, -1.0), vec2(1.7320508, -1.0), vec2(0.0, 2.0));
 const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
@@ -73,7 +75,7 @@ mat3 rotationOf(vec4 q) {     // w, x, y, z
 
 void main() {
   gl_Position = vec4(0.0, 0.0, 2.0, 1.0);   // outside: drawn nowhere
-  mean2d = vec2(0.0);
+  middle = vec2(0.0);
   falloff = vec3(0.0);
   colour = vec4(0.0);
 
@@ -151,9 +153,10 @@ void main() {
   vec2 corner = CORNERS[gl_VertexID % 3];
   vec2 offset = reach * (corner.x * sqrt(major) * axis + corner.y * sqrt(minor) * vec2(-axis.y, axis.x));
 
-  mean2d = focal * uv + centre;
-  falloff = vec3(sqrt(yy / determinant), xy / yy, inversesqrt(yy));
-  colour = depths ? vec4(vec3(p.z), paint.a) : paint;
+  vec2 mean2d = focal * uv + centre;
+  middle = origin + vec2(mean2d.x, size.y - mean2d.y);
+  falloff = vec3(BASE * sqrt(yy / determinant), xy / yy, BASE * inversesqrt(yy));
+  colour = vec4(depths ? vec3(p.z) : paint.rgb, log2(paint.a));
   vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
   gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
 #ifdef HOST
@@ -170,18 +173,19 @@ void main() {
 export const FRAGMENT_SHADER = `#version 300 es
 precision highp float;
 
-uniform vec2 size;
-uniform vec2 origin;          // lower left corner of the picture in the framebuffer, pixels
-flat in vec2 mean2d;
+const float LEAST = -7.9943534;   // log2(1 / 255)
+
+flat in vec2 middle;
 flat in vec3 falloff;
 flat in vec4 colour;
 out vec4 result;
 
 void main() {
-  vec2 delta = vec2(gl_FragCoord.x - origin.x, size.y - (gl_FragCoord.y - origin.y)) - mean2d;
-  vec2 deviations = vec2(falloff.x * (delta.x - falloff.y * delta.y), falloff.z * delta.y);
-  float alpha = min(0.99, colour.a * exp(-0.5 * dot(deviations, deviations)));
-  if (alpha < 1.0 / 255.0) discard;
+  vec2 delta = gl_FragCoord.xy - middle;
+  vec2 deviations = vec2(falloff.x * (delta.x + falloff.y * delta.y), falloff.z * delta.y);
+  float power = colour.a - dot(deviations, deviations);
+  if (power < LEAST) discard;
+  float alpha = min(0.99, exp2(power));
   result = vec4(colour.rgb * alpha, alpha);
 }
 `;
