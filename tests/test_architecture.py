@@ -118,6 +118,7 @@ def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
 WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.base.arrays": "names of array types",
     "hgs_core.base.progress": "a report, a signal and a callback that does nothing",
+    "hgs_core.bench.iteration_times": "run as a program by hgs_core.bench.against",
     "hgs_core.bench.operations": "constants",
     "hgs_core.interchange.file_format": "records",
     "hgs_core.render.constants": "constants",

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Sequence
 
 from hgs_core.base.wording import counted
+from hgs_core.bench.against import Comparison
 from hgs_core.bench.raster import STAGES, Point, RasterReport
+from hgs_core.bench.stages import TrainingTimes
 
 __all__ = ["aligned", "report_text"]
 
@@ -25,10 +27,12 @@ def report_text(report: RasterReport) -> str:
         ("Relative L2 error against the float64 reference", _errors(report.points)),
         ("Times as fast as the batched torch path, forward and backward", _speedups(report)),
         ("Times as fast with more threads", _scaling(report)),
+        (f"In turn with {report.settings.against}: milliseconds of processor time", _comparisons(report.comparisons)),
+        ("Relative L2 error of both against the float64 reference", _compared_errors(report.comparisons)),
     ]
     for title, rows in tables:
         if len(rows) > 1:
-            lines += ["", title, *aligned(rows, left=("size", "backend"))]
+            lines += ["", title, *aligned(rows, left=("size", "backend", "checkout"))]
     return "\n".join(lines)
 
 
@@ -80,6 +84,28 @@ def _scaling(report: RasterReport) -> list[list[str]]:
         stages = [_figure(s.stages[name]) for name in STAGES]
         rows.append([s.size, s.backend, f"{s.threads} against {s.against}", *stages, _figure(s.iteration)])
     return rows
+
+
+def _comparisons(comparisons: Iterable[Comparison]) -> list[list[str]]:
+    rows = [["size", "threads", "checkout", *TrainingTimes._fields]]
+    for c in comparisons:
+        for name, times in (("this one", c.here), ("other", c.other)):
+            rows.append([c.size, str(c.threads), name, *map(_milliseconds, times)])
+        bounds = zip(c.speed, c.slowest, c.fastest, strict=True)
+        ratios = (f"{middle:.2f} ({least:.2f}-{most:.2f})" for middle, least, most in bounds)
+        rows.append([c.size, str(c.threads), "times as fast", *ratios])
+    return rows
+
+
+def _compared_errors(comparisons: Iterable[Comparison]) -> list[list[str]]:
+    rows: dict[tuple[str, str], list[str]] = {}
+    names: list[str] = []
+    for c in comparisons:
+        for checkout, errors in (("this one", c.errors_here), ("other", c.errors_other)):
+            if errors is not None:
+                names = list(errors)
+                rows[c.size, checkout] = [c.size, checkout, *(f"{figure:.1e}" for figure in errors.values())]
+    return [["size", "checkout", *names], *rows.values()]
 
 
 def _milliseconds(seconds: float | None) -> str:

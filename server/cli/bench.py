@@ -39,7 +39,11 @@ def add_parser(commands: Any) -> None:
     raster.add_argument(
         "--backends", metavar="LIST", help="cpu, reference, or triton alone; default: cpu and reference"
     )
-    raster.add_argument("--against", metavar="NAME", help="with --backends triton: gsplat, if it is installed")
+    raster.add_argument(
+        "--against", metavar="CHECKOUT",
+        help="another installed checkout: both train in turn, by processor time; "
+        "with --backends triton: gsplat, if it is installed",
+    )  # fmt: skip
     raster.add_argument(
         "--truth", metavar="LIST",
         help="sizes at which the torch path and float64 run too, or none; they take seconds and gigabytes; "
@@ -89,8 +93,6 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     if options.backends == "triton":
         return _run_on_device(options)
-    if options.against is not None:
-        raise InputError("--against", "compares with the triton backend alone", "add --backends triton")
     settings = BenchSettings.of(
         sizes=DEFAULT_SIZES if options.sizes is None else parse_sizes("--sizes", options.sizes),
         threads=() if options.threads is None else parse_threads("--threads", options.threads),
@@ -99,6 +101,7 @@ def _run(options: argparse.Namespace) -> int:
         seconds=_number("--seconds", options.seconds),
         dynamic_share=_number("--dynamic", options.dynamic),
         seed=_whole("--seed", options.seed),
+        against=None if options.against is None else Path(options.against),
     )
     output = JsonOutput(options.json)
     from hgs_core.bench.raster import bench_raster
