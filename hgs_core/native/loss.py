@@ -17,6 +17,8 @@ def l1_dssim(
 ) -> tuple[float, Floats]:
     """Compare two pictures by `(1 - w) mean |x - y| + w (1 - SSIM(x, y))` (docs/numerics.md, "Loss").
 
+    SSIM is the mean over the windows around pixels of even column and even row.
+
     Args:
         image: [3, H, W] planes, data range 1, contiguous.
         target: [3, H, W].

@@ -8,7 +8,7 @@
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 5
+#define HGS_ABI_VERSION 6
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -145,7 +145,14 @@ HGS_API void hgs_measure(const hgs_workspace *workspace, hgs_measurements *measu
  * this library's vector width (each counts twice), measured for about `seconds`; 0 if the threads cannot be started. */
 HGS_API double hgs_fma_peak(int32_t threads, double seconds);
 
-/* (1 - dssim_weight) mean |image - target| + dssim_weight (1 - SSIM(image, target)), and its gradient.
+/* The mean over pixels and channels of the structural similarity of two pictures.
+ *
+ * image, target: [3][height][width], data range 1.  mean: out, one double. */
+HGS_API int32_t hgs_ssim(const float *image, const float *target, int32_t width, int32_t height, int32_t threads,
+                         double *mean);
+
+/* (1 - dssim_weight) mean |image - target| + dssim_weight (1 - SSIM(image, target)), and its gradient. SSIM is the mean
+ * over the windows around pixels of even column and even row.
  *
  * image, target: [3][height][width], data range 1.  loss: out, one double.
  * gradient: out, [3][height][width], dL / d image; must not overlap the inputs. */

@@ -1,121 +1,28 @@
 // L1 + D-SSIM (Wang et al. 2004) and its gradient, fused.
 //
-// The picture is cut into bands of rows. A band streams through three stages, four rows at a time, each a few rows behind
-// the one before, so that everything in between stays in the cache:
-//     rows y .. y + 3        the pictures and their products, blurred along the row
-//     rows y - 5 .. y - 2    the same blurred along the column -> SSIM and its partial derivatives, blurred along the row
-//     rows y - 10 .. y - 7   the derivatives blurred along the column -> the gradient
-// Four rows of a column share 14 rows of input, where one alone reads 11. Outside the picture everything is zero, as in a
-// convolution with zero padding.
+// SSIM is that of the windows around every second pixel of every second row: their means, two pixels apart, hold nearly
+// all that a Gaussian of 1.5 pixels lets through. A band of rows streams through four stages, a few rows of windows at a
+// time, so that everything in between stays in the cache:
+//     the pictures and their products, blurred along the columns, at every second row
+//     the same blurred along the rows, at every second column -> SSIM and its partial derivatives
+//     the derivatives, blurred along the rows to all columns
+//     the same blurred along the columns to all rows -> the gradient
+// Outside the picture everything is zero, as in a convolution with zero padding.
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "api.hpp"
 #include "buffer.hpp"
+#include "gaussian_window.hpp"
 #include "simd.hpp"
 #include "thread_pool.hpp"
 
 namespace hgs {
 namespace {
 
-constexpr int kRadius = 5;
-constexpr int kLeastBandRows = 64;  // a band computes 20 rows of its neighbours, too
-constexpr int kGroup = 4;  // rows
-constexpr float kC1 = 0.01f * 0.01f, kC2 = 0.03f * 0.03f;
-
-// Half of a Gaussian with sigma 1.5 pixels, centre first; all taps add up to 1.
-constexpr float kGaussian[kRadius + 1] = {0.266011715f,  0.213005543f,   0.109360687f,
-                                          0.0360007733f, 0.00759875821f, 0.00102838012f};
-
-// Rows are as long as a multiple of the vector, with zeros on either side for the taps that reach out.
-struct RowLayout {
-  int width, padded, stride;
-
-  explicit RowLayout(int w) : width(w), padded((w + kLanes - 1) / kLanes * kLanes), stride(padded + 32) {}
-};
-
-// The last rows of several quantities: all that a group of rows and their taps reach.
-template <int quantities>
-class Ring {
- public:
-  static constexpr int kRows = kGroup + 2 * kRadius;
-  static_assert(4 * kRadius % kGroup == 0, "a group begins with the band");
-
-  Ring(float *memory, const RowLayout &layout) : memory_(memory), layout_(layout) {}
-
-  static size_t size(const RowLayout &layout) { return static_cast<size_t>(quantities) * kRows * layout.stride; }
-
-  float *row(int quantity, int y) {
-    return memory_ + static_cast<size_t>(quantity * kRows + (y + 2 * kRows) % kRows) * layout_.stride;
-  }
-
-  void clear(int y) {
-    for (int q = 0; q < quantities; ++q) std::fill_n(row(q, y), layout_.padded, 0.0f);
-  }
-
-  // Blur of one quantity along the columns at rows y .. y + kGroup - 1.
-  class Columns {
-   public:
-    Columns(Ring &ring, int quantity, int y) {
-      for (int t = 0; t < kRows; ++t) rows_[t] = ring.row(quantity, y - kRadius + t);
-    }
-
-    // Outwards from the middle, so that few rows are in registers at a time.
-    void at(int x, Vec *out) const {
-      Vec above[kGroup], below[kGroup];
-      for (int i = 0; i < kGroup; ++i) {
-        above[i] = below[i] = load(rows_[kRadius + i] + x);
-        out[i] = kGaussian[0] * above[i];
-      }
-      for (int t = 1; t <= kRadius; ++t) {
-        for (int i = kGroup - 1; i > 0; --i) above[i] = above[i - 1];
-        for (int i = 0; i < kGroup - 1; ++i) below[i] = below[i + 1];
-        above[0] = load(rows_[kRadius - t] + x);
-        below[kGroup - 1] = load(rows_[kRadius + kGroup - 1 + t] + x);
-        for (int i = 0; i < kGroup; ++i) out[i] += kGaussian[t] * (above[i] + below[i]);
-      }
-    }
-
-   private:
-    const float *rows_[kRows];
-  };
-
- private:
-  float *memory_;
-  RowLayout layout_;
-};
-
-// The vectors that begin 1 to kRadius places after p; `now` and `next` are those at p and p + kLanes. Where shuffles are
-// cheap they take turns with loads, most of which straddle cache lines.
-inline void following(const float *p, Vec now, Vec next, Vec *out) {
-#if HGS_AVX2
-  (void)p;
-  const __m256i a = (__m256i)now, b = (__m256i)next, across = _mm256_permute2x128_si256(a, b, 0x21);
-  out[0] = (Vec)_mm256_alignr_epi8(across, a, 4);
-  out[1] = (Vec)_mm256_alignr_epi8(across, a, 8);
-  out[2] = (Vec)_mm256_alignr_epi8(across, a, 12);
-  out[3] = (Vec)across;
-  out[4] = (Vec)_mm256_alignr_epi8(b, across, 4);
-#else
-  (void)now, (void)next;
-  for (int t = 1; t <= kRadius; ++t) out[t - 1] = load_unaligned(p + t);
-#endif
-}
-
-// Blur along the row; `in` has zeros on either side.
-void blur_row(const float *in, float *out, const RowLayout &layout) {
-  Vec now = load(in);
-  for (int x = 0; x < layout.padded; x += kLanes) {
-    const Vec next = load(in + x + kLanes);
-    Vec after[kRadius];
-    following(in + x, now, next, after);
-    Vec v = kGaussian[0] * now;
-    for (int t = 1; t <= kRadius; ++t) v += kGaussian[t] * (load_unaligned(in + x - t) + after[t - 1]);
-    store(out + x, v);
-    now = next;
-  }
-}
+constexpr int kGroup = kLanes == 16 ? 4 : 2;  // rows of windows at a time: as many as there are registers for
+constexpr int kLeastBandRows = 64;            // a band computes 10 rows of its neighbours, too
+constexpr int kMargin = 16;                   // zeros on either side of a row, for the taps that reach out
 
 struct LossParameters {
   const float *image, *target;  // one channel
@@ -132,140 +39,176 @@ struct RowSums {
 class Band {
  public:
   Band(const LossParameters &p, float *memory)
-      : p_(p),
-        layout_(p.width),
-        blurred_(memory, layout_),
-        derivatives_(memory + Ring<kBlurred>::size(layout_), layout_),
-        rows_(memory + Ring<kBlurred>::size(layout_) + Ring<kDerivatives>::size(layout_)) {
-    std::fill_n(rows_, static_cast<size_t>(kScratchRows) * layout_.stride, 0.0f);
+      : p_(p), padded_(padded(p.width)), stride_(stride(p.width)), ring_(memory), scratch_(memory + kRing * kPlanes * stride_) {
+    std::fill_n(memory, memory_size(p.width), 0.0f);
   }
 
-  static size_t memory_size(int width) {
-    const RowLayout layout(width);
-    return Ring<kBlurred>::size(layout) + Ring<kDerivatives>::size(layout) +
-           static_cast<size_t>(kScratchRows) * layout.stride;
-  }
+  static size_t memory_size(int width) { return (kRing * kPlanes + kScratchRows + 1) * stride(width); }
 
+  // Rows [begin, end) of the picture; begin is even.
   void run(int begin, int end, RowSums *sums) {
-    for (int y = begin - 2 * kRadius; y < end + 2 * kRadius; y += kGroup) {
-      for (int i = 0; i < kGroup; ++i) blur_pictures(y + i);
-      // Rows further before the band come out of rows that were never blurred; nothing reads them.
-      const int middle = y - kRadius, last = y - 2 * kRadius;
+    int pair = begin / 2;  // of rows: the next to be written
+    for (int window = pair - kReach; pair < (end + 1) / 2; window += kGroup) {
       double ssim[kGroup];
-      differentiate_ssim(middle, ssim);
+      blur_pictures(window);
+      for (int i = 0; i < kGroup; ++i) ssim[i] = differentiate_ssim(window + i, i);
       for (int i = 0; i < kGroup; ++i) {
-        if (middle + i >= begin && middle + i < end) sums[middle + i].ssim = ssim[i];
+        const int y = 2 * (window + i);
+        if (y >= begin && y < end) sums[y].ssim = ssim[i];
       }
-      if (last >= begin) write_gradient(last, std::min(kGroup, end - last), sums);
+      for (; pair + kReach + 1 < window + kGroup && pair < (end + 1) / 2; ++pair) write_gradient(pair, end, sums);
     }
   }
 
  private:
-  enum Blurred { kImage, kTarget, kSquares, kProduct, kBlurred };             // of the first ring
-  enum Derivative { kByMean, kBySquares, kByProduct, kDerivatives };         // of the second
-  static constexpr int kScratchRows = std::max<int>(kBlurred, kGroup * kDerivatives);
+  enum Quantity { kImage, kTarget, kSquares, kProduct, kQuantities };
+  enum Derivative { kByMean, kBySquares, kByProduct, kPlanes };  // by the blurred picture, squares (twice that), product
+  static constexpr int kReach = kRadius / 2;                    // rows of windows before a pair's own that it lies in
+  static constexpr int kRing = kGroup + kRadius;                // rows of windows that the pairs of a group lie in
+  static constexpr int kInputRows = 2 * kGroup - 1 + 2 * kRadius;
+  static constexpr int kScratchRows = 2 * kGroup * kQuantities + kPlanes;
 
-  bool inside(int y) const { return y >= 0 && y < p_.height; }
+  static size_t padded(int width) { return (width + 2 * kLanes - 1) / (2 * kLanes) * (2 * kLanes); }
+  static size_t stride(int width) { return padded(width) + 2 * kMargin; }
 
-  float *scratch(int i) { return rows_ + static_cast<size_t>(i) * layout_.stride + 16; }
-
-  void blur_pictures(int y) {
-    if (!inside(y)) return blurred_.clear(y);
-    const size_t row = static_cast<size_t>(y) * p_.width;
-    float *const image = scratch(0), *const target = scratch(1);
-    float *const squares = scratch(2), *const product = scratch(3);
-    for (int x = 0; x < layout_.padded; x += kLanes) {
-      const int lanes = std::min(kLanes, p_.width - x);
-      const Vec a = load_lanes(p_.image + row + x, lanes), b = load_lanes(p_.target + row + x, lanes);
-      store(image + x, a);
-      store(target + x, b);
-      store(squares + x, a * a + b * b);
-      store(product + x, a * b);
-    }
-    blur_row(image, blurred_.row(kImage, y), layout_);
-    blur_row(target, blurred_.row(kTarget, y), layout_);
-    blur_row(squares, blurred_.row(kSquares, y), layout_);
-    blur_row(product, blurred_.row(kProduct, y), layout_);
+  // Of columns of even and of odd number, and of derivatives at the windows; rows of half the length.
+  float *blurred(int of_group, int quantity, int odd) {
+    return scratch_ + ((of_group * kQuantities + quantity) * 2 + odd) * stride_ + kMargin;
+  }
+  float *derivative(int plane) { return scratch_ + (2 * kGroup * kQuantities + plane) * stride_ + kMargin; }
+  const float *zeros() const { return scratch_ + kScratchRows * stride_; }
+  float *ring_row(int plane, int window) {
+    return ring_ + ((window + 2 * kRing) % kRing * kPlanes + plane) * stride_;
   }
 
-  // SSIM of rows y .. y + kGroup - 1, each summed; its derivatives by the blurred picture, squares (twice that) and
-  // product go to the ring.
-  void differentiate_ssim(int y, double *sums) {
-    const Ring<kBlurred>::Columns image(blurred_, kImage, y), target(blurred_, kTarget, y),
-        squares(blurred_, kSquares, y), product(blurred_, kProduct, y);
-    Vec totals[kGroup] = {};
-    const auto vector = [&](int x, auto in_picture) {
-      Vec mean_1[kGroup], mean_2[kGroup], mean_squares[kGroup], mean_product[kGroup];
-      image.at(x, mean_1);
-      target.at(x, mean_2);
-      squares.at(x, mean_squares);
-      product.at(x, mean_product);
-      for (int i = 0; i < kGroup; ++i) {
-        const Vec m1 = mean_1[i], m2 = mean_2[i], both_means = m1 * m2, means = m1 * m1 + m2 * m2;
-        const Vec a1 = 2.0f * both_means + kC1, a2 = 2.0f * (mean_product[i] - both_means) + kC2;
-        const Vec b1 = means + kC1, b2 = (mean_squares[i] - means) + kC2;
-        const Vec inverse = reciprocal(b1 * b2), scaled = (2.0f * p_.ssim_scale) * inverse;
-        const Vec ssim = in_picture(a1 * a2 * inverse);
-        totals[i] += ssim;
-        store(derivative(i, kByMean) + x, in_picture(scaled * (m2 * (a2 - a1) + m1 * (ssim * (b1 - b2)))));
-        store(derivative(i, kBySquares) + x, in_picture(-scaled * (ssim * b1)));
-        store(derivative(i, kByProduct) + x, in_picture(scaled * a1));
+  // Rows `window` and those after it of all four quantities, blurred along the columns.
+  void blur_pictures(int window) {
+    const float *images[kInputRows], *targets[kInputRows];
+    for (int t = 0; t < kInputRows; ++t) {
+      const int y = 2 * window - kRadius + t;
+      const bool inside = y >= 0 && y < p_.height;
+      images[t] = inside ? p_.image + static_cast<size_t>(y) * p_.width : zeros();
+      targets[t] = inside ? p_.target + static_cast<size_t>(y) * p_.width : zeros();
+    }
+    const auto columns = [&](int x, int lanes, Vec (&sums)[kGroup][kQuantities]) __attribute__((always_inline)) {
+#pragma GCC unroll 32
+      for (int t = 0; t < kInputRows; ++t) {
+        const Vec a = load_lanes(images[t] + x, lanes), b = load_lanes(targets[t] + x, lanes);
+        const Vec values[] = {a, b, a * a + b * b, a * b};
+#pragma GCC unroll 4
+        for (int i = 0; i < kGroup; ++i) {
+          const int tap = t - 2 * i - kRadius;
+          if (tap < -kRadius || tap > kRadius) continue;
+          for (int q = 0; q < kQuantities; ++q) {
+            sums[i][q] = tap == -kRadius ? kGaussian[kRadius] * values[q] : sums[i][q] + kGaussian[tap < 0 ? -tap : tap] * values[q];
+          }
+        }
       }
     };
-    const int whole = p_.width / kLanes * kLanes;
-    for (int x = 0; x < whole; x += kLanes) vector(x, [](Vec v) { return v; });
-    if (whole < p_.width) {
-      const Mask within = greater(broadcast(static_cast<float>(p_.width - whole)), lane_numbers());
-      vector(whole, [&](Vec v) { return keep(within, v); });
-    }
-    for (int i = 0; i < kGroup; ++i) {
-      if (!inside(y + i)) {
-        derivatives_.clear(y + i);
-        continue;
+    const auto two_vectors = [&](int x, int lanes, int more_lanes) __attribute__((always_inline)) {
+      Vec first[kGroup][kQuantities], second[kGroup][kQuantities];
+      columns(x, lanes, first);
+      columns(x + kLanes, more_lanes, second);
+      for (int i = 0; i < kGroup; ++i) {
+        for (int q = 0; q < kQuantities; ++q) {
+          Vec even, odd;
+          split(first[i][q], second[i][q], even, odd);
+          store(blurred(i, q, 0) + x / 2, even);
+          store(blurred(i, q, 1) + x / 2, odd);
+        }
       }
-      for (int d = 0; d < kDerivatives; ++d) blur_row(derivative(i, d), derivatives_.row(d, y + i), layout_);
-    }
-    for (int i = 0; i < kGroup; ++i) sums[i] = inside(y + i) ? sum(totals[i]) : 0.0;
+    };
+    const int whole = p_.width / (2 * kLanes) * (2 * kLanes), rest = p_.width - whole;
+    for (int x = 0; x < whole; x += 2 * kLanes) two_vectors(x, kLanes, kLanes);
+    if (rest > 0) two_vectors(whole, std::min(rest, kLanes), std::max(rest - kLanes, 0));
   }
 
-  float *derivative(int row_of_group, int which) { return scratch(row_of_group * kDerivatives + which); }
+  // The sum of SSIM over a row of windows; its derivatives, blurred along the row, go to the ring.
+  double differentiate_ssim(int window, int of_group) {
+    if (window < 0 || 2 * window >= p_.height) {
+      for (int d = 0; d < kPlanes; ++d) std::fill_n(ring_row(d, window), padded_, 0.0f);
+      return 0.0;
+    }
+    const int windows = (p_.width + 1) / 2;
+    Vec total{};
+    const auto vector = [&](int x, auto in_picture) __attribute__((always_inline)) {
+      Vec mean[kQuantities];
+      for (int q = 0; q < kQuantities; ++q) {
+        const float *const even = blurred(of_group, q, 0) + x, *const odd = blurred(of_group, q, 1) + x;
+        const auto at = [](const float *p, int i) { return load_unaligned(p + i); };
+        mean[q] = (kGaussian[0] * load(even) + kGaussian[1] * (at(odd, -1) + load(odd))) +
+                  (kGaussian[2] * (at(even, -1) + at(even, 1)) + kGaussian[3] * (at(odd, -2) + at(odd, 1))) +
+                  (kGaussian[4] * (at(even, -2) + at(even, 2)) + kGaussian[5] * (at(odd, -3) + at(odd, 2)));
+      }
+      const Vec m1 = mean[kImage], m2 = mean[kTarget], both_means = m1 * m2, means = m1 * m1 + m2 * m2;
+      const Vec a1 = 2.0f * both_means + kC1, a2 = 2.0f * (mean[kProduct] - both_means) + kC2;
+      const Vec b1 = means + kC1, b2 = (mean[kSquares] - means) + kC2;
+      const Vec inverse = reciprocal(b1 * b2), scaled = (2.0f * p_.ssim_scale) * inverse;
+      const Vec ssim = in_picture(a1 * a2 * inverse);
+      total += ssim;
+      store(derivative(kByMean) + x, in_picture(scaled * (m2 * (a2 - a1) + m1 * (ssim * (b1 - b2)))));
+      store(derivative(kBySquares) + x, in_picture(-scaled * (ssim * b1)));
+      store(derivative(kByProduct) + x, in_picture(scaled * a1));
+    };
+    const int whole = windows / kLanes * kLanes;
+    for (int x = 0; x < whole; x += kLanes) vector(x, [](Vec v) { return v; });
+    if (whole < windows) {
+      const Mask within = greater(broadcast(static_cast<float>(windows - whole)), lane_numbers());
+      vector(whole, [&](Vec v) { return keep(within, v); });
+    }
+    for (int d = 0; d < kPlanes; ++d) blur_to_all_columns(derivative(d), ring_row(d, window));
+    return sum(total);
+  }
 
-  // The gradient of `count` rows from y, and the sums of their absolute differences.
-  void write_gradient(int y, int count, RowSums *sums) {
-    const Ring<kDerivatives>::Columns by_mean(derivatives_, kByMean, y), by_squares(derivatives_, kBySquares, y),
-        by_product(derivatives_, kByProduct, y);
-    const Vec zero{};
-    Vec totals[kGroup] = {};
-    const auto vector = [&](int x, int rows, int lanes) __attribute__((always_inline)) {
-      Vec mean[kGroup], squares[kGroup], product[kGroup];
-      by_mean.at(x, mean);
-      by_squares.at(x, squares);
-      by_product.at(x, product);
-      for (int i = 0; i < rows; ++i) {
-        const size_t pixel = static_cast<size_t>(y + i) * p_.width + x;
+  void blur_to_all_columns(const float *in, float *out) const {
+    for (size_t x = 0; x < padded_; x += 2 * kLanes, in += kLanes) {
+      const Vec before2 = load_unaligned(in - 2), before = load_unaligned(in - 1), here = load(in);
+      const Vec after = load_unaligned(in + 1), after2 = load_unaligned(in + 2), after3 = load_unaligned(in + 3);
+      const Vec even = kGaussian[0] * here + (kGaussian[2] * (before + after) + kGaussian[4] * (before2 + after2));
+      const Vec odd = kGaussian[1] * (here + after) + (kGaussian[3] * (before + after2) + kGaussian[5] * (before2 + after3));
+      Vec first, second;
+      interleave(even, odd, first, second);
+      store(out + x, first);
+      store(out + x + kLanes, second);
+    }
+  }
+
+  // The gradient of rows 2 pair and, before `end`, 2 pair + 1, and the sums of their absolute differences.
+  void write_gradient(int pair, int end, RowSums *sums) {
+    const float *rows[kPlanes][kRadius + 1];
+    for (int d = 0; d < kPlanes; ++d) {
+      for (int t = 0; t <= kRadius; ++t) rows[d][t] = ring_row(d, pair - kReach + t);
+    }
+    const int count = std::min(2, end - 2 * pair);
+    Vec totals[2] = {};
+    const auto vector = [&](int x, int lanes) __attribute__((always_inline)) {
+      Vec by[2][kPlanes];
+      for (int d = 0; d < kPlanes; ++d) {
+        Vec r[kRadius + 1];
+        for (int t = 0; t <= kRadius; ++t) r[t] = load(rows[d][t] + x);
+        by[0][d] = kGaussian[0] * r[2] + (kGaussian[2] * (r[1] + r[3]) + kGaussian[4] * (r[0] + r[4]));
+        by[1][d] = kGaussian[1] * (r[2] + r[3]) + (kGaussian[3] * (r[1] + r[4]) + kGaussian[5] * (r[0] + r[5]));
+      }
+      for (int i = 0; i < count; ++i) {
+        const size_t pixel = static_cast<size_t>(2 * pair + i) * p_.width + x;
         const Vec a = load_lanes(p_.image + pixel, lanes), b = load_lanes(p_.target + pixel, lanes);
-        const Vec difference = a - b;
+        const Vec difference = a - b, zero{};
         const Vec sign = keep(greater(difference, zero), broadcast(p_.l1_scale)) -
                          keep(greater(zero, difference), broadcast(p_.l1_scale));
         totals[i] += abs(difference);
-        store_lanes(p_.gradient + pixel, (mean[i] + sign) + (a * squares[i] + b * product[i]), lanes);
+        const Vec gradient = (by[i][kByMean] + sign) + (a * by[i][kBySquares] + b * by[i][kByProduct]);
+        store_lanes(p_.gradient + pixel, gradient, lanes);
       }
     };
     const int whole = p_.width / kLanes * kLanes;
-    if (count == kGroup) {
-      for (int x = 0; x < whole; x += kLanes) vector(x, kGroup, kLanes);
-    } else {
-      for (int x = 0; x < whole; x += kLanes) vector(x, count, kLanes);
-    }
-    if (whole < p_.width) vector(whole, count, p_.width - whole);
-    for (int i = 0; i < count; ++i) sums[y + i].l1 = sum(totals[i]);
+    for (int x = 0; x < whole; x += kLanes) vector(x, kLanes);
+    if (whole < p_.width) vector(whole, p_.width - whole);
+    for (int i = 0; i < count; ++i) sums[2 * pair + i].l1 = sum(totals[i]);
   }
 
-  LossParameters p_;
-  RowLayout layout_;
-  Ring<kBlurred> blurred_;
-  Ring<kDerivatives> derivatives_;
-  float *rows_;
+  const LossParameters p_;
+  const size_t padded_, stride_;
+  float *const ring_, *const scratch_;
 };
 
 }  // namespace
@@ -275,12 +218,13 @@ extern "C" int32_t hgs_l1_dssim(const float *image, const float *target, int32_t
                                 float dssim_weight, int32_t threads, double *loss, float *gradient) {
   using namespace hgs;
   return guarded([&] {
-    // A whole number of groups, so that every row has the same place in a group however many threads there are.
     const int share = (height + threads - 1) / threads;
-    const int band_rows = std::max(kLeastBandRows, (share + kGroup - 1) / kGroup * kGroup);
+    // A whole number of groups, so that every row has the same place in a group however many threads there are.
+    const int band_rows = std::max(kLeastBandRows, (share + 2 * kGroup - 1) / (2 * kGroup) * (2 * kGroup));
     const int bands = (height + band_rows - 1) / band_rows;
     const size_t plane = static_cast<size_t>(width) * height;
     const double values = 3.0 * static_cast<double>(plane);
+    const double windows = 3.0 * ((width + 1) / 2) * ((height + 1) / 2);
     std::vector<RowSums> sums(3 * static_cast<size_t>(height));
     parallel_for(threads, 3 * bands, 1, [&](int64_t unit) {
       const int64_t channel_number = unit / bands;
@@ -292,7 +236,7 @@ extern "C" int32_t hgs_l1_dssim(const float *image, const float *target, int32_t
                              width,
                              height,
                              static_cast<float>((1.0 - dssim_weight) / values),
-                             static_cast<float>(-dssim_weight / values)};
+                             static_cast<float>(-dssim_weight / windows)};
       static thread_local Buffer<float> memory;
       Band band(p, memory.reserve(Band::memory_size(width)));
       band.run(begin, std::min(height, begin + band_rows), sums.data() + channel_number * height);
@@ -302,7 +246,7 @@ extern "C" int32_t hgs_l1_dssim(const float *image, const float *target, int32_t
       l1 += s.l1;
       ssim += s.ssim;
     }
-    *loss = (1.0 - dssim_weight) * l1 / values + dssim_weight * (1.0 - ssim / values);
+    *loss = (1.0 - dssim_weight) * l1 / values + dssim_weight * (1.0 - ssim / windows);
     return HGS_OK;
   });
 }

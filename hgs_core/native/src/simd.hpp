@@ -49,12 +49,18 @@ inline Vec from_bits(VecBits b) { return (Vec)b; }
 // The first lanes of a vector from and to memory of any alignment; the others are zero and are left alone.
 inline Vec load_lanes(const float *from, int count) {
   if (count == kLanes) return load_unaligned(from);
+#if HGS_AVX512
+  return (Vec)_mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << count) - 1), from);
+#endif
   alignas(64) float lanes[kLanes] = {};
   std::copy_n(from, count, lanes);
   return load(lanes);
 }
 inline void store_lanes(float *to, Vec v, int count) {
   if (count == kLanes) return store_unaligned(to, v);
+#if HGS_AVX512
+  return _mm512_mask_storeu_ps(to, static_cast<__mmask16>((1u << count) - 1), (__m512)v);
+#endif
   alignas(64) float lanes[kLanes];
   store(lanes, v);
   std::copy_n(lanes, count, to);
@@ -65,6 +71,48 @@ inline Vec lane_numbers() {
   Vec v{};
   for (int i = 0; i < kLanes; ++i) v[i] = static_cast<float>(i);
   return v;
+}
+
+// ---- every second lane -----------------------------------------------------------------------------------------------
+
+// The even and the odd ones of 2 kLanes values in a row.
+inline void split(Vec first, Vec second, Vec &even, Vec &odd) {
+#if HGS_AVX512
+  const __m512i lanes = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+  const __m512 a = (__m512)first, b = (__m512)second;
+  even = (Vec)_mm512_permutex2var_ps(a, lanes, b);
+  odd = (Vec)_mm512_permutex2var_ps(a, _mm512_add_epi32(lanes, _mm512_set1_epi32(1)), b);
+#elif HGS_AVX2
+  const auto in_order = [](__m256 v) { return (Vec)_mm256_permute4x64_pd(_mm256_castps_pd(v), 0xd8); };
+  even = in_order(_mm256_shuffle_ps((__m256)first, (__m256)second, 0x88));
+  odd = in_order(_mm256_shuffle_ps((__m256)first, (__m256)second, 0xdd));
+#else
+  const Vec a = first, b = second;
+  for (int i = 0; i < kLanes; ++i) {
+    even[i] = i < kLanes / 2 ? a[2 * i] : b[2 * i - kLanes];
+    odd[i] = i < kLanes / 2 ? a[2 * i + 1] : b[2 * i + 1 - kLanes];
+  }
+#endif
+}
+
+// The inverse of split.
+inline void interleave(Vec even, Vec odd, Vec &first, Vec &second) {
+#if HGS_AVX512
+  const __m512i low = _mm512_setr_epi32(0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+  const __m512 a = (__m512)even, b = (__m512)odd;
+  first = (Vec)_mm512_permutex2var_ps(a, low, b);
+  second = (Vec)_mm512_permutex2var_ps(a, _mm512_add_epi32(low, _mm512_set1_epi32(8)), b);
+#elif HGS_AVX2
+  const __m256 a = _mm256_unpacklo_ps((__m256)even, (__m256)odd), b = _mm256_unpackhi_ps((__m256)even, (__m256)odd);
+  first = (Vec)_mm256_permute2f128_ps(a, b, 0x20);
+  second = (Vec)_mm256_permute2f128_ps(a, b, 0x31);
+#else
+  const Vec a = even, b = odd;
+  for (int i = 0; i < kLanes; ++i) {
+    first[i] = i % 2 == 0 ? a[i / 2] : b[i / 2];
+    second[i] = i % 2 == 0 ? a[(i + kLanes) / 2] : b[(i + kLanes) / 2];
+  }
+#endif
 }
 
 // ---- masks: keep(m, v) zeroes the lanes outside m --------------------------------------------------------------------

@@ -83,24 +83,26 @@ def blur_pictures(image, target, blurs, width, height, BLOCK: tl.constexpr):
 def differentiate_ssim(blurs, derivatives, sums, width, height, scale, BLOCK: tl.constexpr):
     """SSIM, summed per program, and `scale` times its derivatives [3, 3, H, W].
 
-    The derivatives are those by the blurred image, squares (twice that) and product.
+    The derivatives are those by the blurred image, squares (twice that) and product. Windows around pixels of odd
+    column or odd row do not count: theirs are zero.
     """
-    i, _, row, mask = pixel(width, height, BLOCK)
+    i, column, row, mask = pixel(width, height, BLOCK)
+    counts = mask & (column % 2 == 0) & (row % 2 == 0)
     count = 3 * width * height
-    mean_1 = blurred(blurs, i, row, height, width, mask)
-    mean_2 = blurred(blurs + count, i, row, height, width, mask)
-    squares = blurred(blurs + 2 * count, i, row, height, width, mask)
-    product = blurred(blurs + 3 * count, i, row, height, width, mask)
+    mean_1 = blurred(blurs, i, row, height, width, counts)
+    mean_2 = blurred(blurs + count, i, row, height, width, counts)
+    squares = blurred(blurs + 2 * count, i, row, height, width, counts)
+    product = blurred(blurs + 3 * count, i, row, height, width, counts)
     both, means = mean_1 * mean_2, mean_1 * mean_1 + mean_2 * mean_2
     a1, a2 = 2.0 * both + C1, 2.0 * (product - both) + C2
     b1, b2 = means + C1, (squares - means) + C2
     inverse = 1.0 / (b1 * b2)
-    ssim = a1 * a2 * inverse
-    scaled = inverse * (2.0 * scale)
+    ssim = tl.where(counts, a1 * a2 * inverse, 0.0)
+    scaled = tl.where(counts, inverse * (2.0 * scale), 0.0)
     tl.store(derivatives + i, scaled * (mean_2 * (a2 - a1) + mean_1 * (ssim * (b1 - b2))), mask=mask)
     tl.store(derivatives + count + i, -scaled * (ssim * b1), mask=mask)
     tl.store(derivatives + 2 * count + i, scaled * a1, mask=mask)
-    tl.store(sums + tl.program_id(0), tl.sum(tl.where(mask, ssim, 0.0), axis=0))
+    tl.store(sums + tl.program_id(0), tl.sum(ssim, axis=0))
 
 
 @triton.jit

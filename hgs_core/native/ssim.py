@@ -1,0 +1,38 @@
+"""Structural similarity on numpy arrays."""
+
+from __future__ import annotations
+
+import ctypes
+
+from hgs_core.native.arrays import Floats, address
+from hgs_core.native.library import check, load, thread_count
+
+__all__ = ["mean_ssim"]
+
+
+def mean_ssim(image: Floats, target: Floats, *, threads: int | None = None) -> float:
+    """Return the mean over pixels and channels of the structural similarity of two pictures.
+
+    Args:
+        image: [3, H, W] planes, data range 1, contiguous.
+        target: [3, H, W].
+        threads: default `thread_count()`.
+
+    Raises:
+        ValueError: an array of another shape or type.
+        RuntimeError: no compiled library.
+    """
+    if image.ndim != 3 or image.shape[0] != 3 or 0 in image.shape:
+        raise ValueError(f"image must be planes [3, H, W], got {image.shape}")
+    _, height, width = image.shape
+    mean = ctypes.c_double()
+    status = load().hgs_ssim(
+        ctypes.c_void_p(address("image", image, image.shape)),
+        ctypes.c_void_p(address("target", target, image.shape)),
+        width,
+        height,
+        threads or thread_count(),
+        ctypes.byref(mean),
+    )
+    check(status)
+    return mean.value
