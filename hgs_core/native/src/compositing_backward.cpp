@@ -107,6 +107,39 @@ void clear_behind(ScreenSet &set, int tile) {
   for (uint32_t e = set.tile_end[tile]; e < end; ++e) set.slots[set.entries[e].slot] = {};
 }
 
+// Fetches what the next tile will read, a few rows of pixels at a time between the splats of this one: all at once they
+// would wait for each other.
+class NextTile {
+ public:
+  NextTile(const Workspace &w, int tile, const hgs_picture &picture, const hgs_picture &gradient)
+      : place_(w, std::min(tile, w.tile_count() - 1)), width_(w.width()) {
+    const size_t plane = static_cast<size_t>(w.width()) * w.height(), corner = place_.offset(w, 0) + place_.width - 1;
+    for (const hgs_picture *from : {&picture, &gradient}) {
+      for (int c = 0; c < 3; ++c) add(from->rgb + c * plane + corner);
+      if (gradient.depth != nullptr) add(from->depth + corner);
+      if (gradient.alpha != nullptr) add(from->alpha + corner);
+    }
+  }
+
+  int rows() const { return planes_count_ * place_.height; }
+
+  // Fetch so many rows; it may be more than are left. The left end of a row lies in the cache line of this tile's.
+  void fetch(int rows) {
+    for (; rows > 0 && plane_ < planes_count_; --rows) {
+      __builtin_prefetch(planes_[plane_] + static_cast<size_t>(row_) * width_);
+      if (++row_ == place_.height) row_ = 0, ++plane_;
+    }
+  }
+
+ private:
+  void add(const float *corner) { planes_[planes_count_++] = corner; }
+
+  TilePlace place_;
+  int width_;
+  const float *planes_[10];
+  int planes_count_ = 0, plane_ = 0, row_ = 0;
+};
+
 template <bool depth>
 void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture, const hgs_picture &gradient,
                              GradientSet wanted) {
@@ -122,8 +155,11 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
   const TilePlace place(w, tile);
   const TileRows rows(place);
   TileGradients<depth> gradients(w, place, picture, gradient);
+  NextTile next(w, tile + 1, picture, gradient);
+  const int rows_per_splat = next.rows() / std::max(1, list.count()) + 1;
   while (!done()) {
     const TileList::Item item = list.take();
+    next.fetch(rows_per_splat);
     if (item.dynamic ? wanted.dynamics : wanted.statics) {
       const TileRun &run = item.dynamic ? list.dynamics : list.statics;
       GradientSlot *const slots = item.dynamic ? w.dynamics.slots.data() : w.statics.slots.data();

@@ -16,7 +16,7 @@ struct TilePixels {
 
   explicit TilePixels(const TilePlace &place) {
     place.start_transmittance(T);
-    std::fill_n(sums[0], kChannels * kTilePixels, 0.0f);
+    for (int i = 0; i < kChannels * kTilePixels; i += kLanes) store(sums[0] + i, Vec{});
   }
 
   void draw(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows) {
@@ -32,6 +32,10 @@ void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
   const TilePlace place(w, tile);
   const TileRows rows(place);
   TilePixels<depth> pixels(place);
+  const size_t plane = static_cast<size_t>(w.width()) * w.height();
+  for (int c = 0; c < 3; ++c) place.prefetch_for_writing(w, out.rgb + c * plane);
+  place.prefetch_for_writing(w, out.alpha);
+  if constexpr (depth) place.prefetch_for_writing(w, out.depth);
   TileList list = TileList::all(w, tile);
   while (!list.done() && !finished(pixels.T)) {
     for (int n = 0; n < kBatch && !list.done(); ++n) {
@@ -42,7 +46,6 @@ void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
   w.statics.tile_end[tile] = static_cast<uint32_t>(list.statics.next - w.statics.entries.data());
   w.dynamics.tile_end[tile] = static_cast<uint32_t>(list.dynamics.next - w.dynamics.entries.data());
 
-  const size_t plane = static_cast<size_t>(w.width()) * w.height();
   place.each_vector(w, [&](int i, size_t pixel, int count) {
     const Vec T = abs(load(pixels.T + i));
     for (int c = 0; c < 3; ++c) {

@@ -38,6 +38,11 @@ struct TilePlace {
     }
   }
 
+  // Fetch the tile's part of a plane of the picture ahead of its use: the processor does not foresee rows so far apart.
+  void prefetch_for_writing(const Workspace &w, const float *plane) const {
+    for (int row = 0; row < height; ++row) __builtin_prefetch(plane + offset(w, row) + width - 1, 1);
+  }
+
   // Fill T with 1 inside the picture; pixels beyond it are finished from the start.
   void start_transmittance(float *T) const {
     std::fill_n(T, kTilePixels, 1.0f);
@@ -79,6 +84,7 @@ class TileList {
   static TileList drawn(const Workspace &w, int tile) { return {w, &w.statics.tile_end, &w.dynamics.tile_end, tile}; }
 
   bool done() const { return statics.done() && dynamics.done(); }
+  int count() const { return static_cast<int>((statics.end - statics.next) + (dynamics.end - dynamics.next)); }
 
   Item take() {
     const bool dynamic = statics.done() || (!dynamics.done() && dynamics.depth() < statics.depth());

@@ -110,11 +110,18 @@ void list_by_tile(Workspace &w, ScreenSet &set, int threads) {
     for (int64_t i = begin; i < end; ++i) {
       __builtin_prefetch(&set.splats[set.order[std::min(i + kPrefetch, end - 1)]]);
       const uint32_t splat = set.order[i];
-      set.first_slot[splat] = static_cast<uint32_t>(emitter.count());
       set.slot_count[splat] = emitter.emit(splat, set.splats[splat]);
     }
     scratch[thread].count = emitter.count();
   });
+
+  // Slots in the order in which they will be added up.
+  uint32_t slots = 0;
+  for (int64_t i = 0; i < visible; ++i) {
+    const uint32_t splat = set.visible[i];
+    set.first_slot[splat] = slots;
+    slots += set.slot_count[splat];
+  }
 
   // Turn the counts into places: tile after tile and, within a tile, thread after thread.
   uint32_t *const tile_begin = set.tile_begin.reserve(tiles + 1);
@@ -127,14 +134,13 @@ void list_by_tile(Workspace &w, ScreenSet &set, int threads) {
   tile_begin[tiles] = total;
 
   TileEntry *const entries = set.entries.reserve(total);
-  parallel_ranges(threads, visible, [&](int thread, int64_t begin, int64_t end) {
+  parallel_ranges(threads, visible, [&](int thread, int64_t, int64_t) {
     ThreadEmissions &mine = scratch[thread];
     uint32_t slot = 0;
-    for (int t = 0; t < thread; ++t) slot += static_cast<uint32_t>(scratch[t].count);
-    for (int64_t i = begin; i < end; ++i) set.first_slot[set.order[i]] += slot;
     for (size_t i = 0; i < mine.count; ++i) {
       const Emission &e = mine.emissions[i];
-      entries[mine.tile_counts[e.tile]++] = {e.splat, slot++, e.box, e.middle_t};
+      slot = i > 0 && e.splat == mine.emissions[i - 1].splat ? slot + 1 : set.first_slot[e.splat];
+      entries[mine.tile_counts[e.tile]++] = {e.splat, slot, e.box, e.middle_t};
     }
   });
 }
