@@ -40,7 +40,8 @@ class _NativeLoss(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, upstream: Tensor) -> tuple[Tensor, None, None]:
-        return ctx.gradient * upstream, None, None
+        # By itself, where the loss is what is differentiated: a pass over the picture less.
+        return ctx.gradient if float(upstream) == 1 else ctx.gradient * upstream, None, None
 
 
 class _TritonLoss(torch.autograd.Function):

@@ -30,7 +30,10 @@ int64_t evaluations(const Workspace &w, const ScreenSet &set) {
   for (int tile = 0; tile < w.tile_count(); ++tile) {
     for (uint32_t e = set.tile_begin[tile]; e < set.tile_end[tile]; ++e) {
       const TileBox &box = set.entries[e].box;
-      vectors += (box.x1 / kLanes - box.x0 / kLanes + 1) * (box.y1 - box.y0 + 1);
+      for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+        const auto &half = box.half[block * kLanes / kCell];
+        vectors += half.y1 - half.y0 + 1;
+      }
     }
   }
   return vectors * kLanes;

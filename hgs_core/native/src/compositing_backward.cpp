@@ -21,7 +21,8 @@ struct TileGradients {
   alignas(64) float rest[kTilePixels];  // S above
   alignas(64) float light[kChannels][kTilePixels];
 
-  TileGradients(const Workspace &w, const TilePlace &place, const hgs_picture &picture, const hgs_picture &gradient) {
+  TileGradients(const Workspace &w, const TilePlace &place, unsigned cells, const hgs_picture &picture,
+                const hgs_picture &gradient) {
     place.start_transmittance(T);
     if (place.width < kTile || place.height < kTile) {
       std::fill_n(rest, kTilePixels, 0.0f);
@@ -29,6 +30,8 @@ struct TileGradients {
     }
     const size_t plane = static_cast<size_t>(w.width()) * w.height();
     place.each_vector(w, [&](int i, size_t pixel, int count) {
+      const int half = i / (kBlockSize * kCell / kLanes), lower = i / kLanes % kTile / kCell;
+      if ((cells >> (half + 2 * lower) & 1) == 0) return;
       Vec sum{};
       const auto add = [&](const float *by, const float *of, float *kept) {
         const Vec g = load_lanes(by + pixel, count);
@@ -46,16 +49,15 @@ struct TileGradients {
 
   // Pass a splat, and write its gradient if it is wanted.
   template <bool wanted>
-  void visit(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, GradientSlot *slot) {
-    const TileBox box = entry.box;
-    const RowTerms rows(s, box, tile_rows);
+  void visit(const ScreenSplat &s, const TileEntry &entry, const TilePlace &place, OpenCells open, GradientSlot *slot) {
+    const RowTerms rows(s, entry.box, place);
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
     Vec sums[kGradientTerms] = {};
     Vec sum_dy{}, sum_dy2{}, sum_t_dy{};  // of h times these, dy from the middle row
-    for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+    open.each_block(entry.box, [&](int block, int first, int last) {
       const BlockTerms columns(s, entry, block);
       Vec h_0{}, h_dy{}, h_dy2{};
-      for (int y = box.y0; y <= box.y1; ++y) {
+      for (int y = first; y <= last; ++y) {
         const int i = block * kBlockSize + y * kLanes;
         const Vec before = load(T + i);
         Vec g[kChannels];
@@ -69,10 +71,10 @@ struct TileGradients {
         if constexpr (wanted) {
           const Vec d_alpha = before * along - after * reciprocal(1.0f - blend.alpha);
           const Mask free = both(blend.drawn, greater_equal(broadcast(kAlphaMax), blend.unclamped_alpha));
-          const Vec h = keep(free, d_alpha * blend.unclamped_alpha), h_y = h * rows.dy[y];
+          const Vec h = keep(free, d_alpha * blend.unclamped_alpha), h_y = h * rows.dy(y);
           h_0 += h;
           h_dy += h_y;
-          h_dy2 += h_y * rows.dy[y];
+          h_dy2 += h_y * rows.dy(y);
           for (int c = 0; c < 3; ++c) sums[kRed + c] += blend.weight * g[c];
           if constexpr (depth) sums[kDepth] += blend.weight * g[3];
         }
@@ -87,9 +89,10 @@ struct TileGradients {
         sum_dy2 += h_dy2;
         sums[kH] += h_0;
       }
-    }
+    });
     if constexpr (wanted) {
-      const float e = s.scale_e * ((tile_rows.first - rows.dy[0] - s.origin_y) - s.mean_y);  // in the middle row
+      const float middle_row = static_cast<float>(place.y) + 0.5f * static_cast<float>(entry.box.y0 + entry.box.y1 + 1);
+      const float e = s.scale_e * ((middle_row - s.origin_y) - s.mean_y);
       sums[kHe] = e * sums[kH] + s.scale_e * sum_dy;
       sums[kHte] = e * sums[kHt] + s.scale_e * sum_t_dy;
       sums[kHee] = e * (sums[kHe] + s.scale_e * sum_dy) + s.scale_e * s.scale_e * sum_dy2;
@@ -126,7 +129,9 @@ class NextTile {
   // Fetch so many rows; it may be more than are left. The left end of a row lies in the cache line of this tile's.
   void fetch(int rows) {
     for (; rows > 0 && plane_ < planes_count_; --rows) {
-      __builtin_prefetch(planes_[plane_] + static_cast<size_t>(row_) * width_);
+      const float *const end = planes_[plane_] + static_cast<size_t>(row_) * width_;
+      __builtin_prefetch(end - std::min(16, place_.width - 1));
+      __builtin_prefetch(end);
       if (++row_ == place_.height) row_ = 0, ++plane_;
     }
   }
@@ -153,20 +158,22 @@ void composite_tile_backward(Workspace &w, int tile, const hgs_picture &picture,
   if (done()) return;
 
   const TilePlace place(w, tile);
-  const TileRows rows(place);
-  TileGradients<depth> gradients(w, place, picture, gradient);
+  const unsigned cells = w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x);
+  TileGradients<depth> gradients(w, place, cells, picture, gradient);
+  OpenCells open(cells);
   NextTile next(w, tile + 1, picture, gradient);
   const int rows_per_splat = next.rows() / std::max(1, list.count()) + 1;
-  while (!done()) {
+  for (int n = 0; !done(); ++n) {
+    if (n % kBatch == 0) open.look(gradients.T);
     const TileList::Item item = list.take();
     next.fetch(rows_per_splat);
     if (item.dynamic ? wanted.dynamics : wanted.statics) {
       const TileRun &run = item.dynamic ? list.dynamics : list.statics;
       GradientSlot *const slots = item.dynamic ? w.dynamics.slots.data() : w.statics.slots.data();
       __builtin_prefetch(&slots[std::min(&item.entry + kPrefetchSlot, run.last)->slot], 1);
-      gradients.template visit<true>(item.splat, item.entry, rows, &slots[item.entry.slot]);
+      gradients.template visit<true>(item.splat, item.entry, place, open, &slots[item.entry.slot]);
     } else {
-      gradients.template visit<false>(item.splat, item.entry, rows, nullptr);
+      gradients.template visit<false>(item.splat, item.entry, place, open, nullptr);
     }
   }
 }
@@ -177,7 +184,7 @@ void composite_backward(Workspace &w, const hgs_picture &picture, const hgs_pict
                         int threads) {
   if (wanted.statics) w.statics.slots.reserve(w.entry_count(w.statics));
   if (wanted.dynamics) w.dynamics.slots.reserve(w.entry_count(w.dynamics));
-  parallel_for(threads, w.tile_count(), 4, [&](int64_t tile) {
+  parallel_for(threads, w.tile_count(), 1, [&](int64_t tile) {
     if (gradient.depth != nullptr) {
       composite_tile_backward<true>(w, static_cast<int>(tile), picture, gradient, wanted);
     } else {

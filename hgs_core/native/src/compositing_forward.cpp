@@ -7,8 +7,6 @@
 namespace hgs {
 namespace {
 
-constexpr int kBatch = 32;  // splats between two looks at whether the tile is finished
-
 template <bool depth>
 struct TilePixels {
   static constexpr int kChannels = depth ? 4 : 3;  // red, green, blue, depth
@@ -19,9 +17,9 @@ struct TilePixels {
     for (int i = 0; i < kChannels * kTilePixels; i += kLanes) store(sums[0] + i, Vec{});
   }
 
-  void draw(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows) {
+  void draw(const ScreenSplat &s, const TileEntry &entry, const TilePlace &place, OpenCells open) {
     const Vec colour[] = {broadcast(s.r), broadcast(s.g), broadcast(s.b), broadcast(s.depth)};
-    blend_splat(s, entry, tile_rows, T, [&](int i, Vec weight) {
+    blend_splat(s, entry, place, open, T, [&](int i, Vec weight) {
       for (int c = 0; c < kChannels; ++c) store(sums[c] + i, load(sums[c] + i) + weight * colour[c]);
     });
   }
@@ -30,17 +28,17 @@ struct TilePixels {
 template <bool depth>
 void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
   const TilePlace place(w, tile);
-  const TileRows rows(place);
   TilePixels<depth> pixels(place);
   const size_t plane = static_cast<size_t>(w.width()) * w.height();
   for (int c = 0; c < 3; ++c) place.prefetch_for_writing(w, out.rgb + c * plane);
   place.prefetch_for_writing(w, out.alpha);
   if constexpr (depth) place.prefetch_for_writing(w, out.depth);
   TileList list = TileList::all(w, tile);
-  while (!list.done() && !finished(pixels.T)) {
+  OpenCells open(w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x));
+  for (open.look(pixels.T); !list.done() && open.any(); open.look(pixels.T)) {
     for (int n = 0; n < kBatch && !list.done(); ++n) {
       const TileList::Item item = list.take();
-      pixels.draw(item.splat, item.entry, rows);
+      pixels.draw(item.splat, item.entry, place, open);
     }
   }
   w.statics.tile_end[tile] = static_cast<uint32_t>(list.statics.next - w.statics.entries.data());
@@ -59,7 +57,7 @@ void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
 }  // namespace
 
 void composite(Workspace &w, const hgs_picture &picture, int threads) {
-  parallel_for(threads, w.tile_count(), 4, [&](int64_t tile) {
+  parallel_for(threads, w.tile_count(), 1, [&](int64_t tile) {
     if (w.depth) {
       composite_tile<true>(w, static_cast<int>(tile), picture);
     } else {

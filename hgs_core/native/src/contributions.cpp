@@ -14,9 +14,9 @@ struct Contribution {
 // One contribution per slot of each set, in the memory of the gradients, which this overwrites.
 Contribution &of_slot(ScreenSet &set, uint32_t slot) { return reinterpret_cast<Contribution *>(set.slots.data())[slot]; }
 
-Contribution visit(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, float *T) {
+Contribution visit(const ScreenSplat &s, const TileEntry &entry, const TilePlace &place, OpenCells open, float *T) {
   Vec total{}, peak{};
-  blend_splat(s, entry, tile_rows, T, [&](int, Vec weight) {
+  blend_splat(s, entry, place, open, T, [&](int, Vec weight) {
     total += weight;
     peak = max(peak, weight);
   });
@@ -27,7 +27,7 @@ Contribution visit(const ScreenSplat &s, const TileEntry &entry, const TileRows 
 
 void visit_tile(Workspace &w, int tile) {
   const TilePlace place(w, tile);
-  const TileRows rows(place);
+  const OpenCells open(w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x));
   alignas(64) float T[kTilePixels];
   place.start_transmittance(T);
   for (ScreenSet *set : {&w.statics, &w.dynamics}) {
@@ -35,7 +35,7 @@ void visit_tile(Workspace &w, int tile) {
   }
   for (TileList list = TileList::drawn(w, tile); !list.done();) {
     const TileList::Item item = list.take();
-    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry, rows, T);
+    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry, place, open, T);
   }
 }
 
@@ -56,7 +56,7 @@ void sum_slots(ScreenSet &set, int threads, float *total, float *peak) {
 
 void sum_contributions(Workspace &w, int threads, float *total, float *peak) {
   for (ScreenSet *set : {&w.statics, &w.dynamics}) set->slots.reserve(w.entry_count(*set));
-  parallel_for(threads, w.tile_count(), 4, [&](int64_t tile) { visit_tile(w, static_cast<int>(tile)); });
+  parallel_for(threads, w.tile_count(), 1, [&](int64_t tile) { visit_tile(w, static_cast<int>(tile)); });
   sum_slots(w.statics, threads, total, peak);
   sum_slots(w.dynamics, threads, total + w.statics.count, peak + w.statics.count);
 }

@@ -90,6 +90,11 @@ class Band {
       images[t] = inside ? p_.image + static_cast<size_t>(y) * p_.width : zeros();
       targets[t] = inside ? p_.target + static_cast<size_t>(y) * p_.width : zeros();
     }
+    // The rows that the next call will be the first to read, which the processor does not foresee.
+    const int ahead = std::min(2 * window - kRadius + kInputRows, p_.height - 1);
+    const int ahead_count = std::min(2 * kGroup, p_.height - ahead);
+    const float *const image_ahead = p_.image + static_cast<size_t>(std::max(ahead, 0)) * p_.width;
+    const float *const target_ahead = p_.target + static_cast<size_t>(std::max(ahead, 0)) * p_.width;
     const auto columns = [&](int x, int lanes, Vec (&sums)[kGroup][kQuantities]) __attribute__((always_inline)) {
 #pragma GCC unroll 32
       for (int t = 0; t < kInputRows; ++t) {
@@ -106,6 +111,12 @@ class Band {
       }
     };
     const auto two_vectors = [&](int x, int lanes, int more_lanes) __attribute__((always_inline)) {
+      for (int t = 0; t < ahead_count; ++t) {
+        for (int k = 0; k < 2 * kLanes; k += 16) {
+          __builtin_prefetch(image_ahead + static_cast<size_t>(t) * p_.width + x + k, 0, 2);
+          __builtin_prefetch(target_ahead + static_cast<size_t>(t) * p_.width + x + k, 0, 2);
+        }
+      }
       Vec first[kGroup][kQuantities], second[kGroup][kQuantities];
       columns(x, lanes, first);
       columns(x + kLanes, more_lanes, second);

@@ -27,7 +27,7 @@ struct Extent {
     last = keep(some, last);
   }
 
-  Vec tiles() const { return floor(last * (1.0f / kTile)) - floor(first * (1.0f / kTile)) + 1.0f; }
+  Vec cells() const { return floor(last * (1.0f / kCell)) - floor(first * (1.0f / kCell)) + 1.0f; }
 };
 
 struct Chunk {
@@ -71,7 +71,7 @@ struct Chunk {
     const Vec scale_t = sqrt(kExponentScale * p.conic_xx), scale_e = sqrt(kExponentScale / p.cov_yy);
     const Vec values[] = {from_x, from_y, mean_x, mean_y, slope, slope_rest, scale_t, scale_e, log2_opacity,
                           shape.rgb[0], shape.rgb[1], shape.rgb[2], p.z, columns.first, columns.last, lines.first,
-                          lines.last, columns.tiles() * lines.tiles()};
+                          lines.last, columns.cells() * lines.cells()};
     constexpr int kValues = sizeof(values) / sizeof(values[0]);
     alignas(64) float f[kValues][kLanes];
     for (int i = 0; i < kValues; ++i) store(f[i], values[i]);

@@ -9,7 +9,8 @@
 namespace hgs {
 
 // docs/numerics.md derives these; hgs_core/render/constants.py has the same ones.
-constexpr int kTile = 16;  // pixels
+constexpr int kCell = 16;         // pixels; what a tile mask speaks of
+constexpr int kTile = 2 * kCell;  // pixels; what splats are listed by: fewer lists, each splat in fewer of them
 constexpr float kLowPass = 0.3f;  // pixels^2
 constexpr float kAlphaMin = 1.0f / 255.0f;
 constexpr float kLog2AlphaMin = -7.99435343685886f;
@@ -51,9 +52,13 @@ struct alignas(64) ScreenSplat {
 };
 static_assert(sizeof(ScreenSplat) == 64);
 
-// Pixels of a tile, inclusive, relative to its corner.
+// The pixels of a tile that a splat can change, inclusive, relative to its corner: a box, and the rows of it in the left
+// and the right half of the tile. A half without any has y1 < y0 there.
 struct TileBox {
   uint8_t x0, x1, y0, y1;
+  struct {
+    uint8_t y0, y1;
+  } half[2];
 };
 
 // A splat in a tile.
@@ -82,7 +87,7 @@ struct ScreenSet {
   Buffer<uint32_t> chunk_visible;  // visible splats per chunk of projection
   Buffer<uint32_t> visible;       // [visible_count] places in `splats`, ascending
   int64_t visible_count = 0;
-  int64_t entry_bound = 0;  // (splat, tile) pairs, counting all tiles of every box
+  int64_t entry_bound = 0;  // (splat, cell) pairs, counting all cells of every box: no fewer than entries
 
   Buffer<uint32_t> order;  // `visible` by depth
   Buffer<TileEntry> entries;  // tile after tile, by depth

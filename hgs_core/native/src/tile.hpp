@@ -8,16 +8,18 @@
 
 namespace hgs {
 
-// A tile's pixels are stored in columns of blocks, each one vector wide and 16 rows high, so that a vector is part of
+// A tile's pixels are stored in columns of blocks, each one vector wide and as high as the tile, so that a vector is part of
 // one row and a splat touches consecutive vectors.
 constexpr int kBlockSize = kTile * kLanes;
 constexpr int kTilePixels = kTile * kTile;
+
+constexpr int kBatch = 32;  // splats between two looks at which cells are finished
 
 inline int pixel_index(int x, int y) { return x / kLanes * kBlockSize + y * kLanes + x % kLanes; }
 
 struct TilePlace {
   int x, y;           // corner, pixels
-  int width, height;  // at the picture's edge less than 16
+  int width, height;  // at the picture's edge less than a tile's
 
   TilePlace(const Workspace &w, int tile)
       : x(tile % w.tiles_x * kTile),
@@ -40,7 +42,11 @@ struct TilePlace {
 
   // Fetch the tile's part of a plane of the picture ahead of its use: the processor does not foresee rows so far apart.
   void prefetch_for_writing(const Workspace &w, const float *plane) const {
-    for (int row = 0; row < height; ++row) __builtin_prefetch(plane + offset(w, row) + width - 1, 1);
+    for (int row = 0; row < height; ++row) {
+      const float *const last = plane + offset(w, row) + width - 1;
+      __builtin_prefetch(last - std::min(16, width - 1), 1);
+      __builtin_prefetch(last, 1);
+    }
   }
 
   // Fill T with 1 inside the picture; pixels beyond it are finished from the start.
@@ -103,14 +109,45 @@ class TileList {
       : statics(w, w.statics, static_ends, tile), dynamics(w, w.dynamics, dynamic_ends, tile) {}
 };
 
-// Pixel centres of a tile's rows, in vectors.
-struct TileRows {
-  float first;
-  Vec centres[kTile / kLanes];
+// The cells of a tile (Workspace::cells_drawn) in which some pixel takes light yet.
+class OpenCells {
+ public:
+  explicit OpenCells(unsigned drawn) : bits_(drawn) {}
 
-  explicit TileRows(const TilePlace &place) : first(static_cast<float>(place.y) + 0.5f) {
-    for (int i = 0; i < kTile / kLanes; ++i) centres[i] = lane_numbers() + (first + static_cast<float>(i * kLanes));
+  bool any() const { return bits_ != 0; }
+
+  // Close those where no pixel of T takes any more.
+  void look(const float *T) {
+    for (int cell = 0; cell < 4; ++cell) {
+      if ((bits_ >> cell & 1) != 0 && finished(T, cell)) bits_ &= ~(1u << cell);
+    }
   }
+
+  // Call f(block, first row, last row) for every block of columns with pixels of a splat in open cells.
+  template <class F>
+  void each_block(const TileBox &box, F &&f) const {
+    for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+      const int half = block / kHalfBlocks;
+      int first = box.half[half].y0, last = box.half[half].y1;
+      if ((bits_ >> half & 1) == 0) first = std::max(first, kCell);
+      if ((bits_ >> half & 4) == 0) last = std::min(last, kCell - 1);
+      if (first <= last) f(block, first, last);
+    }
+  }
+
+ private:
+  static constexpr int kHalfBlocks = kCell / kLanes;
+
+  static bool finished(const float *T, int cell) {
+    Vec most = negative(Vec{});
+    for (int block = 0; block < kHalfBlocks; ++block) {
+      const float *const from = T + (cell % 2 * kHalfBlocks + block) * kBlockSize + cell / 2 * kCell * kLanes;
+      for (int row = 0; row < kCell; ++row) most = max(most, load(from + row * kLanes));
+    }
+    return !hgs::any(greater(most, Vec{}));
+  }
+
+  unsigned bits_;
 };
 
 // How far the rows or columns of a tile lie from the middle of [first, last], pixels; in vectors.
@@ -129,18 +166,24 @@ inline const float *from_middle(int first, int last) {
 
 // The part of a splat's exponent that is the same along a row, for the rows of its box; t from that of the middle row.
 struct RowTerms {
-  const float *dy;  // from the middle row
+  int first;  // row of the box
   float t_by_y;
-  alignas(64) float t[kTile], constant[kTile];
+  const float *from_middle_row;
+  alignas(64) float t_of[kTile], constant_of[kTile];
 
-  RowTerms(const ScreenSplat &s, const TileBox &box, const TileRows &rows)
-      : dy(from_middle(box.y0, box.y1)), t_by_y(s.scale_t * s.slope) {
-    for (int i = box.y0 / kLanes; i <= box.y1 / kLanes; ++i) {
-      const Vec e = (rows.centres[i] - s.origin_y - s.mean_y) * s.scale_e;
-      store(t + i * kLanes, load(dy + i * kLanes) * t_by_y);
-      store(constant + i * kLanes, s.log2_opacity - e * e);
+  RowTerms(const ScreenSplat &s, const TileBox &box, const TilePlace &place)
+      : first(box.y0), t_by_y(s.scale_t * s.slope), from_middle_row(from_middle(0, box.y1 - box.y0)) {
+    const Vec centres = lane_numbers() + (static_cast<float>(place.y + first) + 0.5f);
+    for (int i = 0; i <= box.y1 - first; i += kLanes) {
+      const Vec e = ((centres + static_cast<float>(i)) - s.origin_y - s.mean_y) * s.scale_e;
+      store(t_of + i, load(from_middle_row + i) * t_by_y);
+      store(constant_of + i, s.log2_opacity - e * e);
     }
   }
+
+  float t(int y) const { return t_of[y - first]; }
+  float constant(int y) const { return constant_of[y - first]; }
+  float dy(int y) const { return from_middle_row[y - first]; }  // from the middle row
 };
 
 // A splat in one block of columns.
@@ -152,8 +195,8 @@ struct BlockTerms {
 
   // log2 of the alpha of a row's pixels.
   Vec power(const RowTerms &rows, int y) const {
-    const Vec t = middle_t + rows.t[y];
-    return rows.constant[y] - t * t;
+    const Vec t = middle_t + rows.t(y);
+    return rows.constant(y) - t * t;
   }
 };
 
@@ -176,27 +219,20 @@ struct Blend {
   }
 };
 
-// Draw a splat over the transmittances of a tile; f(i, weight) hears of every vector of pixels.
+// Draw a splat over the transmittances of a tile's open cells; f(i, weight) hears of every vector of pixels.
 template <class F>
-inline void blend_splat(const ScreenSplat &s, const TileEntry &entry, const TileRows &tile_rows, float *T, F &&f) {
-  const TileBox box = entry.box;
-  const RowTerms rows(s, box, tile_rows);
-  for (int block = box.x0 / kLanes; block <= box.x1 / kLanes; ++block) {
+inline void blend_splat(const ScreenSplat &s, const TileEntry &entry, const TilePlace &place, OpenCells open, float *T,
+                        F &&f) {
+  const RowTerms rows(s, entry.box, place);
+  open.each_block(entry.box, [&](int block, int first, int last) {
     const BlockTerms columns(s, entry, block);
-    for (int y = box.y0; y <= box.y1; ++y) {
+    for (int y = first; y <= last; ++y) {
       const int i = block * kBlockSize + y * kLanes;
       const Blend blend(columns.power(rows, y), load(T + i));
       store(T + i, blend.transmittance);
       f(i, blend.weight);
     }
-  }
-}
-
-// Whether no pixel of a tile takes any more light.
-inline bool finished(const float *T) {
-  Vec most = load(T);
-  for (int i = kLanes; i < kTilePixels; i += kLanes) most = max(most, load(T + i));
-  return !any(greater(most, Vec{}));
+  });
 }
 
 }  // namespace hgs

@@ -19,8 +19,7 @@ constexpr int64_t kPrefetch = 8;  // splats ahead
 class Emitter {
  public:
   Emitter(const Workspace &w, ThreadEmissions &out)
-      : tiles_x_(w.tiles_x),
-        tile_mask_(w.view.tile_mask),
+      : w_(w),
         emissions_(out.emissions),
         tile_counts_(out.tile_counts.reserve(w.tile_count())) {
     std::fill_n(tile_counts_, w.tile_count(), 0);
@@ -33,7 +32,7 @@ class Emitter {
     const int tx0 = box.x0 / kTile, tx1 = box.x1 / kTile, ty0 = box.y0 / kTile, ty1 = box.y1 / kTile;
     const size_t before = count_;
     next_ = emissions_.reserve(before + static_cast<size_t>(tx1 - tx0 + 1) * (ty1 - ty0 + 1), before) + before;
-    visit(splat, s, ToT(s), box, tx0, tx1, ty0, ty1);
+    visit(splat, s, ToT(s), box, tx0, ty0, ty1);
     count_ = next_ - emissions_.data();
     return static_cast<uint32_t>(count_ - before);
   }
@@ -57,9 +56,13 @@ class Emitter {
     }
   };
 
-  void visit(uint32_t splat, const ScreenSplat &s, const ToT &to_t, const PixelRange &box, int tx0, int tx1, int ty0, int ty1) {
-    if (tx0 == tx1 && ty0 == ty1) {
-      add(splat, to_t, tx0, ty0, box);
+  void visit(uint32_t splat, const ScreenSplat &s, const ToT &to_t, const PixelRange &box, int tx0, int ty0,
+             int ty1) {
+    const bool one_half = box.x0 / kCell == box.x1 / kCell;  // of one column of tiles
+    if (one_half && ty0 == ty1) {
+      PixelRange halves[] = {kNoPixels, kNoPixels};
+      halves[box.x0 / kCell % 2] = box;
+      add(splat, to_t, tx0, ty0, w_.cells_drawn(tx0, ty0), halves);
       return;
     }
     const Ellipse ellipse(s);
@@ -69,25 +72,52 @@ class Emitter {
       if (ty0 != ty1) row = ellipse.narrow_x(row);
       if (row.empty()) continue;
       for (int tx = row.x0 / kTile; tx <= row.x1 / kTile; ++tx) {
-        PixelRange part{std::max(row.x0, tx * kTile), std::min(row.x1, tx * kTile + kTile - 1), top, bottom};
-        if (tx0 != tx1) part = ellipse.narrow_y(part);
-        if (!part.empty()) add(splat, to_t, tx, ty, part);
+        const unsigned cells = w_.cells_drawn(tx, ty);
+        if (cells == 0) continue;
+        PixelRange halves[2];
+        for (int h = 0; h < 2; ++h) {
+          const int left = tx * kTile + h * kCell;
+          halves[h] = {std::max(row.x0, left), std::min(row.x1, left + kCell - 1), top, bottom};
+          if (halves[h].x1 < halves[h].x0) {
+            halves[h] = kNoPixels;
+          } else if (!one_half) {
+            halves[h] = ellipse.narrow_y(halves[h]);
+          }
+        }
+        add(splat, to_t, tx, ty, cells, halves);
       }
     }
   }
 
-  void add(uint32_t splat, const ToT &to_t, int tx, int ty, const PixelRange &r) {
-    const auto tile = static_cast<uint32_t>(ty * tiles_x_ + tx);
-    if (tile_mask_ != nullptr && tile_mask_[tile] == 0) return;
-    const auto x = [&](int i) { return static_cast<uint8_t>(i - tx * kTile); };
-    const auto y = [&](int i) { return static_cast<uint8_t>(i - ty * kTile); };
-    const float middle_t = to_t(0.5 * (r.x0 + r.x1 + 1), 0.5 * (r.y0 + r.y1 + 1));
-    *next_++ = {splat, tile, {x(r.x0), x(r.x1), y(r.y0), y(r.y1)}, middle_t};
+  // The pixels of both halves of a tile, as far as they lie in cells that are drawn.
+  void add(uint32_t splat, const ToT &to_t, int tx, int ty, unsigned cells, PixelRange *halves) {
+    const int corner_x = tx * kTile, corner_y = ty * kTile;
+    PixelRange all = kNoPixels;
+    TileBox box{};
+    for (int h = 0; h < 2; ++h) {
+      PixelRange &r = halves[h];
+      if ((cells >> h & 1) == 0) r.y0 = std::max(r.y0, corner_y + kCell);
+      if ((cells >> h & 4) == 0) r.y1 = std::min(r.y1, corner_y + kCell - 1);
+      if (r.empty()) {
+        box.half[h] = {1, 0};
+        continue;
+      }
+      box.half[h] = {static_cast<uint8_t>(r.y0 - corner_y), static_cast<uint8_t>(r.y1 - corner_y)};
+      all = {std::min(all.x0, r.x0), std::max(all.x1, r.x1), std::min(all.y0, r.y0), std::max(all.y1, r.y1)};
+    }
+    if (all.empty()) return;
+    box.x0 = static_cast<uint8_t>(all.x0 - corner_x);
+    box.x1 = static_cast<uint8_t>(all.x1 - corner_x);
+    box.y0 = static_cast<uint8_t>(all.y0 - corner_y);
+    box.y1 = static_cast<uint8_t>(all.y1 - corner_y);
+    const auto tile = static_cast<uint32_t>(ty * w_.tiles_x + tx);
+    *next_++ = {splat, tile, box, to_t(0.5 * (all.x0 + all.x1 + 1), 0.5 * (all.y0 + all.y1 + 1))};
     ++tile_counts_[tile];
   }
 
-  const int tiles_x_;
-  const uint8_t *const tile_mask_;
+  static constexpr PixelRange kNoPixels{1 << 20, -1, 1 << 20, -1};
+
+  const Workspace &w_;
   Buffer<Emission> &emissions_;
   uint32_t *const tile_counts_;
   Emission *next_ = nullptr;

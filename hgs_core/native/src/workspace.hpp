@@ -43,6 +43,17 @@ struct hgs_workspace {
   int width() const { return view.camera.width; }
   int height() const { return view.camera.height; }
   int tile_count() const { return tiles_x * tiles_y; }
+  // The cells of a tile that are to be drawn: bits 0 and 1 for the upper left and right one, 2 and 3 for the lower ones.
+  unsigned cells_drawn(int tile_x, int tile_y) const {
+    if (view.tile_mask == nullptr) return 15;
+    const int cells_x = (width() + hgs::kCell - 1) / hgs::kCell, cells_y = (height() + hgs::kCell - 1) / hgs::kCell;
+    unsigned drawn = 0;
+    for (int i = 0; i < 4; ++i) {
+      const int x = 2 * tile_x + i % 2, y = 2 * tile_y + i / 2;
+      if (x < cells_x && y < cells_y && view.tile_mask[y * cells_x + x] != 0) drawn |= 1u << i;
+    }
+    return drawn;
+  }
   int64_t entry_count(const hgs::ScreenSet &set) const {
     return set.tile_begin.data() == nullptr ? 0 : set.tile_begin[tile_count()];
   }
