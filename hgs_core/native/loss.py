@@ -17,7 +17,7 @@ def l1_dssim(
 ) -> tuple[float, Floats]:
     """Compare two pictures by `(1 - w) mean |x - y| + w (1 - SSIM(x, y))` (docs/numerics.md, "Loss").
 
-    SSIM is the mean over the windows around pixels of even column and even row.
+    SSIM is the mean over the windows around every second pixel of every third row.
 
     Args:
         image: [3, H, W] planes, data range 1, contiguous.

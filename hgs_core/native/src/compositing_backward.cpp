@@ -96,10 +96,8 @@ struct TileGradients {
       sums[kHe] = e * sums[kH] + s.scale_e * sum_dy;
       sums[kHte] = e * sums[kHt] + s.scale_e * sum_t_dy;
       sums[kHee] = e * (sums[kHe] + s.scale_e * sum_dy) + s.scale_e * s.scale_e * sum_dy2;
-      static_assert(kH == 8 && kDepth == 9);
-      sum_each_of_8(sums, slot->terms);
-      slot->terms[kH] = sum(sums[kH]);
-      slot->terms[kDepth] = depth ? sum(sums[kDepth]) : 0.0f;
+      static_assert(kGradientTerms == 10);
+      sum_each_of_10(sums, slot->terms);
     }
   }
 };

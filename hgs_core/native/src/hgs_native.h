@@ -152,7 +152,7 @@ HGS_API int32_t hgs_ssim(const float *image, const float *target, int32_t width,
                          double *mean);
 
 /* (1 - dssim_weight) mean |image - target| + dssim_weight (1 - SSIM(image, target)), and its gradient. SSIM is the mean
- * over the windows around pixels of even column and even row.
+ * over the windows around every second pixel of every third row, beginning with the first.
  *
  * image, target: [3][height][width], data range 1.  loss: out, one double.
  * gradient: out, [3][height][width], dL / d image; must not overlap the inputs. */

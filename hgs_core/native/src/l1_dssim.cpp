@@ -1,9 +1,8 @@
 // L1 + D-SSIM (Wang et al. 2004) and its gradient, fused.
 //
-// SSIM is that of the windows around every second pixel of every second row: their means, two pixels apart, hold nearly
-// all that a Gaussian of 1.5 pixels lets through. A band of rows streams through four stages, a few rows of windows at a
-// time, so that everything in between stays in the cache:
-//     the pictures and their products, blurred along the columns, at every second row
+// SSIM is that of the windows around every second pixel of every third row, which differ little from those between. A band
+// of rows streams through four stages, a few rows of windows at a time, so that everything in between stays in the cache:
+//     the pictures and their products, blurred along the columns, at every third row
 //     the same blurred along the rows, at every second column -> SSIM and its partial derivatives
 //     the derivatives, blurred along the rows to all columns
 //     the same blurred along the columns to all rows -> the gradient
@@ -20,8 +19,9 @@
 namespace hgs {
 namespace {
 
+constexpr int kStep = 3;                      // rows of the picture from one row of windows to the next
 constexpr int kGroup = kLanes == 16 ? 4 : 2;  // rows of windows at a time: as many as there are registers for
-constexpr int kLeastBandRows = 64;            // a band computes 10 rows of its neighbours, too
+constexpr int kLeastBandRows = 72;            // a band computes 10 rows of its neighbours, too
 constexpr int kMargin = 16;                   // zeros on either side of a row, for the taps that reach out
 
 struct LossParameters {
@@ -45,27 +45,29 @@ class Band {
 
   static size_t memory_size(int width) { return (kRing * kPlanes + kScratchRows + 1) * stride(width); }
 
-  // Rows [begin, end) of the picture; begin is even.
+  // Rows [begin, end) of the picture; begin is a multiple of kStep.
   void run(int begin, int end, RowSums *sums) {
-    int pair = begin / 2;  // of rows: the next to be written
-    for (int window = pair - kReach; pair < (end + 1) / 2; window += kGroup) {
+    int written = begin;  // rows before it
+    for (int window = begin / kStep - 1; written < end; window += kGroup) {
       double ssim[kGroup];
       blur_pictures(window);
       for (int i = 0; i < kGroup; ++i) ssim[i] = differentiate_ssim(window + i, i);
       for (int i = 0; i < kGroup; ++i) {
-        const int y = 2 * (window + i);
+        const int y = kStep * (window + i);
         if (y >= begin && y < end) sums[y].ssim = ssim[i];
       }
-      for (; pair + kReach + 1 < window + kGroup && pair < (end + 1) / 2; ++pair) write_gradient(pair, end, sums);
+      for (; written / kStep + 2 < window + kGroup && written < end; written += kStep) {
+        write_gradient(written, std::min(kStep, end - written), sums);
+      }
     }
   }
 
  private:
   enum Quantity { kImage, kTarget, kSquares, kProduct, kQuantities };
   enum Derivative { kByMean, kBySquares, kByProduct, kPlanes };  // by the blurred picture, squares (twice that), product
-  static constexpr int kReach = kRadius / 2;                    // rows of windows before a pair's own that it lies in
-  static constexpr int kRing = kGroup + kRadius;                // rows of windows that the pairs of a group lie in
-  static constexpr int kInputRows = 2 * kGroup - 1 + 2 * kRadius;
+  static constexpr int kAround = 4;                 // rows of windows that a row of the picture, or the next two, lie in
+  static constexpr int kRing = kGroup + kAround - 1;
+  static constexpr int kInputRows = kStep * (kGroup - 1) + 1 + 2 * kRadius;
   static constexpr int kScratchRows = 2 * kGroup * kQuantities + kPlanes;
 
   static size_t padded(int width) { return (width + 2 * kLanes - 1) / (2 * kLanes) * (2 * kLanes); }
@@ -85,16 +87,14 @@ class Band {
   void blur_pictures(int window) {
     const float *images[kInputRows], *targets[kInputRows];
     for (int t = 0; t < kInputRows; ++t) {
-      const int y = 2 * window - kRadius + t;
+      const int y = kStep * window - kRadius + t;
       const bool inside = y >= 0 && y < p_.height;
       images[t] = inside ? p_.image + static_cast<size_t>(y) * p_.width : zeros();
       targets[t] = inside ? p_.target + static_cast<size_t>(y) * p_.width : zeros();
     }
     // The rows that the next call will be the first to read, which the processor does not foresee.
-    const int ahead = std::min(2 * window - kRadius + kInputRows, p_.height - 1);
-    const int ahead_count = std::min(2 * kGroup, p_.height - ahead);
-    const float *const image_ahead = p_.image + static_cast<size_t>(std::max(ahead, 0)) * p_.width;
-    const float *const target_ahead = p_.target + static_cast<size_t>(std::max(ahead, 0)) * p_.width;
+    const int ahead = std::clamp(kStep * window - kRadius + kInputRows, 0, p_.height - 1);
+    const int ahead_count = std::min(kStep * kGroup, p_.height - ahead);
     const auto columns = [&](int x, int lanes, Vec (&sums)[kGroup][kQuantities]) __attribute__((always_inline)) {
 #pragma GCC unroll 32
       for (int t = 0; t < kInputRows; ++t) {
@@ -102,7 +102,7 @@ class Band {
         const Vec values[] = {a, b, a * a + b * b, a * b};
 #pragma GCC unroll 4
         for (int i = 0; i < kGroup; ++i) {
-          const int tap = t - 2 * i - kRadius;
+          const int tap = t - kStep * i - kRadius;
           if (tap < -kRadius || tap > kRadius) continue;
           for (int q = 0; q < kQuantities; ++q) {
             sums[i][q] = tap == -kRadius ? kGaussian[kRadius] * values[q] : sums[i][q] + kGaussian[tap < 0 ? -tap : tap] * values[q];
@@ -113,8 +113,9 @@ class Band {
     const auto two_vectors = [&](int x, int lanes, int more_lanes) __attribute__((always_inline)) {
       for (int t = 0; t < ahead_count; ++t) {
         for (int k = 0; k < 2 * kLanes; k += 16) {
-          __builtin_prefetch(image_ahead + static_cast<size_t>(t) * p_.width + x + k, 0, 2);
-          __builtin_prefetch(target_ahead + static_cast<size_t>(t) * p_.width + x + k, 0, 2);
+          const size_t pixel = static_cast<size_t>(ahead + t) * p_.width + x + k;
+          __builtin_prefetch(p_.image + pixel, 0, 2);
+          __builtin_prefetch(p_.target + pixel, 0, 2);
         }
       }
       Vec first[kGroup][kQuantities], second[kGroup][kQuantities];
@@ -136,7 +137,7 @@ class Band {
 
   // The sum of SSIM over a row of windows; its derivatives, blurred along the row, go to the ring.
   double differentiate_ssim(int window, int of_group) {
-    if (window < 0 || 2 * window >= p_.height) {
+    if (window < 0 || kStep * window >= p_.height) {
       for (int d = 0; d < kPlanes; ++d) std::fill_n(ring_row(d, window), padded_, 0.0f);
       return 0.0;
     }
@@ -184,24 +185,24 @@ class Band {
     }
   }
 
-  // The gradient of rows 2 pair and, before `end`, 2 pair + 1, and the sums of their absolute differences.
-  void write_gradient(int pair, int end, RowSums *sums) {
-    const float *rows[kPlanes][kRadius + 1];
+  // The gradient of `count` rows from y, a multiple of kStep, and the sums of their absolute differences.
+  void write_gradient(int y, int count, RowSums *sums) {
+    const float *rows[kPlanes][kAround];
     for (int d = 0; d < kPlanes; ++d) {
-      for (int t = 0; t <= kRadius; ++t) rows[d][t] = ring_row(d, pair - kReach + t);
+      for (int t = 0; t < kAround; ++t) rows[d][t] = ring_row(d, y / kStep - 1 + t);
     }
-    const int count = std::min(2, end - 2 * pair);
-    Vec totals[2] = {};
+    Vec totals[kStep] = {};
     const auto vector = [&](int x, int lanes) __attribute__((always_inline)) {
-      Vec by[2][kPlanes];
+      Vec by[kStep][kPlanes];
       for (int d = 0; d < kPlanes; ++d) {
-        Vec r[kRadius + 1];
-        for (int t = 0; t <= kRadius; ++t) r[t] = load(rows[d][t] + x);
-        by[0][d] = kGaussian[0] * r[2] + (kGaussian[2] * (r[1] + r[3]) + kGaussian[4] * (r[0] + r[4]));
-        by[1][d] = kGaussian[1] * (r[2] + r[3]) + (kGaussian[3] * (r[1] + r[4]) + kGaussian[5] * (r[0] + r[5]));
+        const Vec before = load(rows[d][0] + x), here = load(rows[d][1] + x);
+        const Vec after = load(rows[d][2] + x), after2 = load(rows[d][3] + x);
+        by[0][d] = kGaussian[0] * here + kGaussian[3] * (before + after);
+        by[1][d] = (kGaussian[1] * here + kGaussian[2] * after) + (kGaussian[4] * before + kGaussian[5] * after2);
+        by[2][d] = (kGaussian[2] * here + kGaussian[1] * after) + (kGaussian[5] * before + kGaussian[4] * after2);
       }
       for (int i = 0; i < count; ++i) {
-        const size_t pixel = static_cast<size_t>(2 * pair + i) * p_.width + x;
+        const size_t pixel = static_cast<size_t>(y + i) * p_.width + x;
         const Vec a = load_lanes(p_.image + pixel, lanes), b = load_lanes(p_.target + pixel, lanes);
         const Vec difference = a - b, zero{};
         const Vec sign = keep(greater(difference, zero), broadcast(p_.l1_scale)) -
@@ -214,7 +215,7 @@ class Band {
     const int whole = p_.width / kLanes * kLanes;
     for (int x = 0; x < whole; x += kLanes) vector(x, kLanes);
     if (whole < p_.width) vector(whole, p_.width - whole);
-    for (int i = 0; i < count; ++i) sums[2 * pair + i].l1 = sum(totals[i]);
+    for (int i = 0; i < count; ++i) sums[y + i].l1 = sum(totals[i]);
   }
 
   const LossParameters p_;
@@ -229,13 +230,14 @@ extern "C" int32_t hgs_l1_dssim(const float *image, const float *target, int32_t
                                 float dssim_weight, int32_t threads, double *loss, float *gradient) {
   using namespace hgs;
   return guarded([&] {
+    constexpr int kBand = kStep * kGroup;
     const int share = (height + threads - 1) / threads;
     // A whole number of groups, so that every row has the same place in a group however many threads there are.
-    const int band_rows = std::max(kLeastBandRows, (share + 2 * kGroup - 1) / (2 * kGroup) * (2 * kGroup));
+    const int band_rows = std::max(kLeastBandRows, (share + kBand - 1) / kBand * kBand);
     const int bands = (height + band_rows - 1) / band_rows;
     const size_t plane = static_cast<size_t>(width) * height;
     const double values = 3.0 * static_cast<double>(plane);
-    const double windows = 3.0 * ((width + 1) / 2) * ((height + 1) / 2);
+    const double windows = 3.0 * ((width + 1) / 2) * ((height + kStep - 1) / kStep);
     std::vector<RowSums> sums(3 * static_cast<size_t>(height));
     parallel_for(threads, 3 * bands, 1, [&](int64_t unit) {
       const int64_t channel_number = unit / bands;

@@ -43,12 +43,13 @@ void clear(const hgs_dynamic_gradients &g, const DynamicMoment<kCoefficients> &m
 void sum_slots(const ScreenSet &set, const uint32_t *splats, int lanes, Vec *sums) {
   alignas(64) float columns[kGradientTerms][kLanes] = {};
   for (int k = 0; k < lanes; ++k) {
-    float total[kGradientTerms] = {};
+    constexpr int kVectors = (kGradientTerms + kLanes - 1) / kLanes;
+    Vec total[kVectors] = {};
     const GradientSlot *slot = set.slots.data() + set.first_slot[splats[k]];
     for (uint32_t n = set.slot_count[splats[k]]; n > 0; --n, ++slot) {
-      for (int c = 0; c < kGradientTerms; ++c) total[c] += slot->terms[c];
+      for (int i = 0; i < kVectors; ++i) total[i] += load(slot->terms + i * kLanes);
     }
-    for (int c = 0; c < kGradientTerms; ++c) columns[c][k] = total[c];
+    for (int c = 0; c < kGradientTerms; ++c) columns[c][k] = total[c / kLanes][c % kLanes];
   }
   for (int c = 0; c < kGradientTerms; ++c) sums[c] = load(columns[c]);
 }

@@ -74,8 +74,8 @@ struct TileEntry {
 // coordinates every splat is round; moments of the offsets in pixels would be nearly dependent for a needle.
 enum GradientTerm { kHt, kHe, kHtt, kHte, kHee, kRed, kGreen, kBlue, kH, kDepth, kGradientTerms };
 
-struct alignas(16) GradientSlot {
-  float terms[kGradientTerms];
+struct alignas(64) GradientSlot {
+  float terms[16];  // kGradientTerms of them, in a cache line of their own
 };
 
 // One set of splats on the screen. Static and dynamic splats are projected, sorted and listed apart, so that statics can

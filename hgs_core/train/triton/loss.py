@@ -17,7 +17,7 @@ _BLOCK = 256
 def l1_dssim(image: Tensor, target: Tensor, dssim_weight: float) -> tuple[Tensor, Tensor]:
     """Compare two pictures by `(1 - w) mean |x - y| + w (1 - SSIM(x, y))` (docs/numerics.md, "Loss").
 
-    SSIM is the mean over the windows around pixels of even column and even row.
+    SSIM is the mean over the windows around every second pixel of every third row.
 
     Args:
         image: [3, H, W] float32 planes, data range 1, contiguous.
@@ -28,7 +28,7 @@ def l1_dssim(image: Tensor, target: Tensor, dssim_weight: float) -> tuple[Tensor
         The loss, a scalar, and its gradient with respect to `image`, [3, H, W]; the same bits every time.
     """
     _, height, width = image.shape
-    values, windows = image.numel(), 3 * ((width + 1) // 2) * ((height + 1) // 2)
+    values, windows = image.numel(), 3 * ((width + 1) // 2) * ((height + 2) // 3)
     grid = (triton.cdiv(values, _BLOCK),)
     blurs = torch.empty((4, *image.shape), device=image.device)
     derivatives = torch.empty((3, *image.shape), device=image.device)

@@ -32,7 +32,7 @@ def reference(image: Picture, target: Picture, weight: float) -> tuple[float, np
     mx, my = blur(x), blur(y)
     vx, vy, cxy = blur(x * x) - mx**2, blur(y * y) - my**2, blur(x * y) - mx * my
     ssim = (2 * mx * my + 1e-4) * (2 * cxy + 9e-4) / ((mx**2 + my**2 + 1e-4) * (vx + vy + 9e-4))
-    loss = (1 - weight) * (x - y).abs().mean() + weight * (1 - ssim[:, ::2, ::2].mean())
+    loss = (1 - weight) * (x - y).abs().mean() + weight * (1 - ssim[:, ::3, ::2].mean())
     loss.backward()
     assert x.grad is not None
     return loss.item(), x.grad.numpy()

@@ -84,10 +84,10 @@ def differentiate_ssim(blurs, derivatives, sums, width, height, scale, BLOCK: tl
     """SSIM, summed per program, and `scale` times its derivatives [3, 3, H, W].
 
     The derivatives are those by the blurred image, squares (twice that) and product. Windows around pixels of odd
-    column or odd row do not count: theirs are zero.
+    column, or of a row that is no multiple of three, do not count: theirs are zero.
     """
     i, column, row, mask = pixel(width, height, BLOCK)
-    counts = mask & (column % 2 == 0) & (row % 2 == 0)
+    counts = mask & (column % 2 == 0) & (row % 3 == 0)
     count = 3 * width * height
     mean_1 = blurred(blurs, i, row, height, width, counts)
     mean_2 = blurred(blurs + count, i, row, height, width, counts)
