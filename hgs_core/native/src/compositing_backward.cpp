@@ -6,6 +6,7 @@
 // and before the first splat S is known from the picture: g.light - G T_end.
 #include <algorithm>
 
+#include "lanes.hpp"
 #include "thread_pool.hpp"
 #include "tile.hpp"
 

@@ -1,6 +1,7 @@
 // How much of the picture every splat makes up: the sum of its weights over the pixels, and the largest of them.
 #include <algorithm>
 
+#include "lanes.hpp"
 #include "thread_pool.hpp"
 #include "tile.hpp"
 

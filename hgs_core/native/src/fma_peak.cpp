@@ -2,7 +2,7 @@
 #include <chrono>
 
 #include "api.hpp"
-#include "simd.hpp"
+#include "lanes.hpp"
 #include "thread_pool.hpp"
 
 namespace hgs {

@@ -13,7 +13,7 @@
 #include "api.hpp"
 #include "buffer.hpp"
 #include "gaussian_window.hpp"
-#include "simd.hpp"
+#include "lanes.hpp"
 #include "thread_pool.hpp"
 
 namespace hgs {
@@ -39,7 +39,11 @@ struct RowSums {
 class Band {
  public:
   Band(const LossParameters &p, float *memory)
-      : p_(p), padded_(padded(p.width)), stride_(stride(p.width)), ring_(memory), scratch_(memory + kRing * kPlanes * stride_) {
+      : p_(p),
+        padded_(padded(p.width)),
+        stride_(stride(p.width)),
+        ring_(memory),
+        scratch_(memory + kRing * kPlanes * stride_) {
     std::fill_n(memory, memory_size(p.width), 0.0f);
   }
 
@@ -105,7 +109,8 @@ class Band {
           const int tap = t - kStep * i - kRadius;
           if (tap < -kRadius || tap > kRadius) continue;
           for (int q = 0; q < kQuantities; ++q) {
-            sums[i][q] = tap == -kRadius ? kGaussian[kRadius] * values[q] : sums[i][q] + kGaussian[tap < 0 ? -tap : tap] * values[q];
+            const Vec part = kGaussian[tap < 0 ? -tap : tap] * values[q];
+            sums[i][q] = tap == -kRadius ? part : sums[i][q] + part;
           }
         }
       }
@@ -243,13 +248,8 @@ extern "C" int32_t hgs_l1_dssim(const float *image, const float *target, int32_t
       const int64_t channel_number = unit / bands;
       const size_t channel = plane * channel_number;
       const int begin = static_cast<int>(unit % bands) * band_rows;
-      const LossParameters p{image + channel,
-                             target + channel,
-                             gradient + channel,
-                             width,
-                             height,
-                             static_cast<float>((1.0 - dssim_weight) / values),
-                             static_cast<float>(-dssim_weight / windows)};
+      const LossParameters p{image + channel, target + channel, gradient + channel, width, height,
+                             static_cast<float>((1.0 - dssim_weight) / values), static_cast<float>(-dssim_weight / windows)};
       static thread_local Buffer<float> memory;
       Band band(p, memory.reserve(Band::memory_size(width)));
       band.run(begin, std::min(height, begin + band_rows), sums.data() + channel_number * height);

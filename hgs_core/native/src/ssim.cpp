@@ -12,7 +12,7 @@
 #include "api.hpp"
 #include "buffer.hpp"
 #include "gaussian_window.hpp"
-#include "simd.hpp"
+#include "lanes.hpp"
 #include "thread_pool.hpp"
 
 namespace hgs {
