@@ -205,6 +205,16 @@ def test_the_measurements_count_what_was_drawn() -> None:
     assert found.composite_backward == 0
 
 
+def test_a_mask_costs_as_much_as_what_it_names() -> None:
+    """Though the lists are those of tiles of 32 x 32 pixels, of which a mask may name a quarter."""
+    static, dynamic = scene()
+    view = camera(32, 32)
+    parts = [np.arange(4).reshape(2, 2) == i for i in range(4)]
+    found = [Raster(static, dynamic, view, 0.3, tile_mask=mask).measurements() for mask in (None, *parts)]
+    assert min(part.evaluations for part in found[1:]) > 0
+    assert sum(part.evaluations for part in found[1:]) == found[0].evaluations
+
+
 def test_refuses_arrays_it_would_misread() -> None:
     static, dynamic = scene(5, 5)
     with pytest.raises(ValueError, match="quats must be a contiguous float32 array of shape"):
