@@ -15,8 +15,8 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import is_storable
-from hgs_core.capture.layout import Layout
-from hgs_core.capture.open import LAYOUTS
+from hgs_core.capture.cameras.rig import CameraFormat
+from hgs_core.capture.layout import calibration, outline
 from server.capture_folders import CaptureFolders
 from server.encodable import encodable
 
@@ -39,6 +39,15 @@ class _Folder:
     folders: list[str]
 
 
+@dataclass(frozen=True)
+class _Capture:
+    """A folder with a file of cameras."""
+
+    files: dict[str, tuple[int, int]]
+    cameras: tuple[CameraFormat, Path]
+    changed: tuple[int, int]  # size and time of change of the file of cameras, which may lie deeper
+
+
 @dataclass
 class CaptureList:
     """Finds the captures; safe to use from several threads, which look one after the other."""
@@ -52,14 +61,14 @@ class CaptureList:
         with self._one_look:
             known, complete = dict[Path, tuple[int, dict[str, Any]]](), True
             captures: list[dict[str, Any]] = []
-            for name, path, layout, found in self._candidates():
+            for name, path, found in self._candidates():
                 if found is None or len(captures) == _MOST_CAPTURES:
                     complete = False
                     break
-                mark = hash(tuple(sorted(found.files.items())))
+                mark = hash((found.cameras[1], found.changed, tuple(sorted(found.files.items()))))
                 before, described = self._known.get(path, (0, {}))
                 if not described or before != mark:
-                    described = _described(path, layout, found)
+                    described = _described(path, found)
                 known[path] = mark, described
                 captures.append({"capture": str(path), "name": name} | described)
             self._known = known
@@ -67,8 +76,8 @@ class CaptureList:
         answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": complete})
         return answer
 
-    def _candidates(self) -> Iterator[tuple[str, Path, Layout, _Folder | None]]:
-        """Yield the captures in order, with the layouts of which they seem to be; None last where a bound is met."""
+    def _candidates(self) -> Iterator[tuple[str, Path, _Capture | None]]:
+        """Yield the captures in order; None last where a bound is met."""
         seen: set[Path] = set()
         for root in self.folders.folders:
             waiting = [(root, 0)]
@@ -78,14 +87,14 @@ class CaptureList:
                     continue
                 seen.add(path)
                 if len(seen) > _MOST_FOLDERS:
-                    yield "", path, LAYOUTS[0], None
+                    yield "", path, None
                     return
                 found = _look(path)
                 if found is None:
                     continue
-                layout = next((layout for layout in LAYOUTS if layout.recognises(found.files)), None)
-                if layout is not None:
-                    yield path.relative_to(root).as_posix() if path != root else root.name, path, layout, found
+                capture = _capture(path, found)
+                if capture is not None:
+                    yield path.relative_to(root).as_posix() if path != root else root.name, path, capture
                 elif depth < _DEEPEST:
                     inside = (self._inside(path / name) for name in sorted(found.folders, reverse=True))
                     waiting += [(below, depth + 1) for below in inside if below is not None]
@@ -121,18 +130,31 @@ def _look(path: Path) -> _Folder | None:
     return _Folder(files, folders)
 
 
-def _described(path: Path, layout: Layout, found: _Folder) -> dict[str, Any]:
-    description: dict[str, Any] = {"layout": layout.name, "cameras": [], "frames": None, "seconds": None}
+def _capture(path: Path, found: _Folder) -> _Capture | None:
+    """Return what is known of a folder that seems to be a capture; None if it does not."""
+    try:
+        cameras = next(calibration(path), None)
+        if cameras is None:
+            return None
+        status = cameras[1].stat()
+    except (InputError, OSError):
+        return None
+    return _Capture(found.files, cameras, (status.st_size, status.st_mtime_ns))
+
+
+def _described(path: Path, found: _Capture) -> dict[str, Any]:
+    camera_format, file = found.cameras
+    description: dict[str, Any] = {"layout": camera_format.name, "cameras": [], "frames": None, "seconds": None}
     try:
         tables = [name for name, (size, _) in found.files.items() if name.endswith(".json") and size > _LARGEST_TABLE]
         if tables:
             raise InputError(path / tables[0], f"is larger than {_LARGEST_TABLE >> 20} MiB", "it is too large to list")
-        outline = layout.outline(path)
+        told = outline(path, camera_format, file)
     except InputError as error:
         return description | {"problem": " ".join(str(error).split())}
     except Exception:  # whatever a damaged file brings about: the others are there
         log.exception("capture %s cannot be described", path)
         return description | {"problem": "the capture cannot be read; the server's log says more"}
     return description | {
-        "cameras": list(outline.cameras), "frames": outline.frames, "seconds": outline.seconds, "problem": None,
+        "cameras": list(told.cameras), "frames": told.frames, "seconds": told.seconds, "problem": None,
     }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -85,19 +86,24 @@ def write_capture(
     width: int = 64,
     height: int = 48,
     event: range = range(0),
+    late: Mapping[str, float] | None = None,
 ) -> list[Camera]:
     """Render the synthetic scene to `path`: ims/<camera>/<frame>.jpg and train_meta.json.
 
-    In the frames of `event` the ball of `event_splats` is there too.
+    In the frames of `event` the ball of `event_splats` is there too. The cameras of `late` take their frames so many
+    frames later than the others, and sync.json says so.
     """
+    if late:
+        path.mkdir(parents=True, exist_ok=True)
+        (path / "sync.json").write_text(json.dumps({"frames": late}))
     views = ring_of_cameras(cameras, width, height)
     static, dynamic = synthetic_scene()
     with_ball = joined(static, event_splats())
     meta: dict[str, object] = {"w": width, "h": height, "fn": [], "k": [], "w2c": [], "cam_id": []}
     rows: dict[str, list[object]] = {"fn": [], "k": [], "w2c": [], "cam_id": []}
     for frame in range(frames):
-        time = frame / max(1, frames - 1)
         for view in views:
+            time = (frame + (late or {}).get(view.name, 0.0)) / max(1, frames - 1)
             shown = with_ball if frame in event else static
             picture = rasterize_reference(shown, dynamic, View(view, time, gradients="none")).rgb.clamp(0, 1)
             pixels = (picture.permute(1, 2, 0).numpy() * 255).round().astype(np.uint8)

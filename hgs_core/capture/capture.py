@@ -29,7 +29,7 @@ class FrameSource(Protocol):
 
 
 class Capture:
-    """A multi-view video: synchronised cameras that never move; or photographs of a still scene, all of one moment.
+    """A multi-view video: cameras that never move, on one clock; or photographs of a still scene, all of one moment.
 
     Pictures are decoded on demand into a cache of bounded size. All methods are safe to call from several threads.
     """
@@ -43,6 +43,7 @@ class Capture:
         fingerprint: str,
         *,
         cache_bytes: int,
+        moments: npt.NDArray[np.float64] | None = None,  # [C, F] seconds when frames were really taken; None: `times`
         notes: Sequence[str] = (),
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
@@ -63,6 +64,7 @@ class Capture:
         self.cameras = tuple(cameras)
         self.times = np.array(times, np.float64)
         self.times.flags.writeable = False
+        self._moments = np.broadcast_to(self.times, (len(names), len(self.times))) if moments is None else moments
         self.notes = tuple(notes)  # what people should know: files left out, masks found
         self._source = source
         self._fingerprint = fingerprint
@@ -106,6 +108,15 @@ class Capture:
                 self._cache.put(camera, frame, picture)
         return picture
 
+    def moment(self, camera: int, frame: int) -> float:
+        """Return the second at which a camera took a frame: at most half a period from `times[frame]`.
+
+        Raises:
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        return float(self._moments[camera, frame])
+
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given mask [H, W], True = moves, or None if the capture gives none for this camera.
 
@@ -140,9 +151,11 @@ class Capture:
             raise IndexError(f"frame {frame} is not in 0..{len(self.times) - 1}")
 
 
-def files_fingerprint(root: Path, files: Iterable[tuple[Path, int]], poses: Path) -> str:
-    """Return the SHA-256 of the names and sizes of `files` and of the content of the file `poses`."""
-    digest = hashlib.sha256(poses.read_bytes())
+def files_fingerprint(root: Path, files: Iterable[tuple[Path, int]], described_by: Iterable[Path]) -> str:
+    """Return the SHA-256 of the names and sizes of `files` and of the content of the files `described_by`."""
+    digest = hashlib.sha256()
+    for path in described_by:
+        digest.update(path.read_bytes())
     for name, size in sorted((_relative(path, root), size) for path, size in files):
         digest.update(f"\n{name} {size}".encode())
     return digest.hexdigest()

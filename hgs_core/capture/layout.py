@@ -1,14 +1,41 @@
-"""What there is to know of one layout of captures on disk. Each loader's module describes its own."""
+"""From a folder to a recording: any reader of cameras with any reader of pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from hgs_core.capture.recording import Recording
+import numpy as np
 
-__all__ = ["Layout", "Outline"]
+from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.calibration_toml import CALIBRATION_TOML
+from hgs_core.capture.cameras.colmap import COLMAP
+from hgs_core.capture.cameras.easymocap import EASYMOCAP
+from hgs_core.capture.cameras.immersive import IMMERSIVE
+from hgs_core.capture.cameras.llff import LLFF
+from hgs_core.capture.cameras.opencv_files import OPENCV_FILES
+from hgs_core.capture.cameras.panoptic import PANOPTIC_SPORTS
+from hgs_core.capture.cameras.rig import CameraFormat, Rig
+from hgs_core.capture.cameras.transforms import NERFSTUDIO
+from hgs_core.capture.clock import Clock, common_clock
+from hgs_core.capture.footage import Footage
+from hgs_core.capture.mask_files import find_masks
+from hgs_core.capture.matching import Matched, match_footage
+from hgs_core.capture.picture_sequence import PictureSequence
+from hgs_core.capture.recording import Recording
+from hgs_core.capture.sync import OwnTime, Sync, read_sync, times_of_cameras
+from hgs_core.capture.video import VideoReader, announced_length
+
+__all__ = ["CAMERA_FORMATS", "Outline", "calibration", "load", "outline"]
+
+CAMERA_FORMATS: tuple[CameraFormat, ...] = (
+    PANOPTIC_SPORTS, LLFF, NERFSTUDIO, IMMERSIVE, EASYMOCAP, CALIBRATION_TOML, COLMAP, OPENCV_FILES,
+)  # fmt: skip
+"""In the order in which a folder is tried; a new format is a module and an entry."""
+
+_ASSUMED_RATE = 30.0  # frames per second of pictures in folders, where nothing says it
+_MASK_FOLDERS = ("masks", "mask", "seg")
 
 
 @dataclass(frozen=True)
@@ -20,12 +47,98 @@ class Outline:
     seconds: float | None = None  # that the frames last, as far as that is known
 
 
-@dataclass(frozen=True)
-class Layout:
-    """A way in which captures lie on disk."""
+def calibration(capture: Path) -> Iterator[tuple[CameraFormat, Path]]:
+    """Yield the formats of the cameras in a folder and their files, the one to be used first."""
+    for camera_format in CAMERA_FORMATS:
+        if (file := camera_format.find(capture)) is not None:
+            yield camera_format, file
 
-    name: str  # for people
-    files: str  # what a folder of this layout holds, for people
-    recognises: Callable[[Iterable[str]], bool]  # whether a folder with files of these names is one
-    load: Callable[[Path, Path | None], Recording]  # of a folder, and of masks in place of its own
-    outline: Callable[[Path], Outline]  # of a folder; it reads little, and raises InputError where that is damaged
+
+def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | None) -> Recording:
+    """Read a capture with cameras of one format; `masks` replaces its own folder of masks.
+
+    Raises:
+        InputError: a file is missing, unreadable, damaged or inconsistent. Damage inside a video or in later pictures
+            shows at first use.
+    """
+    rig = camera_format.read(capture, file)
+    matched = match_footage(capture, rig)
+    readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
+    cameras = [
+        calibrated.camera(name, reader.width, reader.height)
+        for calibrated, name, reader in zip(rig.cameras, matched.names, readers, strict=True)
+    ]
+    sync = read_sync(capture)
+    clock, timing, said = _clock(capture, rig, matched, readers, sync)
+    pictures = [None if one.video else [path.stem for path in one.files] for one in matched.footage]
+    given = find_masks(
+        [masks] if masks else [capture / name for name in _MASK_FOLDERS],
+        cameras,
+        [one.name for one in matched.footage],
+        pictures,
+        clock.frames.tolist(),
+        required=masks is not None,
+    )
+    return Recording(
+        capture,
+        cameras,
+        [calibrated.lens for calibrated in rig.cameras],
+        readers,
+        clock,
+        given,
+        [pair for reader in readers for pair in reader.files],
+        [*rig.files, *timing],
+        (*rig.notes, *matched.notes, *said),
+    )
+
+
+def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
+    """Return the cameras and the length of a capture, as far as its lists and its first video's header say.
+
+    Raises:
+        InputError: as `load`, as far as that is read.
+    """
+    rig = camera_format.read(capture, file)
+    matched = match_footage(capture, rig)
+    first = matched.footage[0]
+    if matched.kind == "photographs":
+        return Outline(matched.names, 1, 0.0)
+    if first.video:
+        frames, rate = announced_length(first.files[0])
+        return Outline(matched.names, frames, frames / rate if frames is not None and rate is not None else None)
+    rate = read_sync(capture).rate or rig.rate or _ASSUMED_RATE
+    return Outline(matched.names, len(first.files), len(first.files) / rate)
+
+
+def _reader(name: str, footage: Footage) -> VideoReader | PictureSequence:
+    return VideoReader(footage.files[0]) if footage.video else PictureSequence(name, footage.files)
+
+
+def _clock(
+    capture: Path, rig: Rig, matched: Matched, readers: Sequence[VideoReader | PictureSequence], sync: Sync
+) -> tuple[Clock, list[Path], list[str]]:
+    """Return the clock, the files that it is from, and what to say of it."""
+    if matched.kind == "photographs":
+        count = len(readers)
+        one = Clock(np.zeros(1), np.zeros((count, 1), np.int64), np.zeros((count, 1)))
+        return one, [], []
+    rate = sync.rate or rig.rate or _ASSUMED_RATE
+    own, assumed = [], False
+    for calibrated, name, footage, reader in zip(rig.cameras, matched.names, matched.footage, readers, strict=True):
+        if isinstance(reader, VideoReader):
+            times = OwnTime(name, footage.name, reader.seconds, reader.frame_rate, reader.resolution, reader.timecode)
+        elif calibrated.stamps and rig.stamps_in_seconds and len(calibrated.stamps) == len(reader):
+            stamps = np.array(calibrated.stamps)
+            times = OwnTime(name, footage.name, stamps, 1 / float(np.median(np.diff(stamps))))
+        else:
+            numbers = calibrated.stamps if len(calibrated.stamps) == len(reader) else range(len(reader))
+            times = OwnTime(name, footage.name, np.array(numbers, np.float64) / rate, rate)
+            assumed |= sync.rate is None and rig.rate is None
+        own.append(times)
+    cameras, tables, notes = times_of_cameras(capture, matched.folder, own, sync)
+    if assumed and not tables:
+        notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
+    clock = common_clock(capture, cameras)
+    if len(clock.times) == 1 and max(len(reader) for reader in readers) > 1:
+        raise InputError(capture, "only one moment is seen by all cameras", "check their time stamps, or sync.json")
+    return clock, [*tables, *([sync.file] if sync.file else [])], [*notes, *clock.notes]

@@ -1,4 +1,4 @@
-"""Given masks of what moves: one picture per camera and frame, `<camera>/<FFFF>.png`, where any value above 0 moves.
+"""Given masks of what moves: one PNG per camera and frame, `<camera>/<FFFF>.png`, where any value above 0 moves.
 
 This is what segmentation tools such as SAM 2 or Track Anything write: 0 and 255, or the number of an object, as grey
 values or palette entries (docs/captures.md).
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.picture import check_size, numbered_pictures, read_mask
+from hgs_core.capture.picture import check_size, list_folder, numbered_pictures, read_mask
 from hgs_core.scene.camera import Camera
 
 __all__ = ["MaskFiles", "find_masks"]
@@ -24,7 +24,7 @@ __all__ = ["MaskFiles", "find_masks"]
 class MaskFiles:
     """The mask files of some cameras, one per frame."""
 
-    files: Mapping[str, Sequence[Path]]  # by the camera's name
+    files: Mapping[str, Mapping[int, Path]]  # by the camera's name, and by the number of its frame
     folder: Path | None = None  # where they are, for people
 
     def read(self, camera: Camera, frame: int) -> npt.NDArray[np.bool_] | None:
@@ -38,7 +38,7 @@ class MaskFiles:
 
     def sizes(self) -> list[tuple[Path, int]]:
         """Return the files and their sizes in bytes."""
-        return [(path, path.stat().st_size) for files in self.files.values() for path in files]
+        return [(path, path.stat().st_size) for files in self.files.values() for path in files.values()]
 
     def notes(self, cameras: Sequence[Camera]) -> list[str]:
         """Say for which cameras masks are given, unless for none."""
@@ -49,26 +49,50 @@ class MaskFiles:
         return [f"{given}; those of {', '.join(rest)} are computed" if rest else given]
 
 
-def find_masks(folder: Path, cameras: Sequence[Camera], frames: int, *, required: bool = False) -> MaskFiles:
-    """Return the masks in a folder with one folder per camera; those of a camera without a folder are not given.
+def find_masks(
+    folders: Sequence[Path],
+    cameras: Sequence[Camera],
+    others: Sequence[str],  # the cameras' names in the footage
+    pictures: Sequence[Sequence[str] | None],  # the names of the cameras' pictures, without endings; None: of a video
+    frames: Sequence[Sequence[int]],  # of each camera, that need masks
+    *,
+    required: bool = False,
+) -> MaskFiles:
+    """Return the masks in the first of the folders that has some, one folder per camera; the others' are not given.
+
+    A mask is called like its picture, or else by the number of the frame, from 0.
 
     Raises:
-        InputError: a camera's folder lacks a frame, or its first mask is unreadable or not of the camera's size; or,
+        InputError: a camera's folder lacks a frame, or one of its masks is unreadable or not of the camera's size; or,
             if masks are `required`, there is no folder of any camera.
     """
-    found = {c.name: _files(folder / c.name, c, frames) for c in cameras if (folder / c.name).is_dir()}
-    if required and not found:
+    for folder in folders:
+        found = {}
+        for camera, other, names, needed in zip(cameras, others, pictures, frames, strict=True):
+            own = next((folder / name for name in (camera.name, other) if (folder / name).is_dir()), None)
+            if own is not None:
+                found[camera.name] = _files(own, camera, names, needed)
+        if found:
+            return MaskFiles(found, folder)
+    if required:
+        folder = folders[0]
         problem = "holds no masks of this capture" if folder.is_dir() else "the folder does not exist"
-        names = ", ".join(camera.name for camera in cameras)
-        raise InputError(folder, problem, f"it has one folder of PNG files for each camera of {names}")
-    return MaskFiles(found, folder)
+        listed = ", ".join(camera.name for camera in cameras)
+        raise InputError(folder, problem, f"it has one folder of PNG files for each camera of {listed}")
+    return MaskFiles({})
 
 
-def _files(folder: Path, camera: Camera, frames: int) -> list[Path]:
-    numbers = numbered_pictures(folder)
-    for frame in range(frames):
-        if frame not in numbers:
-            cure = "number the masks from 0, one for each frame, or remove the folder to have them computed"
-            raise InputError(folder, f"the mask of frame {frame} is missing", cure)
-    check_size(numbers[0], camera)
-    return [numbers[frame] for frame in range(frames)]
+def _files(folder: Path, camera: Camera, names: Sequence[str] | None, needed: Sequence[int]) -> dict[int, Path]:
+    there = {Path(name).stem: folder / name for name in list_folder(folder) if name.lower().endswith(".png")}
+    if names is not None and all(names[frame] in there for frame in needed):
+        found = {frame: there[names[frame]] for frame in needed}
+    else:
+        numbers = numbered_pictures(folder)
+        for frame in needed:
+            if frame not in numbers:
+                cure = "call masks like the pictures or number them from 0, or remove the folder to have them computed"
+                raise InputError(folder, f"the mask of frame {frame} is missing", cure)
+        found = {frame: numbers[frame] for frame in needed}
+    for path in found.values():
+        check_size(path, camera)
+    return found

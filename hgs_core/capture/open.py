@@ -6,15 +6,10 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.n3dv import N3DV
-from hgs_core.capture.panoptic import PANOPTIC_SPORTS
-from hgs_core.capture.picture import list_folder
-from hgs_core.capture.transforms import NERFSTUDIO
+from hgs_core.capture.footage import find_places
+from hgs_core.capture.layout import CAMERA_FORMATS, calibration, load
 
-__all__ = ["LAYOUTS", "open_capture"]
-
-LAYOUTS = (PANOPTIC_SPORTS, N3DV, NERFSTUDIO)
-"""In the order in which a folder is tried; a new layout is a module and an entry."""
+__all__ = ["open_capture"]
 
 
 def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, cache_bytes: int = 1 << 30) -> Capture:
@@ -44,10 +39,23 @@ def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, c
         raise InputError(path, problem, "give the folder of a capture")
     if downscale < 1:
         raise InputError("downscale", f"{downscale} is too small", "give 1 or more")
-    names = list_folder(path)
-    for layout in LAYOUTS:
-        if layout.recognises(names):
-            return layout.load(path, masks).capture(downscale=downscale, cache_bytes=cache_bytes)
-    problem = "the folder is of no known layout" if any(path.iterdir()) else "the folder is empty"
-    known = ", ".join(f"{layout.name} ({layout.files})" for layout in LAYOUTS)
-    raise InputError(path, problem, f"the layouts known are {known}")
+    found = list(calibration(path))
+    if not found:
+        raise _unknown(path)
+    recording = load(path, *found[0], masks)
+    aside = ", ".join(str(file.relative_to(path)) for _, file in found[1:])
+    notes = (f"the cameras are those of {found[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
+    return recording.capture(downscale=downscale, cache_bytes=cache_bytes, notes=notes)
+
+
+def _unknown(path: Path) -> InputError:
+    known = ", ".join(f"{camera_format.name} ({camera_format.files})" for camera_format in CAMERA_FORMATS)
+    if not any(path.iterdir()):
+        return InputError(path, "the folder is empty", f"the cameras' formats known are {known}")
+    places = find_places(path)
+    if not places:
+        return InputError(path, "the folder is of no known layout", f"the cameras' formats known are {known}")
+    footage = min(places, key=lambda place: place.kind == "photographs")
+    kind = {"videos": "videos", "folders": "folders of pictures"}.get(footage.kind, "pictures")
+    problem = f"there are {len(footage.footage)} {kind} but no file of the cameras' poses"
+    return InputError(path, problem, f"put a calibration beside them, by COLMAP, say; known are {known}")

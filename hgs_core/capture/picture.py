@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,10 +17,12 @@ from hgs_core.scene.camera import Camera
 __all__ = [
     "check_size",
     "list_folder",
+    "list_folders",
     "numbered_pictures",
     "picture_size",
     "read_mask",
     "read_picture",
+    "read_sized_picture",
     "reduced_mask",
     "reduced_picture",
 ]
@@ -33,7 +36,16 @@ def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    return _pixels(path, camera, "RGB")
+    return _pixels(path, (camera.width, camera.height), "RGB", f"camera {camera.name} needs")
+
+
+def read_sized_picture(path: Path, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
+    """Return the picture [H, W, 3] of `size` (width, height).
+
+    Raises:
+        InputError: the file is missing, unreadable, or of another size.
+    """
+    return _pixels(path, size, "RGB", "it was")
 
 
 def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
@@ -42,7 +54,7 @@ def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    values = _pixels(path, camera, None)
+    values = _pixels(path, (camera.width, camera.height), None, f"camera {camera.name} needs")
     if values.ndim == 3:  # colours; a second or fourth channel is transparency
         values = values[:, :, : values.shape[2] - (values.shape[2] % 2 == 0)].max(axis=2)
     return np.asarray(values > 0, bool)
@@ -54,7 +66,7 @@ def check_size(path: Path, camera: Camera) -> None:
     Raises:
         InputError: as `read_picture`, as far as the header tells.
     """
-    _check_size(path, picture_size(path), camera)
+    _check_size(path, picture_size(path), (camera.width, camera.height), f"camera {camera.name} needs")
 
 
 def picture_size(path: Path) -> tuple[int, int]:
@@ -86,11 +98,21 @@ def reduced_mask(mask: npt.NDArray[np.bool_], size: Camera) -> npt.NDArray[np.bo
 
 
 def list_folder(folder: Path) -> dict[str, int]:
-    """Return the names and sizes in bytes of the files in a folder; of none if the folder does not exist."""
-    if not folder.is_dir():
-        return {}
-    with os.scandir(folder) as entries:
-        return {entry.name: entry.stat().st_size for entry in entries if entry.is_file()}
+    """Return the names and sizes in bytes of the files in a folder; of none if the folder does not exist.
+
+    Raises:
+        InputError: the folder may not be read, or a link in it leads to itself.
+    """
+    return {entry.name: entry.stat().st_size for entry in _entries(folder) if _safely(entry, entry.is_file)}
+
+
+def list_folders(folder: Path) -> list[str]:
+    """Return the names of the folders in a folder, sorted, hidden ones left out; of none if it does not exist.
+
+    Raises:
+        InputError: the folder may not be read, or a link in it leads to itself.
+    """
+    return sorted(e.name for e in _entries(folder) if not e.name.startswith(".") and _safely(e, e.is_dir))
 
 
 def numbered_pictures(folder: Path) -> dict[int, Path]:
@@ -98,23 +120,44 @@ def numbered_pictures(folder: Path) -> dict[int, Path]:
     return {int(Path(name).stem): folder / name for name in list_folder(folder) if _NUMBERED.fullmatch(name)}
 
 
-def _pixels(path: Path, camera: Camera, mode: str | None) -> npt.NDArray[np.uint8]:
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return list(entries)
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        raise InputError(folder, f"cannot be read ({error.strerror})", "make the folder readable") from error
+
+
+def _safely(entry: os.DirEntry[str], kind: Callable[[], bool]) -> bool:
+    try:
+        return kind()
+    except OSError as error:
+        raise InputError(entry.path, f"cannot be read ({error.strerror})", "make it readable, or remove it") from error
+
+
+def _pixels(path: Path, size: tuple[int, int], mode: str | None, wanted: str) -> npt.NDArray[np.uint8]:
     """Return the pixels in Pillow's `mode`, or as they are stored."""
     try:
         with Image.open(path) as image:
-            _check_size(path, image.size, camera)
+            _check_size(path, image.size, size, wanted)
+            if mode == "RGB" and image.mode.startswith("I"):  # 16 bits of grey, which Pillow would cut off at 255
+                levels = (np.asarray(image).clip(0, 65535) / 257 + 0.5).astype(np.uint8)
+                return np.repeat(levels[..., None], 3, axis=2)
             return np.array(image.convert(mode) if mode else image)
     except (OSError, UnidentifiedImageError, SyntaxError) as error:
         raise _unreadable(path, error) from error
 
 
-def _check_size(path: Path, size: tuple[int, int], camera: Camera) -> None:
-    if size != (camera.width, camera.height):
-        expected = f"{camera.width}x{camera.height}"
-        raise InputError(path, f"the picture is {size[0]}x{size[1]}", f"camera {camera.name} needs {expected}")
+def _check_size(path: Path, size: tuple[int, int], right: tuple[int, int], wanted: str) -> None:
+    if size != right:
+        raise InputError(path, f"the picture is {size[0]}x{size[1]}", f"{wanted} {right[0]}x{right[1]}")
 
 
 def _unreadable(path: Path, error: Exception) -> InputError:
     if isinstance(error, FileNotFoundError):
         return InputError(path, "the picture is missing", "restore the file")
+    if isinstance(error, PermissionError):
+        return InputError(path, "the picture may not be read", "make it readable")
     return InputError(path, f"the picture is unreadable ({error})", "restore the file from its source")

@@ -1,4 +1,4 @@
-"""What the loader of a layout finds, and how it becomes a `Capture`: masks chosen, pictures made smaller."""
+"""What lies on disk becomes a `Capture`: pictures straightened and made smaller, frames by the common clock, masks."""
 
 from __future__ import annotations
 
@@ -13,20 +13,23 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.capture import Capture, files_fingerprint
+from hgs_core.capture.clock import Clock
+from hgs_core.capture.lens import Lens
 from hgs_core.capture.mask_files import MaskFiles
 from hgs_core.capture.picture import reduced_mask, reduced_picture
+from hgs_core.capture.straighten import WIDEST, StraightView
 from hgs_core.scene.camera import Camera
 
-__all__ = ["PictureSource", "Recording"]
+__all__ = ["FrameReader", "Recording"]
 
 _SMALLEST_SIDE = 16  # pixels; no side of a reduced picture may be shorter
 
 
-class PictureSource(Protocol):
-    """Where the pictures of a layout come from. Calls for the same camera never overlap; others may."""
+class FrameReader(Protocol):
+    """The pictures of one camera as they are on disk. Calls for one never overlap."""
 
-    def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
-        """Return the picture [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
+    def read(self, index: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
+        """Return frame `index` [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
 
 
 @dataclass(frozen=True)
@@ -34,53 +37,72 @@ class Recording:
     """A capture as its files have it."""
 
     path: Path
-    cameras: Sequence[Camera]  # undistorted, at the size of the pictures that `pictures` reads
-    times: npt.NDArray[np.float64]  # [F] seconds
-    pictures: PictureSource
+    cameras: Sequence[Camera]  # at the size of the pictures on disk, through `lenses`
+    lenses: Sequence[Lens]
+    readers: Sequence[FrameReader]  # of each camera
+    clock: Clock
     masks: MaskFiles
     files: Sequence[tuple[Path, int]]  # the pictures' and their sizes in bytes
-    poses: Path
+    described_by: Sequence[Path]  # files of poses and times, all of whose content counts
     notes: tuple[str, ...] = ()  # what was left out, for people
 
-    def capture(self, *, downscale: int, cache_bytes: int) -> Capture:
-        """Return the capture with pictures and masks reduced by a whole factor.
+    def capture(self, *, downscale: int, cache_bytes: int, notes: Sequence[str] = ()) -> Capture:
+        """Return the capture with pictures and masks reduced by a whole factor, and with more notes.
 
         Raises:
-            InputError: as `Capture`, or a picture would become smaller than 16 pixels.
+            InputError: as `Capture`; a lens folds its pictures; or a picture would become smaller than 16 pixels.
         """
-        cameras = [camera.scaled(1 / downscale) for camera in self.cameras]
-        for whole, camera in zip(self.cameras, cameras, strict=True):
+        views = [StraightView.of(camera, lens) for camera, lens in zip(self.cameras, self.lenses, strict=True)]
+        shown = [view.camera.scaled(1 / downscale) for view in views]
+        for view, camera in zip(views, shown, strict=True):
             if downscale != 1 and min(camera.width, camera.height) < _SMALLEST_SIDE:
-                problem = f"{downscale} is too much for the {whole.width}x{whole.height} pictures of {whole.name}"
+                size = f"{view.camera.width}x{view.camera.height}"
+                problem = f"{downscale} is too much for the {size} pictures of {camera.name}"
                 raise InputError("downscale", problem, f"no side may become shorter than {_SMALLEST_SIDE} pixels")
-        masks, notes = self.masks, [*self.notes, *self.masks.notes(self.cameras)]
-        if len(self.times) == 1 and masks.files:
-            masks, notes = MaskFiles({}), [*self.notes, "the masks are not used: at one moment nothing moves"]
-        fingerprint = files_fingerprint(self.path, [*self.files, *masks.sizes()], self.poses)
+        masks, said = self.masks, [*notes, *self.notes]
+        cut = [view.camera.name for view in views if view.cut]
+        if cut:
+            said.append(f"straight pictures end {WIDEST:g} degrees from the axis; {', '.join(cut)} sees farther")
+        if len(self.clock.times) == 1 and masks.files:
+            masks = MaskFiles({})
+            said.append("the masks are not used: at one moment nothing moves")
+        said += masks.notes(self.cameras)
+        fingerprint = files_fingerprint(self.path, [*self.files, *masks.sizes()], self.described_by)
         return Capture(
             self.path,
-            cameras,
-            self.times,
-            _Source(self, masks, cameras),
+            shown,
+            self.clock.times,
+            _Source(self, masks, views, shown),
             fingerprint if downscale == 1 else f"{fingerprint}/{downscale}",
+            moments=self.clock.moments,
             cache_bytes=cache_bytes,
-            notes=notes,
+            notes=said,
         )
 
 
 class _Source:
-    """The pictures and masks of a recording at the size that is asked for."""
+    """The pictures and masks of a recording at the size that is asked for, by the common clock."""
 
-    def __init__(self, recording: Recording, masks: MaskFiles, cameras: Sequence[Camera]) -> None:
+    def __init__(
+        self, recording: Recording, masks: MaskFiles, views: Sequence[StraightView], shown: Sequence[Camera]
+    ) -> None:
         self._recording = recording
         self._masks = masks
-        self._cameras = cameras
+        self._views = views
+        self._shown = shown
+        self._ticks = [{int(own): tick for tick, own in enumerate(row)} for row in recording.clock.frames]
 
     def read(self, camera: int, frame: int, neighbours: int) -> tuple[npt.NDArray[np.uint8], Iterable[Neighbour]]:
-        picture, passed = self._recording.pictures.read(camera, frame, neighbours)
-        size = self._cameras[camera]
-        return reduced_picture(picture, size), [(index, reduced_picture(other, size)) for index, other in passed]
+        own, ticks = int(self._recording.clock.frames[camera, frame]), self._ticks[camera]
+        picture, passed = self._recording.readers[camera].read(own, neighbours)
+        others = [(ticks[index], self._seen(camera, other)) for index, other in passed if index in ticks]
+        return self._seen(camera, picture), others
 
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        mask = self._masks.read(self._recording.cameras[camera], frame)
-        return None if mask is None else reduced_mask(mask, self._cameras[camera])
+        mask = self._masks.read(self._recording.cameras[camera], int(self._recording.clock.frames[camera, frame]))
+        if mask is None:
+            return None
+        return reduced_mask(self._views[camera].straight_mask(mask), self._shown[camera])
+
+    def _seen(self, camera: int, picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+        return reduced_picture(self._views[camera].straightened(picture), self._shown[camera])

@@ -59,7 +59,9 @@ class VideoReader:
         from av.video.reformatter import VideoReformatter
 
         self.path = path
-        if not path.is_file():
+        if path.is_file():
+            self.files = [(path, path.stat().st_size)]
+        else:
             raise InputError(path, "the video is missing", "restore the file")
         stamps: list[int] = []
         keys: list[int] = []
@@ -73,16 +75,28 @@ class VideoReader:
                 context.thread_count = 1
                 self.width, self.height = context.width, context.height
                 self.rate: Fraction = Fraction(stream.average_rate or 0)
-                announced = stream.frames
+                self._tick = Fraction(stream.time_base or 0)
+                self.timecode = stream.metadata.get("timecode") or container.metadata.get("timecode")
+                # AVI and bare streams do not store when a frame is shown: frames are counted as the decoder gives them.
+                self._counted = container.format.name == "avi"
+                announced = 0 if self._counted else stream.frames
                 damaged = False
                 for packet in container.demux(stream):
                     if not shown:
                         shown = context.decode(packet)
-                    if packet.pts is None or packet.is_discard:
+                    if packet.is_discard or not packet.size:
                         continue
-                    stamps.append(packet.pts)
+                    if packet.pts is None and not stamps:
+                        self._counted = True
+                    stamp = packet.dts if self._counted else packet.pts
+                    if stamp is None:
+                        if not self._counted:
+                            continue
+                        stamp = len(stamps)
+                        self._tick = 1 / self.rate if self.rate else Fraction(0)
+                    stamps.append(stamp)
                     if packet.is_keyframe:
-                        keys.append(packet.pts)
+                        keys.append(stamp)
                     damaged |= packet.is_corrupt
         except av.FFmpegError as error:
             raise self._unreadable(error) from error
@@ -98,7 +112,7 @@ class VideoReader:
         if self.rate <= 0:
             raise InputError(path, "the video does not state its frame rate", "export the camera's video again")
         self._stamps = sorted(stamps)  # of the frames in the order shown
-        self._keys = sorted(keys) or [self._stamps[0]]
+        self._keys = sorted(keys) if keys and not self._counted else [self._stamps[0]]
         self._container: av.container.InputContainer | None = None
         self._frames: Iterator[av.VideoFrame] | None = None
         self._next = 0  # the frame that the open decoder will give next
@@ -111,6 +125,26 @@ class VideoReader:
         if turns % 2:
             self.width, self.height = self.height, self.width
         self._turns = turns
+
+    @property
+    def seconds(self) -> npt.NDArray[np.float64]:
+        """The time stamps of the frames [N], seconds; exact multiples of the period where they are rounded ones."""
+        stamps = np.array([float(stamp * self._tick) for stamp in self._stamps])
+        even = stamps[0] + np.arange(len(stamps)) / float(self.rate)
+        return even if np.abs(stamps - even).max() <= self.resolution else stamps
+
+    @property
+    def frame_rate(self) -> float:
+        """Frames per second: as the file states it, unless its time stamps say otherwise; then their mean."""
+        seconds = self.seconds
+        if len(seconds) < 2 or abs((seconds[-1] - seconds[0]) * float(self.rate) - len(seconds) + 1) < 0.5:
+            return float(self.rate)
+        return (len(seconds) - 1) / float(seconds[-1] - seconds[0])
+
+    @property
+    def resolution(self) -> float:
+        """The unit of the file's time stamps, seconds."""
+        return float(self._tick)
 
     def __len__(self) -> int:
         """Return the number of frames."""
@@ -154,13 +188,16 @@ class VideoReader:
     def _seek(self, key: int) -> None:
         import av
 
+        if self._counted:
+            self._close()
         if self._container is None:
             self._container = av.open(str(self.path))
             context = self._container.streams.video[0].codec_context
             context.thread_count = 1  # frame threads would hold several pictures for each of many cameras
             context.options = {"err_detect": "explode"}  # damage is an error, never a guessed picture
         stream = self._container.streams.video[0]
-        self._container.seek(self._stamps[key], stream=stream, backward=True)
+        if not self._counted:
+            self._container.seek(self._stamps[key], stream=stream, backward=True)
         self._frames = self._container.decode(stream)
         self._next = key
 
@@ -171,6 +208,8 @@ class VideoReader:
 
     def _index(self, frame: av.VideoFrame) -> int | None:
         """Return the number of a decoded frame."""
+        if self._counted:
+            return self._next
         if frame.pts is None:
             return None
         index = bisect_left(self._stamps, frame.pts)

@@ -121,7 +121,8 @@ def _score(
             )  # fmt: skip
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))
-                picture = view.frame(segment.dynamic, segment.normalised(float(seconds))).rgb.clamp(0, 1)
+                moment = segment.normalised(capture.moment(index, frame))
+                picture = view.frame(segment.dynamic, moment).rgb.clamp(0, 1)
                 gathered.add(picture, source.picture(index, frame), source.moving(index, frame))
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1

@@ -58,7 +58,7 @@ class Loss:
         Raises:
             InputError: a frame cannot be read.
         """
-        self._cameras, self._times = cameras, views.times
+        self._cameras, self._times, self._moment = cameras, views.times, views.moment
         indices = sorted(cameras)
         self._views = [
             (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
@@ -86,10 +86,9 @@ class Loss:
         pictures = []
         with one_torch_thread():
             for index, frame in self._views:
-                seconds = float(self._times[frame])
-                segment = tensors.segment_at(seconds)
+                segment = tensors.segment_at(float(self._times[frame]))
                 view = FixedView(tensors.static, self._cameras[index], antialiased=scene.antialiased)
-                drawn = view.frame(segment.dynamic, segment.normalised(seconds))
+                drawn = view.frame(segment.dynamic, segment.normalised(self._moment(index, frame)))
                 grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
                 pictures.append(torch.stack(grounds).clamp(0, 1))
         return pictures

@@ -32,6 +32,10 @@ class EncodeViews:
     capture: Capture | None = None  # to train further with
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
 
+    def moment(self, camera: int, frame: int) -> float:
+        """Return the second that a camera's picture of a frame shows."""
+        return float(self.times[frame]) if self.capture is None else self.capture.moment(camera, frame)
+
     @property
     def every_camera(self) -> tuple[Camera, ...]:
         """The cameras for which splats are sized."""

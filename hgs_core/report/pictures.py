@@ -152,16 +152,16 @@ class _Artist:
         return target_picture(self._capture, self._index, frame, self._camera)
 
     def _drawn(self, frame: int) -> Tensor:
-        seconds = float(self._capture.times[frame])
-        segment = self._scene.segment_at(seconds)
-        return self._view.frame(segment.dynamic, segment.normalised(seconds)).rgb.clamp(0, 1)
+        segment = self._scene.segment_at(float(self._capture.times[frame]))
+        moment = segment.normalised(self._capture.moment(self._index, frame))
+        return self._view.frame(segment.dynamic, moment).rgb.clamp(0, 1)
 
     def _dynamic_share(self, frame: int) -> Tensor:
         """Return the share [H, W] of every pixel's colour that dynamic splats give."""
-        seconds = float(self._capture.times[frame])
-        segment = self._scene.segment_at(seconds)
+        segment = self._scene.segment_at(float(self._capture.times[frame]))
+        moment = segment.normalised(self._capture.moment(self._index, frame))
         white = dataclasses.replace(segment.dynamic, rgb=torch.ones_like(segment.dynamic.rgb))
-        return self._weights.frame(white, segment.normalised(seconds)).rgb[0].clamp(0, 1)
+        return self._weights.frame(white, moment).rgb[0].clamp(0, 1)
 
 
 def _reduced_size(width: int, height: int) -> tuple[int, int]:

@@ -118,7 +118,7 @@ class TrainingViews:
         frame += self._segment.first
         camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
         target = frames.target(index, frame, camera)
-        moment = self._segment.clock.normalised(float(self._capture.times[frame]))
+        moment = self._segment.clock.normalised(self._capture.moment(index, frame))
         moving = None
         if masked:
             assert self._masks is not None, "separate stages need masks"

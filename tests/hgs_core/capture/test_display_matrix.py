@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.n3dv import load_n3dv
+from hgs_core.capture.open import open_capture
 from hgs_core.capture.video import VideoReader
 
 Corners = npt.NDArray[np.uint8]
@@ -50,17 +50,17 @@ def test_pictures_are_turned_upright(upright: Corners, tmp_path: Path, suffix: s
 
 def test_a_video_on_its_side_fits_poses_of_upright_pictures(n3dv: Path, upright: Corners) -> None:
     write(n3dv / "cam01.mp4", np.rot90(upright), -90, frames=6)
-    recording = load_n3dv(n3dv, None)
-    assert [(camera.width, camera.height) for camera in recording.cameras] == [(64, 48)] * 2
-    np.testing.assert_allclose(recording.pictures.read(1, 0, 0)[0].astype(int), upright, atol=3)
+    capture = open_capture(n3dv)
+    assert [(camera.width, camera.height) for camera in capture.cameras] == [(64, 48)] * 2
+    np.testing.assert_allclose(capture.frame(1, 0).astype(int), upright, atol=3)
 
 
 def test_poses_of_pictures_on_their_side_are_refused_with_the_cure(
     n3dv: Path, write_video: Callable[..., None]
 ) -> None:
     write_video(n3dv / "cam01.mp4", [20] * 6, size=(48, 64))
-    with pytest.raises(InputError, match=r"the pose is for 64x48 pixels and the video has 48x64; .*upright"):
-        load_n3dv(n3dv, None)
+    with pytest.raises(InputError, match=r"the camera is for 64x48 pixels and the pictures have 48x64; .*upright"):
+        open_capture(n3dv)
 
 
 @pytest.mark.parametrize(("degrees", "mirrored"), [(0, True), (45, False)])

@@ -71,8 +71,25 @@ def test_masks_are_part_of_the_fingerprint(n3dv: Path) -> None:
 
 def test_a_missing_frame_is_told_with_the_cure(n3dv: Path, tmp_path: Path) -> None:
     masks = write_masks(tmp_path / "masks" / "cam00", frames=range(1, 7))
-    with pytest.raises(InputError, match=r"cam00: the mask of frame 0 is missing; number the masks from 0"):
+    with pytest.raises(InputError, match=r"cam00: the mask of frame 0 is missing; call masks like the pictures or"):
         open_capture(n3dv, masks=masks)
+
+
+def test_masks_are_called_like_their_pictures_or_numbered_from_0(panoptic: Path, tmp_path: Path) -> None:
+    """Pictures that are numbered from 1 have masks of the same names; those that `hgs masks` writes begin at 0."""
+    meta = (panoptic / "train_meta.json").read_text()
+    for frame in reversed(range(6)):
+        for folder, ending in (("ims/3", "jpg"), ("seg/3", "png")):
+            path = panoptic / folder / f"{frame:06d}.{ending}"
+            path.rename(path.with_stem(f"{frame + 1:06d}"))
+            meta = meta.replace(f"3/{frame:06d}.jpg", f"3/{frame + 1:06d}.jpg")
+    (panoptic / "train_meta.json").write_text(meta)
+    own = open_capture(panoptic).mask(0, 2)
+    assert own is not None
+    assert np.argwhere(own)[0].tolist() == [10, 2]
+    written = open_capture(panoptic, masks=write_masks(tmp_path / "masks" / "3")).mask(0, 2)
+    assert written is not None
+    assert written.sum() == 2 * 48
 
 
 def test_a_mask_of_another_size_is_named(n3dv: Path, tmp_path: Path) -> None:
@@ -80,8 +97,8 @@ def test_a_mask_of_another_size_is_named(n3dv: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"00000\.png: the picture is 32x24; camera cam00 needs 64x48"):
         open_capture(n3dv, masks=masks)
     Image.new("L", (64, 48)).save(masks / "cam00" / "00000.png")
-    with pytest.raises(InputError, match=r"00002\.png: the picture is 32x24"):
-        open_capture(n3dv, masks=masks).mask(0, 2)
+    with pytest.raises(InputError, match=r"00001\.png: the picture is 32x24"):
+        open_capture(n3dv, masks=masks)
 
 
 def test_an_unreadable_mask_is_named(n3dv: Path, tmp_path: Path) -> None:

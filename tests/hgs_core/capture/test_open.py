@@ -26,7 +26,7 @@ def test_of_two_layouts_in_one_folder_the_first_known_is_taken(panoptic: Path, n
 
 
 def test_empty_folder_lists_the_layouts(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"the folder is empty; the layouts known are PanopticSports .* N3DV"):
+    with pytest.raises(InputError, match=r"the folder is empty; the cameras' formats known are PanopticSports .* N3DV"):
         open_capture(tmp_path)
 
 

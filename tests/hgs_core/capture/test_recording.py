@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.clock import Clock
+from hgs_core.capture.lens import PINHOLE, Polynomial, opencv_lens
 from hgs_core.capture.mask_files import MaskFiles
 from hgs_core.capture.open import open_capture
 from hgs_core.capture.recording import Recording
+from hgs_core.capture.straighten import StraightView
 from hgs_core.scene.camera import Camera
 from tests.hgs_core.capture.conftest import write_masks
 
@@ -18,18 +21,26 @@ WHOLE = np.random.default_rng(0).integers(0, 256, (32, 64, 3)).astype(np.uint8)
 
 
 class OnePicture:
-    """The same picture for every camera and frame, and half as bright in the frame after."""
+    """The same picture for every frame, and half as bright in the frame after."""
 
-    def read(self, camera: int, frame: int, neighbours: int) -> tuple[np.ndarray, list[tuple[int, np.ndarray]]]:
-        return WHOLE, [(frame + 1, WHOLE // 2)]
+    def read(self, index: int, neighbours: int) -> tuple[np.ndarray, list[tuple[int, np.ndarray]]]:
+        return WHOLE, [(index + 1, WHOLE // 2)]
 
 
 def recording(tmp_path: Path, **more: object) -> Recording:
     poses = tmp_path / "poses"
     poses.write_bytes(b"poses")
     camera = Camera("a", 64, 32, 50.0, 50.0, 32.0, 16.0, np.eye(4))
-    given = {"times": np.arange(2) / 30, "masks": MaskFiles({})} | more
-    return Recording(tmp_path, [camera], pictures=OnePicture(), files=[(poses, 5)], poses=poses, **given)  # type: ignore[arg-type]
+    given = {"cameras": [camera], "clock": ticks(2), "masks": MaskFiles({}), "lenses": [PINHOLE]} | more
+    return Recording(  # type: ignore[arg-type]
+        tmp_path, readers=[OnePicture()], files=[(poses, 5)], described_by=[poses], **given
+    )
+
+
+def ticks(count: int, *own: int) -> Clock:
+    """A clock of one camera, which shows its frames in order or those of the numbers given."""
+    times = np.arange(count) / 30
+    return Clock(times, np.array([own or range(count)], np.int64), times[None])
 
 
 def test_a_picture_and_its_neighbours_are_reduced_to_the_means_of_areas(tmp_path: Path) -> None:
@@ -48,10 +59,37 @@ def test_a_reduced_capture_is_another_one_by_its_fingerprint(tmp_path: Path) -> 
     assert found[1] == found[2] != found[0]
 
 
+def test_frames_are_those_of_the_clock_and_neighbours_too(tmp_path: Path) -> None:
+    """Frames 0, 2 and 3 of the camera are shown: of 2 the neighbour is 3, of 0 it is none."""
+    capture = recording(tmp_path, clock=ticks(3, 0, 2, 3)).capture(downscale=1, cache_bytes=1 << 20)
+    for frame in (0, 1):
+        np.testing.assert_array_equal(capture.frame(0, frame), WHOLE)
+    np.testing.assert_array_equal(capture.frame(0, 2), WHOLE // 2)  # it was passed on the way
+
+
+def test_pictures_and_masks_are_straightened(tmp_path: Path) -> None:
+    folder = write_masks(tmp_path / "masks" / "cam00", frames=[0, 5], size=(64, 32))
+    masks = MaskFiles({"a": {0: folder / "cam00" / "00000.png", 1: folder / "cam00" / "00005.png"}}, folder)
+    lens = opencv_lens([-0.2], False)
+    capture = recording(tmp_path, lenses=[lens], masks=masks).capture(downscale=1, cache_bytes=0)
+    view = StraightView.of(Camera("a", 64, 32, 50.0, 50.0, 32.0, 16.0, np.eye(4)), lens)
+    np.testing.assert_array_equal(capture.frame(0, 0), view.straightened(WHOLE))
+    mask = capture.mask(0, 1)
+    assert mask is not None
+    assert mask.shape == capture.frame(0, 0).shape[:2] == (view.camera.height, view.camera.width)
+    assert mask.any()
+
+
+def test_what_a_straight_picture_cannot_show_is_said(tmp_path: Path) -> None:
+    wide = Camera("a", 64, 32, 20.0, 20.0, 32.0, 16.0, np.eye(4))  # 91 degrees to either side
+    capture = recording(tmp_path, cameras=[wide], lenses=[Polynomial(fisheye=True)]).capture(downscale=1, cache_bytes=0)
+    assert capture.notes == ("straight pictures end 60 degrees from the axis; a sees farther",)
+
+
 def test_at_one_moment_masks_are_not_used_and_a_note_says_so(tmp_path: Path) -> None:
     folder = write_masks(tmp_path / "masks" / "cam00", frames=range(1), size=(64, 32))
-    masks = MaskFiles({"a": [folder / "cam00" / "00000.png"]}, folder)
-    capture = recording(tmp_path, times=np.zeros(1), masks=masks, notes=("one is gone",)).capture(
+    masks = MaskFiles({"a": {0: folder / "cam00" / "00000.png"}}, folder)
+    capture = recording(tmp_path, clock=ticks(1), masks=masks, notes=("one is gone",)).capture(
         downscale=1, cache_bytes=0
     )
     assert capture.mask(0, 0) is None

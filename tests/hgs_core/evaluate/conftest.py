@@ -31,7 +31,11 @@ def capture_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def finished(capture_folder: Path, tmp_path: Path) -> Path:
     """A run that held out the cameras 2 and 4 of 0 to 4."""
-    run = tmp_path / "run"
+    return finished_run(tmp_path / "run", capture_folder)
+
+
+def finished_run(run: Path, capture_folder: Path) -> Path:
+    """Write a run of the true scene that held out the cameras 2 and 4 of 0 to 4."""
     create_run(run, capture_folder, RunConfig.for_preset("preview", capture={"hold_out": ["2", "4"]}))
     folder = RunFolder(run)
     capture = folder.read_spec().open_capture()

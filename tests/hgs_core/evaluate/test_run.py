@@ -14,8 +14,8 @@ from hgs_core.capture.open import open_capture
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
-from tests.hgs_core.evaluate.conftest import FRAMES, save
-from tests.synthetic import synthetic_scene
+from tests.hgs_core.evaluate.conftest import FRAMES, SIZE, finished_run, save
+from tests.synthetic import synthetic_scene, write_capture
 
 
 def test_the_held_out_cameras_are_scored_and_every_frame_is_kept(finished: Path) -> None:
@@ -29,6 +29,14 @@ def test_the_held_out_cameras_are_scored_and_every_frame_is_kept(finished: Path)
     assert result["psnr"] > 35  # the scene is the true one: the loss is that of JPEG and of quantised splats
     assert result["flicker"] < 0.02
     assert (result["truth"], result["masks"]) == ("capture", "automatic")
+
+
+def test_a_camera_is_scored_at_the_moments_when_it_took_its_frames(tmp_path: Path) -> None:
+    """Camera 2 films half a frame after the others: the true scene, drawn at their times, would differ."""
+    write_capture(tmp_path / "late", frames=FRAMES, width=SIZE[1], height=SIZE[0], late={"2": 0.5})
+    result = evaluate_run(finished_run(tmp_path / "run", tmp_path / "late"), silent)
+    scores = [camera["psnr"] for camera in result["per_camera"].values()]
+    assert min(scores) > 41  # at the times of the others camera 2 scores 37.7
 
 
 def test_the_file_is_plain_json(finished: Path, masks_folder: Path) -> None:

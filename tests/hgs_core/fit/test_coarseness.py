@@ -45,6 +45,18 @@ def test_the_coarsest_stays_within_its_range(loss: float, expected: float) -> No
     assert _coarsest(lambda coarseness: loss, 0.1, 1.0) == (expected, loss)
 
 
+def test_views_are_drawn_at_the_moments_when_their_pictures_were_taken(tmp_path: Path) -> None:
+    cameras = write_capture(tmp_path, frames=3, late={"1": 0.5, "3": 0.5})
+    capture, static_and_dynamic = open_capture(tmp_path), synthetic_scene()
+    segment = Segment(0.0, 2 / 30, static_and_dynamic[1])
+    given = HybridScene(static_and_dynamic[0], (segment,)).map(lambda tensor: tensor.numpy())
+    views = EncodeViews(
+        "", tuple(cameras), dict(enumerate(cameras)), capture.times,
+        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]), capture,
+    )  # fmt: skip
+    assert Loss(given, views, {1: cameras[1]})._psnr.min() > 41
+
+
 def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> None:
     cameras = write_capture(tmp_path)
     given, capture = scene(), open_capture(tmp_path)

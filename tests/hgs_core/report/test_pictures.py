@@ -14,10 +14,11 @@ from hgs_core.base.progress import silent
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.render import rasterize
 from hgs_core.report.error_colours import error_picture
-from hgs_core.report.pictures import choose_frames, draw_pictures, evenly
+from hgs_core.report.pictures import _Artist, choose_frames, draw_pictures, evenly
 from hgs_core.report.sources import read_run
 from hgs_core.scene import DynamicSplats
 from tests.hgs_core.report.finished_run import write_finished_run
+from tests.synthetic import write_capture
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,13 @@ def test_dynamic_pixels_are_those_whose_colour_follows_the_dynamic_splats(tmp_pa
         shares.append(float(((after - before)[0] > 0.125).double().mean()))
     assert min(shares) > 0.01
     assert [moment.dynamic_share for moment in pictures[0].moments] == pytest.approx(shares, abs=2 / (64 * 48))
+
+
+def test_frames_are_drawn_at_the_moments_when_they_were_taken(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=3, late={"2": 0.5})
+    run = read_run(write_finished_run(tmp_path), silent)
+    artist = _Artist(run, run.spec.open_capture(), decode_scene(run.folder.scene).map(torch.from_numpy), "2")
+    assert min(artist.psnr(frame) for frame in range(3)) > 41  # the last is at 31 dB where the others' time is drawn
 
 
 def test_the_error_map_shows_the_difference_of_the_two_pictures(tmp_path: Path) -> None:

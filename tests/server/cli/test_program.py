@@ -13,7 +13,7 @@ from PIL import Image
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.stages import create_run
 from server.cli import main
-from tests.server.cli.conftest import FRAMES, write_video
+from tests.server.cli.conftest import FRAMES
 
 
 @pytest.fixture
@@ -43,15 +43,15 @@ def damage(capture: Path, how: str) -> str:
         video = capture / "cam01.mp4"
         video.write_bytes(video.read_bytes()[:300])
         return "cam01.mp4"
-    if how == "one camera misses a frame":
-        write_video(capture / "cam02.mp4", FRAMES - 1)
-        return "cam02.mp4"
+    if how == "a camera began an hour later":
+        (capture / "sync.json").write_text('{"seconds": {"cam02": 3600}}')
+        return "no moment in common"
     (capture / "cam00.mp4").unlink()
     return "poses_bounds.npy"
 
 
 @pytest.mark.parametrize("command", ["train", "submit"])
-@pytest.mark.parametrize("how", ["corrupt mp4", "one camera misses a frame", "a video is missing"])
+@pytest.mark.parametrize("how", ["corrupt mp4", "a camera began an hour later", "a video is missing"])
 def test_damaged_capture_is_refused(
     refused: Callable[..., str], tmp_path: Path, n3dv: Path, command: str, how: str
 ) -> None:

@@ -13,9 +13,9 @@ import pytest
 from PIL import Image
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.cameras.transforms import camera_of_frame
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.transforms import camera_from_transform
 from hgs_core.points.features import Features, extract_features, fundamental_matrix
 from hgs_core.scene.camera import Camera
 
@@ -156,9 +156,8 @@ def test_the_fingerprint_follows_poses_and_pictures(photographs: Path) -> None:
     ("change", "problem"),
     [
         (lambda meta: meta.update(frames=[]), "frames is not a list"),
-        (lambda meta: meta.update(camera_model="OPENCV_FISHEYE"), "the lens is of the kind OPENCV_FISHEYE"),
-        (lambda meta: meta.update(is_fisheye=True), "of the kind fisheye"),
-        (lambda meta: meta.update(w=48, h=64), "the camera is for 48x64 pixels and the picture has 64x48"),
+        (lambda meta: meta.update(camera_model="EQUIRECTANGULAR"), "camera_model is EQUIRECTANGULAR"),
+        (lambda meta: meta.update(w=48, h=64), "the camera is for 48x64 pixels and the pictures have 64x48"),
         (lambda meta: meta.update(fl_x=-50.0), "not positive"),
         (lambda meta: meta.update(fl_x="fifty"), "fl_x is 'fifty'"),
         (lambda meta: meta.update(k1=math.nan), "k1 is nan"),
@@ -168,7 +167,10 @@ def test_the_fingerprint_follows_poses_and_pictures(photographs: Path) -> None:
         (lambda meta: meta["frames"][1].pop("file_path"), "frame 1.*file_path is None"),
         (lambda meta: meta["frames"][0].update(file_path="../secret.png"), "outside the capture"),
         (lambda meta: meta["frames"][0].update(file_path="/etc/secret.png"), "outside the capture"),
-        (lambda meta: [f.update(time=i) for i, f in enumerate(meta["frames"])], "3 different moments"),
+        (
+            lambda meta: [f.update(time=i) for i, f in enumerate(meta["frames"])],
+            "3 frames are each from another place: one camera that moves",
+        ),
     ],
 )
 def test_bad_values_are_named(photographs: Path, change: Edit, problem: str) -> None:
@@ -246,5 +248,6 @@ def test_fox_with_two_mirrored_axes_would_not_pass(
         pose = np.array(frames[f"images/{camera.name}.jpg"]["transform_matrix"])
         pose[:3, :3] *= signs
         values = {"fl_x": camera.fx, "fl_y": camera.fy, "cx": camera.cx, "cy": camera.cy, "transform_matrix": pose}
-        turned.append(camera_from_transform(camera.name, (camera.width, camera.height), values, camera.name))
+        fixed = camera_of_frame(values, (camera.width, camera.height), camera.name)
+        turned.append(fixed.camera(camera.name, camera.width, camera.height))
     assert min(_errors(turned, matches)) > 3

@@ -1,0 +1,135 @@
+"""What every reader of cameras returns: the cameras as their file has them, whatever pictures they took."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.base.errors import InputError
+from hgs_core.capture.lens import PINHOLE, Lens
+from hgs_core.scene.camera import Camera
+
+__all__ = ["CalibratedCamera", "CameraFormat", "Rig", "finite", "pose_of", "rotation_matrix"]
+
+_ROUNDING = 2.0  # pixels by which a scaled picture's side may differ: encoders round to whole and even ones
+
+
+@dataclass(frozen=True)
+class CalibratedCamera:
+    """One camera of a calibration."""
+
+    where: str  # the file and the place in it, for people
+    names: tuple[str, ...]  # that its pictures may have, the likeliest first; none: they are told by their order
+    world_to_camera: npt.NDArray[np.float64]  # [4, 4], OpenCV: x right, y down, z forward
+    focal: tuple[float, float]  # pixels, across and down
+    centre: tuple[float, float] | None = None  # pixels, centres of pixels at +0.5; None: the middle of the picture
+    size: tuple[float, float] | None = None  # of the calibrated pictures; None: that of the pictures there are
+    lens: Lens = PINHOLE
+    pictures: tuple[Path, ...] = ()  # that the file itself names: one video, or one picture for each frame
+    stamps: tuple[float, ...] = ()  # of these pictures, if the file has them: numbers of frames, or seconds
+
+    def camera(self, name: str, width: int, height: int) -> Camera:
+        """Return the camera of pictures of `width` by `height` pixels, to which the calibrated ones were scaled.
+
+        Raises:
+            InputError: values that are no camera, or another shape of picture.
+        """
+        calibrated = self.size or (width, height)
+        if not (calibrated[0] > 0 and calibrated[1] > 0):
+            problem = f"width and height are {calibrated[0]:g} and {calibrated[1]:g}"
+            raise InputError(self.where, problem, "they are the sides of the picture in pixels")
+        sx, sy = width / calibrated[0], height / calibrated[1]
+        if abs(calibrated[1] * sx - height) > _ROUNDING and abs(calibrated[0] * sy - width) > _ROUNDING:
+            raise InputError(self.where, *_other_shape(calibrated, (width, height)))
+        centre = self.centre or (calibrated[0] / 2, calibrated[1] / 2)
+        try:
+            return Camera(
+                name, width, height, self.focal[0] * sx, self.focal[1] * sy, centre[0] * sx, centre[1] * sy,
+                self.world_to_camera,
+            )  # fmt: skip
+        except InputError as error:
+            raise InputError(self.where, error.problem, error.cure) from error
+
+
+@dataclass(frozen=True)
+class Rig:
+    """All cameras of a capture."""
+
+    files: tuple[Path, ...]  # that they were read from, all of whose content counts
+    cameras: Sequence[CalibratedCamera]
+    rate: float | None = None  # frames per second of pictures in folders, where the format has one
+    notes: tuple[str, ...] = ()  # what was left out, for people
+    stamps_in_seconds: bool = False  # whether the cameras' stamps are seconds
+
+
+@dataclass(frozen=True)
+class CameraFormat:
+    """A way in which calibrations are written."""
+
+    name: str  # for people
+    files: str  # what they are called, for people
+    find: Callable[[Path], Path | None]  # the file in the folder of a capture
+    read: Callable[[Path, Path], Rig]  # of the folder of a capture and the file
+
+
+def _other_shape(calibrated: tuple[float, float], size: tuple[int, int]) -> tuple[str, str]:
+    problem = f"the camera is for {calibrated[0]:g}x{calibrated[1]:g} pixels and the pictures have {size[0]}x{size[1]}"
+    on_its_side = abs(size[0] * calibrated[0] / (size[1] * calibrated[1]) - 1.0) <= 0.02
+    if on_its_side:
+        return problem, "calibrate with pictures as players show them, upright"
+    return problem, "scale pictures without cropping them, or calibrate with pictures as they are"
+
+
+def rotation_matrix(values: Any, where: str) -> npt.NDArray[np.float64]:
+    """Return the rotation [3, 3] of a matrix, or of a vector along its axis as long as its angle in radians.
+
+    Raises:
+        InputError: the values are neither.
+    """
+    try:
+        found = np.array(values, np.float64)
+    except (TypeError, ValueError) as error:
+        raise InputError(where, f"the rotation is not made of numbers ({error})") from error
+    if found.shape == (3, 3):
+        return found
+    if found.size != 3 or not np.isfinite(found).all():
+        cure = "it is a 3x3 matrix, or 3 numbers, the axis times the angle in radians"
+        raise InputError(where, f"the rotation is {found.tolist()}", cure)
+    x, y, z = found.reshape(3)
+    angle = math.sqrt(x * x + y * y + z * z)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    first, second = (math.sin(angle) / angle, (1 - math.cos(angle)) / angle**2) if angle > 1e-9 else (1.0, 0.5)
+    return np.asarray(np.eye(3) + first * cross + second * (cross @ cross), np.float64)
+
+
+def pose_of(rotation: npt.NDArray[np.float64], translation: Any, where: str) -> npt.NDArray[np.float64]:
+    """Return the matrix [4, 4] of a rotation [3, 3] and a translation of 3 numbers.
+
+    Raises:
+        InputError: the translation is not 3 finite numbers.
+    """
+    pose = np.eye(4)
+    pose[:3, :3] = rotation
+    pose[:3, 3] = finite(translation, 3, where, "the translation")
+    return pose
+
+
+def finite(values: Any, count: int, where: str, what: str) -> npt.NDArray[np.float64]:
+    """Return `count` finite numbers from lists, however nested.
+
+    Raises:
+        InputError: they are not; the message says `what` they are.
+    """
+    try:
+        found = np.array(values, np.float64).reshape(-1)
+    except (TypeError, ValueError) as error:
+        raise InputError(where, f"{what} is {values!r}", f"it is {count} numbers") from error
+    if len(found) != count or not np.isfinite(found).all():
+        raise InputError(where, f"{what} is {found.tolist()}", f"it is {count} finite numbers")
+    return found

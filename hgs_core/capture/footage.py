@@ -1,0 +1,135 @@
+"""Where pictures lie: videos, folders of pictures, folders of moments, or photographs, anywhere below a capture.
+
+| kind        | files                                          | one camera's pictures            |
+|-------------|------------------------------------------------|----------------------------------|
+| videos      | FOLDER/<camera>.mp4                            | a video                          |
+| folders     | FOLDER/<camera>/<frame>.png, or .../images/... | the pictures of its folder       |
+| moments     | FOLDER/<frame>/<camera>.png, or .../images/... | one picture of every folder      |
+| photographs | FOLDER/<camera>.png                            | one picture                      |
+
+Frames come in the order of the numbers in their names.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from hgs_core.capture.picture import list_folder, list_folders
+
+__all__ = ["Footage", "Kind", "Place", "find_places", "is_picture", "is_video", "natural_order"]
+
+Kind = Literal["videos", "folders", "moments", "photographs"]
+
+_PICTURES = frozenset(("png", "jpg", "jpeg", "jpe", "jp2", "tif", "tiff", "bmp", "webp", "ppm", "pgm", "pnm", "tga"))
+_VIDEOS = frozenset((
+    "mp4", "m4v", "mov", "qt", "mkv", "webm", "avi", "mts", "m2ts", "m2t", "ts", "mpg", "mpeg", "mpe", "m2v", "mpv",
+    "vob", "wmv", "asf", "flv", "f4v", "3gp", "3g2", "mxf", "gxf", "lxf", "ogv", "ogm", "rm", "rmvb", "dv", "y4m",
+    "h264", "264", "avc", "h265", "265", "hevc", "ivf", "obu", "av1", "nut", "insv", "360", "mj2", "mjpg", "mjpeg",
+))  # fmt: skip
+# Folders that hold other things: masks, calibration, what structure from motion leaves behind.
+_SKIPPED = re.compile(
+    r"\..*|masks?|seg|sparse.*|stereo|dense|calib.*|intrinsics?|extrinsics?|depths?|normals?|flow|openpose|"
+    r"annots?|output|models?|__pycache__",
+    re.IGNORECASE,
+)
+_INNER = ("images", "image", "frames", "rgb", "color", "input")  # folders between a camera's folder and its pictures
+_DEEPEST = 3  # folders below the capture
+_DIGITS = re.compile(r"(\d+)")
+
+
+@dataclass(frozen=True)
+class Footage:
+    """The pictures that are called alike: those of one camera."""
+
+    name: str
+    files: tuple[Path, ...]  # one video, or pictures in the order of their frames
+    video: bool = False
+
+
+@dataclass(frozen=True)
+class Place:
+    """A folder with footage of one kind."""
+
+    folder: Path
+    kind: Kind
+    footage: tuple[Footage, ...]  # in the order of their names
+
+
+def is_video(name: str) -> bool:
+    """Whether a file is called like a video."""
+    return _ending(name) in _VIDEOS
+
+
+def is_picture(name: str) -> bool:
+    """Whether a file is called like a picture."""
+    return _ending(name) in _PICTURES
+
+
+def natural_order(name: str) -> tuple[tuple[int, int, str], ...]:
+    """Return what sorts names by the numbers in them: cam2 before cam10."""
+    parts = (part for part in _DIGITS.split(name.casefold()) if part)
+    return (*((0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts), (-1, 0, name))
+
+
+def find_places(capture: Path) -> list[Place]:
+    """Return every folder with footage, the nearest to the capture's own first.
+
+    Raises:
+        InputError: a folder may not be read.
+    """
+    return [place for folder in _folders(capture) for place in _places(folder)]
+
+
+def _folders(capture: Path) -> Iterator[Path]:
+    level = [capture]
+    for _ in range(_DEEPEST + 1):
+        yield from level
+        level = [folder / name for folder in level for name in list_folders(folder) if not _SKIPPED.fullmatch(name)]
+
+
+def _places(folder: Path) -> Iterator[Place]:
+    names = sorted(list_folder(folder), key=natural_order)
+    if videos := [name for name in names if is_video(name)]:
+        yield Place(folder, "videos", tuple(Footage(Path(name).stem, (folder / name,), True) for name in videos))
+    below = {name: _pictures(folder / name) for name in list_folders(folder) if not _SKIPPED.fullmatch(name)}
+    leaves = {name: below[name] for name in sorted(below, key=natural_order) if below[name]}
+    if leaves:
+        yield Place(folder, "folders", tuple(Footage(name, files) for name, files in leaves.items()))
+    if len(leaves) > 1 and all(_DIGITS.search(name) for name in leaves):
+        yield from _moments(folder, leaves)
+    if photographs := [name for name in names if is_picture(name)]:
+        yield Place(folder, "photographs", tuple(Footage(Path(name).stem, (folder / name,)) for name in photographs))
+    if leaves:
+        nested = (
+            Footage(file.relative_to(folder).with_suffix("").as_posix(), (file,))
+            for files in leaves.values()
+            for file in files
+        )
+        yield Place(folder, "photographs", tuple(nested))
+
+
+def _moments(folder: Path, leaves: dict[str, tuple[Path, ...]]) -> Iterator[Place]:
+    """Yield the pictures that are called alike in all folders."""
+    by_folder = [{file.stem: file for file in files} for files in leaves.values()]
+    shared = set.intersection(*(set(files) for files in by_folder))
+    if shared:
+        names = sorted(shared, key=natural_order)
+        footage = tuple(Footage(name, tuple(files[name] for files in by_folder)) for name in names)
+        yield Place(folder, "moments", footage)
+
+
+def _pictures(folder: Path) -> tuple[Path, ...]:
+    """Return the pictures of a folder, or else of the one inside that is made for them, in order."""
+    for inner in (".", *_INNER):
+        names = [name for name in list_folder(folder / inner) if is_picture(name)]
+        if names:
+            return tuple(folder / inner / name for name in sorted(names, key=natural_order))
+    return ()
+
+
+def _ending(name: str) -> str:
+    return name.rpartition(".")[2].lower() if "." in name else ""

@@ -1,0 +1,195 @@
+"""Which footage is whose: cameras and their pictures, matched by name.
+
+A camera's pictures are called like it, in capital letters or small; or else the last numbers of their names agree:
+cam_1 and camera_0001. Cameras without names (poses_bounds.npy) take footage in its order. Of several places the best
+one is taken: videos before folders of pictures, these before photographs, equal names before equal numbers, the nearest
+to the capture's folder first.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.wording import counted
+from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
+from hgs_core.capture.footage import Footage, Kind, Place, find_places, is_video
+
+__all__ = ["Matched", "match_footage"]
+
+_KINDS: tuple[Kind, ...] = ("videos", "folders", "moments", "photographs")
+_LIKELY = ("images", "videos", "recordings", "ims", "frames", "rgb")  # folders, where two are otherwise alike
+_NAME, _NUMBER, _ORDER = range(3)  # by what footage is matched, the surest first
+_LAST_NUMBER = re.compile(r"(\d+)\D*$")
+_MOST_NAMED = 12  # cameras or videos that a message lists
+
+
+@dataclass(frozen=True)
+class Matched:
+    """The footage of each camera of a rig."""
+
+    names: tuple[str, ...]  # of the cameras
+    footage: tuple[Footage, ...]
+    kind: Kind
+    folder: Path | None = None  # where it was found; None: the cameras' file names it
+    notes: tuple[str, ...] = ()
+
+
+def match_footage(capture: Path, rig: Rig) -> Matched:
+    """Return the footage that the cameras' file names, or else what is found below the capture.
+
+    Raises:
+        InputError: there is no footage, or none that has a picture for every camera, or two places with equal right.
+    """
+    if (own := _named(capture, rig)) is not None:
+        return own
+    places = find_places(capture)
+    if not places:
+        what = f"there are cameras ({rig.files[0].relative_to(capture)}) but no videos and no folders of pictures"
+        raise InputError(capture, what, "put each camera's video beside them, called like the camera")
+    found = [(rank, place, match) for place in places for rank, match in _matches(capture, rig.cameras, place)]
+    if not found:
+        raise _nothing_fits(capture, rig, places)
+    best, place, match = min(found, key=lambda item: item[0])
+    for rank, other, equal in found:
+        if rank == best and equal.footage != match.footage:
+            if other.folder == place.folder:
+                problem = f"{_shown(place.folder, capture)} has as many folders as cameras, each with as many pictures"
+                cure = "its folders may be cameras or moments: give cameras with names, by COLMAP, say"
+                raise InputError(capture, problem, cure)
+            both = f"{_shown(place.folder, capture)} and {_shown(other.folder, capture)}"
+            raise InputError(capture, f"{both} both hold the cameras' pictures", "keep one of them there")
+    notes = list(match.notes)
+    spare = [footage.name for footage in place.footage if footage not in match.footage]
+    if spare and place.kind != "photographs":
+        notes.append(f"{_listed(spare)} in {_shown(place.folder, capture)} is of no camera and left out")
+    return Matched(match.names, match.footage, place.kind, place.folder, tuple(notes))
+
+
+def _named(capture: Path, rig: Rig) -> Matched | None:
+    """Return the footage that the cameras' file names, unless it names none or none of it is there."""
+    files = [file for camera in rig.cameras for file in camera.pictures]
+    if not all(camera.pictures for camera in rig.cameras) or not any(file.is_file() for file in files):
+        return None
+    footage = tuple(
+        Footage(camera.names[0], camera.pictures, is_video(camera.pictures[0].name)) for camera in rig.cameras
+    )
+    single = all(len(one.files) == 1 and not one.video for one in footage)
+    kind: Kind = "videos" if footage[0].video else "photographs" if single else "folders"
+    return Matched(tuple(camera.names[0] for camera in rig.cameras), footage, kind)
+
+
+def _matches(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -> list[tuple[tuple[int, ...], Matched]]:
+    """Return how the place's footage fits all cameras, with its rank: the lowest is the best."""
+    found = _by_name(cameras, place) or _by_number(cameras, place) or _by_order(cameras, place)
+    if found is None:
+        return []
+    quality, names, footage = found
+    depth = len(place.folder.relative_to(capture).parts)
+    name = place.folder.name.lower() if depth else _LIKELY[0]
+    likely = _LIKELY.index(name) if name in _LIKELY else len(_LIKELY)
+    # Without names nothing tells a folder for each camera from one for each moment.
+    kind = "folders" if quality == _ORDER and place.kind == "moments" else place.kind
+    rank = (int(place.kind == "photographs"), quality, _KINDS.index(kind), depth, likely)
+    return [(rank, Matched(names, footage, place.kind))]
+
+
+_Found = tuple[int, tuple[str, ...], tuple[Footage, ...]]
+
+
+def _by_name(cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
+    footage = {one.name.casefold(): one for one in place.footage}
+    if len(footage) < len(place.footage):
+        return None
+    for names in _levels(cameras):
+        if all(name.casefold() in footage for name in names):
+            if place.kind == "moments" and _are_cameras(place, names):
+                return None
+            return _NAME, names, tuple(footage[name.casefold()] for name in names)
+    return None
+
+
+def _by_number(cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
+    """Match the last numbers of the names; not where pictures are single files, whose numbers may mean frames."""
+    if place.kind in ("moments", "photographs"):
+        return None
+    footage = {_number(one.name): one for one in place.footage}
+    if len(footage) < len(place.footage):
+        return None
+    for names in _levels(cameras):
+        numbers = [_number(name) for name in names]
+        if len(set(numbers)) == len(numbers) and all(n is not None and n in footage for n in numbers):
+            return _NUMBER, names, tuple(footage[number] for number in numbers)
+    return None
+
+
+def _by_order(cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
+    """Give nameless cameras the footage in order: all of it, or all that is called alike but for numbers."""
+    if any(camera.names for camera in cameras):
+        return None
+    alike: dict[str, list[Footage]] = {}
+    for one in place.footage:
+        alike.setdefault(re.sub(r"\d+", "#", one.name.casefold()), []).append(one)
+    for group in (list(place.footage), *alike.values()):
+        if len(group) == len(cameras):
+            return _ORDER, tuple(one.name for one in group), tuple(group)
+    return None
+
+
+def _levels(cameras: Sequence[CalibratedCamera]) -> list[tuple[str, ...]]:
+    """Return lists of names, one for each camera, that tell them apart: the likeliest list first."""
+    if not all(camera.names for camera in cameras):
+        return []
+    most = max(len(camera.names) for camera in cameras)
+    lists = (tuple(camera.names[min(level, len(camera.names) - 1)] for camera in cameras) for level in range(most))
+    return [names for names in lists if len({name.casefold() for name in names}) == len(names)]
+
+
+def _are_cameras(place: Place, names: Sequence[str]) -> bool:
+    """Whether folders that might be moments are called like cameras: then their pictures are frames."""
+    wanted = {name.casefold() for name in names}
+    folders = {file.relative_to(place.folder).parts[0].casefold() for file in place.footage[0].files}
+    return bool(folders & wanted)
+
+
+def _number(name: str) -> int | None:
+    found = _LAST_NUMBER.search(name)
+    return int(found[1]) if found else None
+
+
+def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputError:
+    """Return the error that lists both sides: the cameras, and the footage that comes nearest."""
+    file = rig.files[0].relative_to(capture)
+    if not all(camera.names for camera in rig.cameras):
+        nearest = min(places, key=lambda p: (p.kind == "photographs", abs(len(p.footage) - len(rig.cameras))))
+        what = {"videos": "video", "folders": "folder of pictures"}.get(nearest.kind, "picture")
+        there = counted(len(nearest.footage), what, "folders of pictures" if nearest.kind == "folders" else "")
+        problem = f"{counted(len(rig.cameras), 'pose')} for {there} ({_listed([f.name for f in nearest.footage])})"
+        return InputError(capture / file, problem, "every camera needs one row, in the order of the names")
+    wanted = {name.casefold(): name for camera in rig.cameras for name in camera.names[-1:]}
+
+    def shared(place: Place) -> int:
+        return len({one.name.casefold() for one in place.footage} & set(wanted))
+
+    nearest = max(places, key=lambda place: (shared(place), -_KINDS.index(place.kind)))
+    listed = {one.name.casefold(): one.name for one in nearest.footage}
+    without = [name for key, name in wanted.items() if key not in listed]
+    spare = [name for key, name in listed.items() if key not in wanted]
+    there_are = f"{_shown(nearest.folder, capture)} has pictures of {_listed(list(listed.values()))}"
+    problem = f"{file} has the cameras {_listed(list(wanted.values()))}, and {there_are}"
+    if shared(nearest):
+        problem += f": there are none of {_listed(without)}"
+        if spare:
+            problem += f", and no camera for {_listed(spare)}"
+    return InputError(capture, problem, "call each video, or folder of pictures, like its camera")
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names[:_MOST_NAMED]) + (f", ... ({len(names)} in all)" if len(names) > _MOST_NAMED else "")
+
+
+def _shown(folder: Path, capture: Path) -> str:
+    return f"{folder.relative_to(capture)}/" if folder != capture else "the folder"
