@@ -44,6 +44,7 @@ class Capture:
         *,
         cache_bytes: int,
         moments: npt.NDArray[np.float64] | None = None,  # [C, F] seconds when frames were really taken; None: `times`
+        numbers: npt.NDArray[np.int64] | None = None,  # [C, F] of frames in the cameras' own footage; None: in order
         notes: Sequence[str] = (),
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
@@ -65,6 +66,8 @@ class Capture:
         self.times = np.array(times, np.float64)
         self.times.flags.writeable = False
         self._moments = np.broadcast_to(self.times, (len(names), len(self.times))) if moments is None else moments
+        in_order = np.arange(len(self.times))
+        self._numbers = np.broadcast_to(in_order, (len(names), len(in_order))) if numbers is None else numbers
         self.notes = tuple(notes)  # what people should know: files left out, masks found
         self._source = source
         self._fingerprint = fingerprint
@@ -116,6 +119,15 @@ class Capture:
         """
         self._check(camera, frame)
         return float(self._moments[camera, frame])
+
+    def number(self, camera: int, frame: int) -> int:
+        """Return which frame of the camera's own footage, from 0, is shown: what given masks are called by.
+
+        Raises:
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        return int(self._numbers[camera, frame])
 
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given mask [H, W], True = moves, or None if the capture gives none for this camera.

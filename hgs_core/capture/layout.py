@@ -24,6 +24,7 @@ from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.matching import Matched, match_footage
 from hgs_core.capture.picture_sequence import PictureSequence
 from hgs_core.capture.recording import Recording
+from hgs_core.capture.straighten import StraightView
 from hgs_core.capture.sync import OwnTime, Sync, read_sync, times_of_cameras
 from hgs_core.capture.video import VideoReader, announced_length
 
@@ -64,8 +65,8 @@ def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | N
     rig = camera_format.read(capture, file)
     matched = match_footage(capture, rig)
     readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
-    cameras = [
-        calibrated.camera(name, reader.width, reader.height)
+    views = [
+        StraightView.of(calibrated.camera(name, reader.width, reader.height), calibrated.lens)
         for calibrated, name, reader in zip(rig.cameras, matched.names, readers, strict=True)
     ]
     sync = read_sync(capture)
@@ -73,7 +74,7 @@ def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | N
     pictures = [None if one.video else [path.stem for path in one.files] for one in matched.footage]
     given = find_masks(
         [masks] if masks else [capture / name for name in _MASK_FOLDERS],
-        cameras,
+        views,
         [one.name for one in matched.footage],
         pictures,
         clock.frames.tolist(),
@@ -81,8 +82,7 @@ def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | N
     )
     return Recording(
         capture,
-        cameras,
-        [calibrated.lens for calibrated in rig.cameras],
+        views,
         readers,
         clock,
         given,

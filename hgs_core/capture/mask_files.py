@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.picture import check_size, list_folder, numbered_pictures, read_mask
-from hgs_core.scene.camera import Camera
+from hgs_core.capture.picture import check_size, list_folder, numbered_pictures, picture_size, read_mask
+from hgs_core.capture.straighten import StraightView
 
 __all__ = ["MaskFiles", "find_masks"]
 
@@ -27,31 +27,36 @@ class MaskFiles:
     files: Mapping[str, Mapping[int, Path]]  # by the camera's name, and by the number of its frame
     folder: Path | None = None  # where they are, for people
 
-    def read(self, camera: Camera, frame: int) -> npt.NDArray[np.bool_] | None:
-        """Return the mask [H, W] of a frame, or None if none are given for the camera.
+    def read(self, view: StraightView, frame: int) -> npt.NDArray[np.bool_] | None:
+        """Return the mask [H, W] of a frame's straight picture, or None if none are given for the camera.
 
         Raises:
             InputError: the file is missing, unreadable, or not of the camera's size.
         """
-        files = self.files.get(camera.name)
-        return None if files is None else read_mask(files[frame], camera)
+        files = self.files.get(view.camera.name)
+        if files is None:
+            return None
+        path = files[frame]
+        if picture_size(path) == (view.camera.width, view.camera.height):  # as `hgs masks` writes it
+            return read_mask(path, view.camera)
+        return view.straight_mask(read_mask(path, view.bent))
 
     def sizes(self) -> list[tuple[Path, int]]:
         """Return the files and their sizes in bytes."""
         return [(path, path.stat().st_size) for files in self.files.values() for path in files.values()]
 
-    def notes(self, cameras: Sequence[Camera]) -> list[str]:
-        """Say for which cameras masks are given, unless for none."""
+    def notes(self, cameras: Sequence[str]) -> list[str]:
+        """Say for which of the cameras masks are given, unless for none."""
         if not self.files:
             return []
-        rest = [camera.name for camera in cameras if camera.name not in self.files]
+        rest = [name for name in cameras if name not in self.files]
         given = f"the masks of {', '.join(self.files)} are given, in {self.folder}"
         return [f"{given}; those of {', '.join(rest)} are computed" if rest else given]
 
 
 def find_masks(
     folders: Sequence[Path],
-    cameras: Sequence[Camera],
+    views: Sequence[StraightView],
     others: Sequence[str],  # the cameras' names in the footage
     pictures: Sequence[Sequence[str] | None],  # the names of the cameras' pictures, without endings; None: of a video
     frames: Sequence[Sequence[int]],  # of each camera, that need masks
@@ -60,7 +65,8 @@ def find_masks(
 ) -> MaskFiles:
     """Return the masks in the first of the folders that has some, one folder per camera; the others' are not given.
 
-    A mask is called like its picture, or else by the number of the frame, from 0.
+    A mask is called like its picture, or else by the number of the frame, from 0. It has the size of the picture on
+    disk, or of the straight one.
 
     Raises:
         InputError: a camera's folder lacks a frame, or one of its masks is unreadable or not of the camera's size; or,
@@ -68,21 +74,21 @@ def find_masks(
     """
     for folder in folders:
         found = {}
-        for camera, other, names, needed in zip(cameras, others, pictures, frames, strict=True):
-            own = next((folder / name for name in (camera.name, other) if (folder / name).is_dir()), None)
+        for view, other, names, needed in zip(views, others, pictures, frames, strict=True):
+            own = next((folder / name for name in (view.camera.name, other) if (folder / name).is_dir()), None)
             if own is not None:
-                found[camera.name] = _files(own, camera, names, needed)
+                found[view.camera.name] = _files(own, view, names, needed)
         if found:
             return MaskFiles(found, folder)
     if required:
         folder = folders[0]
         problem = "holds no masks of this capture" if folder.is_dir() else "the folder does not exist"
-        listed = ", ".join(camera.name for camera in cameras)
+        listed = ", ".join(view.camera.name for view in views)
         raise InputError(folder, problem, f"it has one folder of PNG files for each camera of {listed}")
     return MaskFiles({})
 
 
-def _files(folder: Path, camera: Camera, names: Sequence[str] | None, needed: Sequence[int]) -> dict[int, Path]:
+def _files(folder: Path, view: StraightView, names: Sequence[str] | None, needed: Sequence[int]) -> dict[int, Path]:
     there = {Path(name).stem: folder / name for name in list_folder(folder) if name.lower().endswith(".png")}
     if names is not None and all(names[frame] in there for frame in needed):
         found = {frame: there[names[frame]] for frame in needed}
@@ -93,6 +99,8 @@ def _files(folder: Path, camera: Camera, names: Sequence[str] | None, needed: Se
                 cure = "call masks like the pictures or number them from 0, or remove the folder to have them computed"
                 raise InputError(folder, f"the mask of frame {frame} is missing", cure)
         found = {frame: numbers[frame] for frame in needed}
+    straight = (view.camera.width, view.camera.height)
     for path in found.values():
-        check_size(path, camera)
+        if picture_size(path) != straight:
+            check_size(path, view.bent)
     return found

@@ -14,7 +14,6 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.capture import Capture, files_fingerprint
 from hgs_core.capture.clock import Clock
-from hgs_core.capture.lens import Lens
 from hgs_core.capture.mask_files import MaskFiles
 from hgs_core.capture.picture import reduced_mask, reduced_picture
 from hgs_core.capture.straighten import WIDEST, StraightView
@@ -37,8 +36,7 @@ class Recording:
     """A capture as its files have it."""
 
     path: Path
-    cameras: Sequence[Camera]  # at the size of the pictures on disk, through `lenses`
-    lenses: Sequence[Lens]
+    views: Sequence[StraightView]  # of each camera
     readers: Sequence[FrameReader]  # of each camera
     clock: Clock
     masks: MaskFiles
@@ -50,31 +48,31 @@ class Recording:
         """Return the capture with pictures and masks reduced by a whole factor, and with more notes.
 
         Raises:
-            InputError: as `Capture`; a lens folds its pictures; or a picture would become smaller than 16 pixels.
+            InputError: as `Capture`, or a picture would become smaller than 16 pixels.
         """
-        views = [StraightView.of(camera, lens) for camera, lens in zip(self.cameras, self.lenses, strict=True)]
-        shown = [view.camera.scaled(1 / downscale) for view in views]
-        for view, camera in zip(views, shown, strict=True):
+        shown = [view.camera.scaled(1 / downscale) for view in self.views]
+        for view, camera in zip(self.views, shown, strict=True):
             if downscale != 1 and min(camera.width, camera.height) < _SMALLEST_SIDE:
                 size = f"{view.camera.width}x{view.camera.height}"
                 problem = f"{downscale} is too much for the {size} pictures of {camera.name}"
                 raise InputError("downscale", problem, f"no side may become shorter than {_SMALLEST_SIDE} pixels")
         masks, said = self.masks, [*notes, *self.notes]
-        cut = [view.camera.name for view in views if view.cut]
+        cut = [view.camera.name for view in self.views if view.cut]
         if cut:
             said.append(f"straight pictures end {WIDEST:g} degrees from the axis; {', '.join(cut)} sees farther")
         if len(self.clock.times) == 1 and masks.files:
             masks = MaskFiles({})
             said.append("the masks are not used: at one moment nothing moves")
-        said += masks.notes(self.cameras)
+        said += masks.notes([view.camera.name for view in self.views])
         fingerprint = files_fingerprint(self.path, [*self.files, *masks.sizes()], self.described_by)
         return Capture(
             self.path,
             shown,
             self.clock.times,
-            _Source(self, masks, views, shown),
+            _Source(self, masks, shown),
             fingerprint if downscale == 1 else f"{fingerprint}/{downscale}",
             moments=self.clock.moments,
+            numbers=self.clock.frames,
             cache_bytes=cache_bytes,
             notes=said,
         )
@@ -83,12 +81,9 @@ class Recording:
 class _Source:
     """The pictures and masks of a recording at the size that is asked for, by the common clock."""
 
-    def __init__(
-        self, recording: Recording, masks: MaskFiles, views: Sequence[StraightView], shown: Sequence[Camera]
-    ) -> None:
+    def __init__(self, recording: Recording, masks: MaskFiles, shown: Sequence[Camera]) -> None:
         self._recording = recording
         self._masks = masks
-        self._views = views
         self._shown = shown
         self._ticks = [{int(own): tick for tick, own in enumerate(row)} for row in recording.clock.frames]
 
@@ -99,10 +94,9 @@ class _Source:
         return self._seen(camera, picture), others
 
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        mask = self._masks.read(self._recording.cameras[camera], int(self._recording.clock.frames[camera, frame]))
-        if mask is None:
-            return None
-        return reduced_mask(self._views[camera].straight_mask(mask), self._shown[camera])
+        view = self._recording.views[camera]
+        mask = self._masks.read(view, int(self._recording.clock.frames[camera, frame]))
+        return None if mask is None else reduced_mask(mask, self._shown[camera])
 
     def _seen(self, camera: int, picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
-        return reduced_picture(self._views[camera].straightened(picture), self._shown[camera])
+        return reduced_picture(self._recording.views[camera].straightened(picture), self._shown[camera])

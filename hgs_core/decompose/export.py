@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterable, Sequence
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ def export_masks(
     names: Sequence[str],
     masks: Callable[[int], Iterable[npt.NDArray[np.bool_]]],
     *,
+    numbers: Callable[[int], Iterable[int]] = lambda camera: count(),
     progress: ProgressCallback,
 ) -> None:
     """Write `folder`/<camera>/<FFFF>.png, 255 where something moves and 0 elsewhere; all of them or none.
@@ -31,6 +33,7 @@ def export_masks(
         folder: must be new or empty.
         names: of the cameras.
         masks: gives the masks [H, W] of all frames of a camera, by its place in `names`.
+        numbers: gives what the masks of a camera are called by; from 0 unless given.
         progress: told after every camera.
 
     Raises:
@@ -46,7 +49,7 @@ def export_masks(
         progress(Progress(_STAGE, 0, len(names)))
         for place, name in enumerate(names):
             (unfinished / name).mkdir(parents=True)
-            for frame, mask in enumerate(masks(place)):
+            for frame, mask in zip(numbers(place), masks(place), strict=False):  # the numbers may go on
                 Image.fromarray(mask.astype(np.uint8) * 255).save(unfinished / name / f"{frame:04d}.png")
             progress(Progress(_STAGE, place + 1, len(names)))
         unfinished.replace(folder)

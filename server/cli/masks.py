@@ -53,6 +53,10 @@ def _run(options: argparse.Namespace) -> int:
     frames = range(len(capture.times))
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
+
+            def numbers(camera: int) -> list[int]:
+                return [capture.number(camera, frame) for frame in frames]
+
             found = motion_masks(capture, range(len(capture.cameras)), progress=bars)
 
             def of_camera(camera: int) -> Iterable[npt.NDArray[np.bool_]]:
@@ -61,7 +65,8 @@ def _run(options: argparse.Namespace) -> int:
                     return masks
                 return refiner.refine([capture.frame(camera, frame) for frame in frames], masks)
 
-            export_masks(options.out, [camera.name for camera in capture.cameras], of_camera, progress=bars)
+            names = [camera.name for camera in capture.cameras]
+            export_masks(options.out, names, of_camera, numbers=numbers, progress=bars)
         except StageStopped:
             return 130
     print(options.out)

@@ -12,6 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
+from tests.hgs_core.capture import layouts
 from tests.hgs_core.capture.conftest import write_masks
 
 
@@ -90,6 +91,25 @@ def test_masks_are_called_like_their_pictures_or_numbered_from_0(panoptic: Path,
     written = open_capture(panoptic, masks=write_masks(tmp_path / "masks" / "3")).mask(0, 2)
     assert written is not None
     assert written.sum() == 2 * 48
+
+
+def test_masks_of_straight_pictures_are_taken_as_they_are(tmp_path: Path) -> None:
+    """As `hgs masks` writes them; those of the pictures on disk are straightened."""
+    layouts.colmap(True, model="OPENCV", bends=(0.15, 0.0, 0.0, 0.0))(tmp_path)
+    layouts.PICTURES["videos"](tmp_path)
+    camera = open_capture(tmp_path).cameras[0]
+    assert (camera.width, camera.height) != (layouts.WIDTH, layouts.HEIGHT)
+    for size, columns in (((camera.width, camera.height), 5), ((layouts.WIDTH, layouts.HEIGHT), 4)):
+        for frame in range(layouts.FRAMES):
+            values = np.zeros((size[1], size[0]), np.uint8)
+            values[:, :5] = 255
+            path = tmp_path / "masks" / "cam01" / f"{frame:04d}.png"
+            path.parent.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(values).save(path)
+        mask = open_capture(tmp_path).mask(0, 1)
+        assert mask is not None
+        assert mask.shape == (camera.height, camera.width)
+        assert mask[camera.height // 2].sum() == columns
 
 
 def test_a_mask_of_another_size_is_named(n3dv: Path, tmp_path: Path) -> None:

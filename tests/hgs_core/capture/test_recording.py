@@ -31,7 +31,7 @@ def recording(tmp_path: Path, **more: object) -> Recording:
     poses = tmp_path / "poses"
     poses.write_bytes(b"poses")
     camera = Camera("a", 64, 32, 50.0, 50.0, 32.0, 16.0, np.eye(4))
-    given = {"cameras": [camera], "clock": ticks(2), "masks": MaskFiles({}), "lenses": [PINHOLE]} | more
+    given = {"views": [StraightView.of(camera, PINHOLE)], "clock": ticks(2), "masks": MaskFiles({})} | more
     return Recording(  # type: ignore[arg-type]
         tmp_path, readers=[OnePicture()], files=[(poses, 5)], described_by=[poses], **given
     )
@@ -62,6 +62,7 @@ def test_a_reduced_capture_is_another_one_by_its_fingerprint(tmp_path: Path) -> 
 def test_frames_are_those_of_the_clock_and_neighbours_too(tmp_path: Path) -> None:
     """Frames 0, 2 and 3 of the camera are shown: of 2 the neighbour is 3, of 0 it is none."""
     capture = recording(tmp_path, clock=ticks(3, 0, 2, 3)).capture(downscale=1, cache_bytes=1 << 20)
+    assert [capture.number(0, frame) for frame in range(3)] == [0, 2, 3]
     for frame in (0, 1):
         np.testing.assert_array_equal(capture.frame(0, frame), WHOLE)
     np.testing.assert_array_equal(capture.frame(0, 2), WHOLE // 2)  # it was passed on the way
@@ -71,8 +72,8 @@ def test_pictures_and_masks_are_straightened(tmp_path: Path) -> None:
     folder = write_masks(tmp_path / "masks" / "cam00", frames=[0, 5], size=(64, 32))
     masks = MaskFiles({"a": {0: folder / "cam00" / "00000.png", 1: folder / "cam00" / "00005.png"}}, folder)
     lens = opencv_lens([-0.2], False)
-    capture = recording(tmp_path, lenses=[lens], masks=masks).capture(downscale=1, cache_bytes=0)
     view = StraightView.of(Camera("a", 64, 32, 50.0, 50.0, 32.0, 16.0, np.eye(4)), lens)
+    capture = recording(tmp_path, views=[view], masks=masks).capture(downscale=1, cache_bytes=0)
     np.testing.assert_array_equal(capture.frame(0, 0), view.straightened(WHOLE))
     mask = capture.mask(0, 1)
     assert mask is not None
@@ -82,7 +83,8 @@ def test_pictures_and_masks_are_straightened(tmp_path: Path) -> None:
 
 def test_what_a_straight_picture_cannot_show_is_said(tmp_path: Path) -> None:
     wide = Camera("a", 64, 32, 20.0, 20.0, 32.0, 16.0, np.eye(4))  # 91 degrees to either side
-    capture = recording(tmp_path, cameras=[wide], lenses=[Polynomial(fisheye=True)]).capture(downscale=1, cache_bytes=0)
+    view = StraightView.of(wide, Polynomial(fisheye=True))
+    capture = recording(tmp_path, views=[view]).capture(downscale=1, cache_bytes=0)
     assert capture.notes == ("straight pictures end 60 degrees from the axis; a sees farther",)
 
 

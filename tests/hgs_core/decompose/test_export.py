@@ -28,6 +28,11 @@ def test_a_folder_a_camera_holds_a_numbered_picture_a_frame(tmp_path: Path) -> N
         assert np.array(picture).tolist() == [[0, 0, 0, 0], [0, 255, 0, 0], [0, 0, 0, 0]]
 
 
+def test_masks_are_called_by_the_numbers_given(tmp_path: Path) -> None:
+    export_masks(tmp_path / "masks", ["left"], masks, numbers=lambda camera: [3, 5], progress=silent)
+    assert sorted(path.name for path in (tmp_path / "masks" / "left").iterdir()) == ["0003.png", "0005.png"]
+
+
 def test_progress_counts_the_cameras(tmp_path: Path) -> None:
     heard: list[Progress] = []
     export_masks(tmp_path / "masks", ["left", "right"], masks, progress=heard.append)

@@ -34,6 +34,16 @@ def test_exported_masks_are_taken_as_given_ones(
     np.testing.assert_array_equal(open_capture(capture, masks=out).mask(1, 2), values > 0)
 
 
+def test_masks_are_called_by_the_frames_of_their_camera(tmp_path: Path) -> None:
+    """Camera 1 begins two frames later: the first moment that both see is frame 2 of camera 0."""
+    write_capture(tmp_path / "capture", cameras=2, frames=6, late={"1": 2})
+    out = tmp_path / "masks"
+    assert main(["masks", str(tmp_path / "capture"), "--out", str(out)]) == 0
+    assert sorted(path.name for path in (out / "0").iterdir()) == [f"{frame:04d}.png" for frame in range(2, 6)]
+    assert sorted(path.name for path in (out / "1").iterdir()) == [f"{frame:04d}.png" for frame in range(4)]
+    assert open_capture(tmp_path / "capture", masks=out).mask(0, 0) is not None
+
+
 def test_a_folder_that_is_not_empty_is_left_alone(
     capture: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
