@@ -11,7 +11,6 @@ moment, or, if their times differ, of one camera that moves, which is refused.
 from __future__ import annotations
 
 import json
-import math
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,15 +20,13 @@ import numpy as np
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
+from hgs_core.capture.cameras.transforms_frame import camera_of_frame, number_of
 from hgs_core.capture.footage import is_picture, is_video, natural_order
-from hgs_core.capture.lens import PINHOLE, Lens, Polynomial
 from hgs_core.capture.picture import list_folder, picture_size
 
-__all__ = ["NERFSTUDIO", "TRANSFORMS_FILE", "camera_of_frame"]
+__all__ = ["NERFSTUDIO", "TRANSFORMS_FILE"]
 
 TRANSFORMS_FILE = "transforms.json"
-_PERSPECTIVE = ("", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV")
-_FISHEYE = ("OPENCV_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE")
 _MOST_NAMED = 5  # pictures that a note names
 
 
@@ -43,7 +40,7 @@ class _Frame:
 
     @property
     def time(self) -> float | None:
-        return _number(self.values, "time", self.where) if "time" in self.values else None
+        return number_of(self.values, "time", self.where) if "time" in self.values else None
 
     @property
     def pose(self) -> str:
@@ -155,50 +152,6 @@ def _fixed(
     )  # fmt: skip
 
 
-def camera_of_frame(values: dict[str, Any], size: tuple[int, int] | None, where: str) -> CalibratedCamera:
-    """Return the nameless camera of a frame, whose picture has `size` (width, height) if that is known.
-
-    `values` are those of the frame and, where it has none, of the file.
-
-    Raises:
-        InputError: values that are no camera, or an unknown kind of lens.
-    """
-    stated = None
-    if "w" in values or "h" in values:
-        stated = _number(values, "w", where), _number(values, "h", where)
-    fx = _focal(values, "fl_x", "camera_angle_x", stated or size, 0, where)
-    if fx is None:
-        raise InputError(where, "neither fl_x nor camera_angle_x is given", "add the focal length in pixels")
-    fy = _focal(values, "fl_y", "camera_angle_y" if "fl_x" not in values else "", stated or size, 1, where) or fx
-    centre = None
-    if "cx" in values or "cy" in values:
-        centre = _number(values, "cx", where), _number(values, "cy", where)
-    try:
-        pose = np.array(values["transform_matrix"], np.float64)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(where, f"transform_matrix is not a matrix of numbers ({error!r})") from error
-    if pose.shape not in ((4, 4), (3, 4)) or not np.isfinite(pose).all():
-        raise InputError(where, "transform_matrix is not a finite 4x4 matrix", "restore the poses")
-    world_to_camera = np.eye(4)
-    # Rows are the camera's axes in the world; OpenGL's y and z axes point the other way.
-    world_to_camera[:3, :3] = pose[:3, :3].T * np.array([[1.0], [-1.0], [-1.0]])
-    world_to_camera[:3, 3] = -world_to_camera[:3, :3] @ pose[:3, 3]
-    return CalibratedCamera(where, (), world_to_camera, (fx, fy), centre, stated or size, _lens(values, where))
-
-
-def _lens(values: dict[str, Any], where: str) -> Lens:
-    kind = str(values.get("camera_model", ""))
-    fisheye = kind in _FISHEYE or bool(values.get("is_fisheye"))
-    if not fisheye and kind not in _PERSPECTIVE:
-        cure = f"undistort the pictures to pinhole cameras first, or give {', '.join((*_PERSPECTIVE[1:], *_FISHEYE))}"
-        raise InputError(where, f"camera_model is {kind}", cure)
-    k = tuple(_number(values, name, where, 0.0) for name in ("k1", "k2", "k3", "k4"))
-    p1, p2 = (_number(values, name, where, 0.0) for name in ("p1", "p2"))
-    if fisheye:
-        return Polynomial(radial=k, fisheye=True)
-    return Polynomial(radial=k, tangential=(p1, p2)) if any((*k, p1, p2)) else PINHOLE
-
-
 def _files(capture: Path) -> list[Path]:
     if (file := capture / TRANSFORMS_FILE).is_file():
         return [file]
@@ -240,27 +193,6 @@ def _missing(files: tuple[Path, ...], frames: list[_Frame]) -> tuple[str, ...]:
     named = ", ".join(missing[:_MOST_NAMED]) + (", ..." if len(missing) > _MOST_NAMED else "")
     listed = f"{len(missing)} of the {len(frames)} pictures that {files[0].name} lists"
     return (f"{listed} are not there and left out: {named}",)
-
-
-def _focal(
-    values: dict[str, Any], name: str, angle_name: str, size: tuple[float, float] | None, axis: int, where: str
-) -> float | None:
-    """Return the focal length in pixels, given or from the angle of view in radians; 1 before the size is known."""
-    if name in values:
-        return _number(values, name, where)
-    if angle_name in values:
-        angle = _number(values, angle_name, where)
-        if not 0 < angle < math.pi:
-            raise InputError(where, f"{angle_name} is {angle:g}", "it is an angle of view in radians")
-        return size[axis] / 2 / math.tan(angle / 2) if size else 1.0
-    return None
-
-
-def _number(values: dict[str, Any], name: str, where: str, default: float | None = None) -> float:
-    value = values.get(name, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(where, f"{name} is {value!r}", "it is a number")
-    return float(value)
 
 
 def _find(capture: Path) -> Path | None:

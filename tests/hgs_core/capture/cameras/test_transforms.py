@@ -13,11 +13,12 @@ import pytest
 from PIL import Image
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.transforms import camera_of_frame
+from hgs_core.capture.cameras.transforms_frame import camera_of_frame
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.points.features import Features, extract_features, fundamental_matrix
 from hgs_core.scene.camera import Camera
+from tests.hgs_core.capture import layouts
 
 Edit = Callable[[dict[str, Any]], None]
 
@@ -186,6 +187,63 @@ def test_unreadable_files_are_named(photographs: Path) -> None:
     (photographs / "transforms.json").write_text("{")
     with pytest.raises(InputError, match=r"transforms\.json: unreadable"):
         open_capture(photographs)
+
+
+@pytest.mark.parametrize("file", ["transforms.json", "transforms_train.json"])
+def test_one_camera_that_moves_is_out_of_scope(photographs: Path, file: str) -> None:
+    """D-NeRF's frames have times, Blender's splits have none."""
+    if file == "transforms.json":
+        edit(photographs, lambda meta: [f.update(time=i / 2) for i, f in enumerate(meta["frames"])])
+    (photographs / "transforms.json").rename(photographs / file)
+    problem = r"3 frames are each from another place: one camera that moves \(D-NeRF, Blender\); HGS needs several"
+    with pytest.raises(InputError, match=problem):
+        open_capture(photographs)
+
+
+def test_splits_of_fixed_cameras_are_one_capture(tmp_path: Path) -> None:
+    pattern = "images/{camera}/{frame}.png"
+    layouts.folders(pattern)(tmp_path)
+    frames = layouts.frames_of_pictures(pattern, lambda frame: frame / 10)
+    layouts.transforms(frames[: layouts.FRAMES], "transforms_test.json")(tmp_path)
+    layouts.transforms(frames[layouts.FRAMES :], "transforms_train.json")(tmp_path)
+    capture = open_capture(tmp_path)
+    assert [camera.name for camera in capture.cameras] == list(layouts.NAMES)
+    assert len(capture.times) == layouts.FRAMES
+
+
+def test_a_frame_may_name_a_video(tmp_path: Path) -> None:
+    layouts.videos("scene")(tmp_path)
+    layouts.transforms(layouts.frames_of_videos("scene/"))(tmp_path)
+    capture = open_capture(tmp_path)
+    assert [camera.name for camera in capture.cameras] == list(layouts.NAMES)
+    assert len(capture.times) == layouts.FRAMES
+
+
+def test_one_picture_of_each_folder_stands_for_the_folder(tmp_path: Path) -> None:
+    pattern = "images/{camera}/{frame}.png"
+    layouts.folders(pattern)(tmp_path)
+    layouts.transforms(layouts.frames_of_pictures(pattern)[:: layouts.FRAMES])(tmp_path)
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
+
+
+def test_times_that_are_missing_in_part_are_refused(tmp_path: Path) -> None:
+    pattern = "images/{camera}/{frame}.png"
+    layouts.folders(pattern)(tmp_path)
+    frames = layouts.frames_of_pictures(pattern, lambda frame: frame / 10)
+    del frames[7]["time"]
+    layouts.transforms(frames)(tmp_path)
+    with pytest.raises(InputError, match="some frames have a time and some have none"):
+        open_capture(tmp_path)
+
+
+def test_a_picture_that_is_missing_at_its_time_leaves_out_the_moment(tmp_path: Path) -> None:
+    pattern = "images/{camera}/{frame}.png"
+    layouts.folders(pattern)(tmp_path)
+    layouts.transforms(layouts.frames_of_pictures(pattern, lambda frame: frame / 10))(tmp_path)
+    (tmp_path / "images" / "cam02" / "2.png").unlink()
+    capture = open_capture(tmp_path)
+    np.testing.assert_allclose(capture.times, np.array([0, 1, 3, 4]) / 30)
+    assert "1 of the 20 pictures that transforms.json lists are not there and left out: 2.png" in capture.notes
 
 
 PAIRS = ((0, 1), (10, 12), (40, 41))
