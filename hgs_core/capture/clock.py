@@ -124,7 +124,7 @@ def _notes(
     if gaps:
         short = [c.name for c, numbers in zip(cameras, shown, strict=True) if any(tick not in numbers for tick in gaps)]
         notes.append(
-            f"{counted(len(gaps), 'moment')} of {len(inside)} are left out, at which {', '.join(short)} has no frame"
+            f"{counted(len(gaps), 'moment')} of {len(inside)} left out, at which {', '.join(short)} has no frame"
         )
     other = [f"{c.name} {c.rate:.6g}" for c in cameras if not _same_rate(c.rate, rate)]
     if other:

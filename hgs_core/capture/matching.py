@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
@@ -54,6 +54,9 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
     if not found:
         raise _nothing_fits(capture, rig, places)
     best, place, match = min(found, key=lambda item: item[0])
+    for name in match.names:
+        if not name or PurePosixPath(name).is_absolute() or ".." in PurePosixPath(name).parts:
+            raise InputError(rig.files[0], f"a camera is called {name!r}", "give it a name that a file could have")
     for rank, other, equal in found:
         if rank == best and equal.footage != match.footage:
             if other.folder == place.folder:
@@ -84,7 +87,7 @@ def _named(capture: Path, rig: Rig) -> Matched | None:
 
 def _matches(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -> list[tuple[tuple[int, ...], Matched]]:
     """Return how the place's footage fits all cameras, with its rank: the lowest is the best."""
-    found = _by_name(cameras, place) or _by_number(cameras, place) or _by_order(cameras, place)
+    found = _by_name(capture, cameras, place) or _by_number(cameras, place) or _by_order(cameras, place)
     if found is None:
         return []
     quality, names, footage = found
@@ -100,13 +103,13 @@ def _matches(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -
 _Found = tuple[int, tuple[str, ...], tuple[Footage, ...]]
 
 
-def _by_name(cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
+def _by_name(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
     footage = {one.name.casefold(): one for one in place.footage}
     if len(footage) < len(place.footage):
         return None
     for names in _levels(cameras):
         if all(name.casefold() in footage for name in names):
-            if place.kind == "moments" and _are_cameras(place, names):
+            if place.kind in ("moments", "photographs") and _are_cameras(capture, place, names):
                 return None
             return _NAME, names, tuple(footage[name.casefold()] for name in names)
     return None
@@ -148,10 +151,10 @@ def _levels(cameras: Sequence[CalibratedCamera]) -> list[tuple[str, ...]]:
     return [names for names in lists if len({name.casefold() for name in names}) == len(names)]
 
 
-def _are_cameras(place: Place, names: Sequence[str]) -> bool:
-    """Whether folders that might be moments are called like cameras: then their pictures are frames."""
+def _are_cameras(capture: Path, place: Place, names: Sequence[str]) -> bool:
+    """Whether the pictures lie in folders that are called like cameras: then each is a frame, not a camera."""
     wanted = {name.casefold() for name in names}
-    folders = {file.relative_to(place.folder).parts[0].casefold() for file in place.footage[0].files}
+    folders = {part.casefold() for file in place.footage[0].files for part in file.relative_to(capture).parts[:-1]}
     return bool(folders & wanted)
 
 
@@ -174,8 +177,14 @@ def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputErro
     def shared(place: Place) -> int:
         return len({one.name.casefold() for one in place.footage} & set(wanted))
 
-    nearest = max(places, key=lambda place: (shared(place), -_KINDS.index(place.kind)))
+    likely = [place for place in places if place.kind in ("videos", "folders")] or places
+    nearest = max(likely, key=lambda place: (shared(place), -_KINDS.index(place.kind)))
     listed = {one.name.casefold(): one.name for one in nearest.footage}
+    twice = [one.name for one in nearest.footage if listed[one.name.casefold()] != one.name] or [
+        name for name in listed.values() if sum(one.name == name for one in nearest.footage) > 1
+    ]
+    if twice:
+        return InputError(nearest.folder, f"two of its videos are called {twice[0]}", "keep one of them there")
     without = [name for key, name in wanted.items() if key not in listed]
     spare = [name for key, name in listed.items() if key not in wanted]
     there_are = f"{_shown(nearest.folder, capture)} has pictures of {_listed(list(listed.values()))}"

@@ -22,7 +22,6 @@ _FARTHEST = 80.0  # degrees from the axis up to which a lens is looked at
 _STEPS = 400  # of its angles in the table that begins the inversion
 _NEWTON_STEPS = 8
 _EDGE_SAMPLES = 65  # points on each side of the picture
-_MOST_PIXELS = 2.0  # of a straight picture, times those of the photograph
 _STRIP_ROWS = 128  # rows at a time, so that resampling needs little memory
 
 Floats = npt.NDArray[np.float64]
@@ -42,8 +41,8 @@ class StraightView:
         """Return the view whose straight picture is the largest rectangle that the photograph covers.
 
         No pixel of it lies outside the photograph, and what bends over its edges is cut off; so is what lies more than
-        60 degrees from the axis. Focal lengths stay, so that the middle keeps its sharpness, unless the straight
-        picture would have more than twice the photograph's pixels: then they become smaller.
+        60 degrees from the axis to a side: it has hardly more than twice the photograph's pixels then. Focal lengths
+        stay, so that the middle keeps its sharpness.
 
         Raises:
             InputError: the coefficients fold the picture over itself.
@@ -70,17 +69,12 @@ class StraightView:
         if not (left < right and top < bottom):
             problem = "its lens leaves no straight picture"
             raise InputError(f"camera {bent.name}", problem, "check its principal point and distortion coefficients")
-        pixels = (right - left) * bent.fx * (bottom - top) * bent.fy
-        scale = math.sqrt(min(1.0, _MOST_PIXELS * bent.width * bent.height / pixels))
-        fx, fy = bent.fx * scale, bent.fy * scale
         straight = dataclasses.replace(
             bent,
-            width=int((right - left) * fx) + 1,  # from the centre of the first pixel to that of the last
-            height=int((bottom - top) * fy) + 1,
-            fx=fx,
-            fy=fy,
-            cx=0.5 - left * fx,
-            cy=0.5 - top * fy,
+            width=int((right - left) * bent.fx) + 1,  # from the centre of the first pixel to that of the last
+            height=int((bottom - top) * bent.fy) + 1,
+            cx=0.5 - left * bent.fx,
+            cy=0.5 - top * bent.fy,
         )
         return cls(bent, lens, straight, cut)
 

@@ -57,7 +57,7 @@ def test_a_dropped_frame_leaves_out_its_moment_alone() -> None:
     clock = common_clock("x", [camera("a", 6), CameraTime("b", stamps, 30.0)])
     np.testing.assert_allclose(clock.times, stamps)
     assert clock.frames.tolist() == [[0, 1, 3, 4, 5], [0, 1, 2, 3, 4]]
-    assert clock.notes == ("1 moment of 6 are left out, at which b has no frame",)
+    assert clock.notes == ("1 moment of 6 left out, at which b has no frame",)
 
 
 def test_of_two_frames_at_a_moment_the_nearer_is_shown() -> None:

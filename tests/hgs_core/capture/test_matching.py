@@ -48,6 +48,13 @@ def test_numbers_of_pictures_are_frames_and_match_no_camera(tmp_path: Path) -> N
         match_footage(tmp_path, rig(tmp_path, "00", "01", "02", "03"))
 
 
+def test_folders_called_like_cameras_are_not_moments(tmp_path: Path) -> None:
+    """The folder of camera 2 is missing: frames 0, 1 and 2 of the others must not be taken for pictures of 0, 1, 2."""
+    touch(tmp_path, *(f"images/{camera}/{frame}.png" for camera in range(2) for frame in range(3)))
+    with pytest.raises(InputError, match="there are none of 2"):
+        match_footage(tmp_path, rig(tmp_path, "0", "1", "2"))
+
+
 def test_nameless_cameras_take_footage_in_the_order_of_its_numbers(tmp_path: Path) -> None:
     touch(tmp_path, "cam10.mp4", "cam2.mp4", "cam1.mp4", "making_of.mp4")
     found = match_footage(tmp_path, rig(tmp_path, nameless=3))
@@ -114,3 +121,17 @@ def test_the_likeliest_names_that_tell_cameras_apart_are_taken(tmp_path: Path) -
 def test_cameras_without_any_footage(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"there are cameras \(poses\) but no videos and no folders of pictures"):
         match_footage(tmp_path, rig(tmp_path, "a"))
+
+
+def test_two_videos_of_one_name_are_told(tmp_path: Path) -> None:
+    touch(tmp_path, "a.mp4", "a.mov", "b.mp4")
+    with pytest.raises(InputError, match="two of its videos are called a; keep one of them there"):
+        match_footage(tmp_path, rig(tmp_path, "a", "b"))
+
+
+@pytest.mark.parametrize("name", ["../cam1", "/cam1"])
+def test_names_that_lead_out_of_a_folder_are_refused(tmp_path: Path, name: str) -> None:
+    """Masks are written into folders called like their cameras."""
+    touch(tmp_path, "1.mp4", "2.mp4")
+    with pytest.raises(InputError, match="poses: a camera is called"):
+        match_footage(tmp_path, rig(tmp_path, name, "cam2"))

@@ -33,6 +33,24 @@ def test_every_order_of_access_gives_the_right_frames(video: Path, order: list[i
     assert [level(reader.read(index, 0)[0]) for index in order] == [LEVELS[index] for index in order]
 
 
+@pytest.mark.parametrize("ending", ["avi", "h264"])
+def test_frames_without_a_time_of_their_own_come_in_the_decoder_s_order(tmp_path: Path, ending: str) -> None:
+    """AVI tells when a packet is decoded, which with B-frames is another order; a bare stream tells nothing."""
+    path = tmp_path / f"a.{ending}"
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream("libx264", rate=30, options={"crf": "10", "bf": "2"})
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p"
+        for value in LEVELS:
+            picture = np.full((48, 64, 3), value, np.uint8)
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        container.mux(stream.encode())
+    reader = VideoReader(path)
+    assert [level(reader.read(index, 0)[0]) for index in (3, 4, 19, 0, 7)] == [
+        LEVELS[index] for index in (3, 4, 19, 0, 7)
+    ]
+    np.testing.assert_allclose(np.diff(reader.seconds), 1 / reader.frame_rate, rtol=1e-6)
+
+
 def test_frames_decoded_on_the_way_are_handed_over(video: Path) -> None:
     passed = VideoReader(video).read(5, 3)[1]
     assert [(index, level(picture)) for index, picture in passed] == [(i, LEVELS[i]) for i in (2, 3, 4)]
