@@ -29,7 +29,7 @@ def camera_of_row(row: npt.NDArray[np.float64], where: str) -> CalibratedCamera:
     if not np.isfinite(row).all():
         raise InputError(where, "the pose holds NaN or infinity", "estimate the cameras again")
     matrix = row[:15].reshape(3, 5)
-    height, width, focal = matrix[:, 4]
+    height, width, focal = (float(value) for value in matrix[:, 4])
     if not (height > 0 and width > 0 and focal > 0):
         problem = f"(height, width, focal) is ({height:g}, {width:g}, {focal:g})"
         raise InputError(where, problem, "all three are positive, in pixels")
