@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from hgs_core.capture.capture import Capture
     from hgs_core.capture.config import CaptureConfig
     from hgs_core.capture.open import open_capture
+    from hgs_core.check.capture_check import check_capture
+    from hgs_core.check.findings import CaptureCheck
     from hgs_core.codec import EncodeSettings, Manifest, decode_scene, encode_scene, load_manifest
     from hgs_core.evaluate.run import evaluate_run
     from hgs_core.fit.config import EncodeConfig
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Camera",
     "Capture",
+    "CaptureCheck",
     "CaptureConfig",
     "DynamicSplats",
     "EncodeConfig",
@@ -47,6 +50,7 @@ __all__ = [
     "Segment",
     "StaticSplats",
     "TrainConfig",
+    "check_capture",
     "decode_scene",
     "encode_scene",
     "evaluate_run",
@@ -61,6 +65,7 @@ __all__ = [
 _HOMES = {
     "Camera": "hgs_core.scene.camera",
     "Capture": "hgs_core.capture.capture",
+    "CaptureCheck": "hgs_core.check.findings",
     "CaptureConfig": "hgs_core.capture.config",
     "DynamicSplats": "hgs_core.scene",
     "EncodeConfig": "hgs_core.fit.config",
@@ -74,6 +79,7 @@ _HOMES = {
     "Segment": "hgs_core.scene",
     "StaticSplats": "hgs_core.scene",
     "TrainConfig": "hgs_core.train.config",
+    "check_capture": "hgs_core.check.capture_check",
     "decode_scene": "hgs_core.codec",
     "encode_scene": "hgs_core.codec",
     "evaluate_run": "hgs_core.evaluate.run",

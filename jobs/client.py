@@ -88,9 +88,9 @@ class JobClient:
         job_id = _new_id(title)
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
-        job = Job(id=job_id, title=title, capture=str(capture), config=request.config.to_json())
         try:
-            pipeline.create_run(run, capture, request.config, masks=request.masks)
+            config = pipeline.create_run(run, capture, request.config, masks=request.masks)
+            job = Job(id=job_id, title=title, capture=str(capture), config=config.to_json())
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
                 self._table.insert(connection, job)

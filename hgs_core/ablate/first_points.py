@@ -36,6 +36,9 @@ def initialise_run(run: RowRun, others: Sequence[RowRun], progress: ProgressCall
     folder = run.folder
     if folder.points.exists():
         return
+    checked = next((other for other in others if other.folder.check.exists()), None)
+    if checked is not None and not folder.check.exists():  # all runs are of one capture
+        _share(checked.folder.check, folder.check)
     for other in others:
         if _points_of(other) == _points_of(run) and other.folder.points.exists():
             _share(other.folder.masks, folder.masks)

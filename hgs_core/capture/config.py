@@ -27,9 +27,12 @@ _LONGEST_NAME = 255  # characters; file systems have no longer names, and camera
 class CaptureConfig:
     """Which cameras of a capture a run may see, how large, and how much memory their frames may take."""
 
-    hold_out: tuple[str, ...] = ()  # camera names that neither training nor initialisation may see
+    hold_out: tuple[
+        str, ...
+    ] = ()  # camera names that neither training nor initialisation may see; ("auto",): one of six
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     frame_memory_mib: int = 4096  # for decoded frames; a longer capture is visited in blocks that fit
+    trust_poses: bool = False  # train whatever the check of the capture says
 
     def __post_init__(self) -> None:
         """Check every field.

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from hgs_core.scene.camera import Camera
 
-__all__ = ["Features", "extract_features", "fundamental_matrix", "match_features"]
+__all__ = ["Features", "extract_features", "fundamental_matrix", "match_features", "mutual_matches"]
 
 _MASK_MARGIN = 24  # pixels around the mask's box: the descriptors there see beyond it
 # Pixels; a smaller picture is searched at twice its size, which finds about three times as much.
@@ -32,8 +32,13 @@ class Features:
 def extract_features(
     picture: npt.NDArray[np.uint8],  # [H, W, 3]
     mask: npt.NDArray[np.bool_] | None = None,  # [H, W] where features are wanted; None: everywhere
+    *,
+    fine: bool = False,
 ) -> Features:
-    """Return the SIFT features of a picture, the same for the same input."""
+    """Return the SIFT features of a picture, the same for the same input, the finest first.
+
+    A small picture is searched at twice its size, a larger one only where `fine` asks for it.
+    """
     import pycolmap
 
     empty = Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
@@ -49,7 +54,7 @@ def extract_features(
         return empty
     pycolmap.logging.minloglevel = 2  # errors alone
     options = pycolmap.FeatureExtractionOptions(num_threads=1, use_gpu=False)
-    options.sift.first_octave = -1 if grey.size < _SMALL_PICTURE else 0
+    options.sift.first_octave = -1 if fine or grey.size < _SMALL_PICTURE else 0
     options.sift.max_num_features = _MAX_FEATURES
     extractor = pycolmap.FeatureExtractor.create(options, pycolmap.Device.cpu)
     keypoints, descriptors = extractor.extract_from_uint8_array(np.ascontiguousarray(grey))
@@ -76,15 +81,27 @@ def match_features(
     first: Features, second: Features, fundamental: npt.NDArray[np.float64]
 ) -> npt.NDArray[np.uint32]:  # [M, 2] rows of first and second
     """Return the pairs that are each other's best candidate along the epipolar lines and pass the ratio test."""
+    return _matches(first, second, fundamental)
+
+
+def mutual_matches(first: Features, second: Features) -> npt.NDArray[np.uint32]:  # [M, 2] rows of first and second
+    """Return the pairs that are each other's best candidate anywhere and pass the ratio test."""
+    return _matches(first, second, None)
+
+
+def _matches(first: Features, second: Features, fundamental: npt.NDArray[np.float64] | None) -> npt.NDArray[np.uint32]:
     if min(len(first.xy), len(second.xy)) < 2:
         return np.zeros((0, 2), np.uint32)
     # Whole numbers up to 128 * 255^2 < 2^24 are exact in float32: the result is the same for any number of threads.
     likeness = first.descriptors @ second.descriptors.T
-    likeness[~_near_epipolar_lines(first.xy, second.xy, fundamental)] = 0.0
+    if fundamental is not None:
+        likeness[~_near_epipolar_lines(first.xy, second.xy, fundamental)] = 0.0
     best = likeness.argmax(axis=1)
     rows = np.arange(len(best))
-    mutual = likeness.argmax(axis=0)[best] == rows
     top = likeness[rows, best]
+    mutual = np.zeros(len(rows), bool)  # of equals the first; argmax over columns would take ten times as long
+    favourites = np.flatnonzero(top == likeness.max(axis=0)[best])
+    mutual[favourites[np.unique(best[favourites], return_index=True)[1]]] = True
     likeness[rows, best] = 0.0
     angle = np.arccos(np.minimum(top / _DESCRIPTOR_LENGTH**2, 1.0))
     rival = np.arccos(np.minimum(likeness.max(axis=1) / _DESCRIPTOR_LENGTH**2, 1.0))

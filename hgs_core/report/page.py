@@ -8,12 +8,14 @@ from html import escape
 from pathlib import Path
 
 from hgs_core.base.wording import counted
+from hgs_core.check.findings import CaptureCheck
 from hgs_core.report.chart_sections import (
     comparison_section,
     decomposition_section,
     quality_section,
     training_section,
 )
+from hgs_core.report.check_section import PairPictures, check_section
 from hgs_core.report.codec_section import codec_section
 from hgs_core.report.key_figures import config_changes, key_figures
 from hgs_core.report.markup import note, pairs, section, table
@@ -26,6 +28,7 @@ from hgs_core.report.sources import FinishedRun
 __all__ = ["PageContent", "report_page"]
 
 _SECTIONS = {
+    "check": "The capture",
     "pictures": "Pictures",
     "quality": "Quality",
     "training": "Training",
@@ -50,6 +53,8 @@ class PageContent:
     times: Sequence[float]  # of the capture's frames, seconds; empty where the capture is gone
     chunks: Sequence[ChunkSize]
     machine: Mapping[str, object]  # that makes this page, with the version of this software
+    check: CaptureCheck | None = None  # of the capture, before the training
+    checked: Sequence[PairPictures] = ()
 
 
 def report_page(content: PageContent) -> str:
@@ -58,6 +63,7 @@ def report_page(content: PageContent) -> str:
     here = Path(__file__)
     style, script = here.with_name("page.css").read_text(), here.with_name("page.js").read_text()
     sections = [
+        check_section(content.check, content.checked),
         picture_section(run, content.cameras, content.no_pictures),
         quality_section(run, content.cameras, content.times),
         training_section(run),

@@ -26,7 +26,7 @@ from hgs_core.report.sources import FinishedRun
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.targets import target_picture
 
-__all__ = ["MOVING_COLOUR", "CameraPictures", "Moment", "choose_frames", "draw_pictures", "evenly"]
+__all__ = ["MOVING_COLOUR", "CameraPictures", "Moment", "choose_frames", "draw_pictures", "evenly", "picture_of"]
 
 MOVING_COLOUR = (255, 122, 26)  # sRGB, of pixels that dynamic splats draw
 _MOMENTS_PER_CAMERA = 3  # per camera, beside the worst
@@ -109,6 +109,11 @@ def evenly(items: Sequence[Any], count: int) -> list[Any]:
     if len(items) <= count:
         return list(items)
     return [items[round(place)] for place in np.linspace(0, len(items) - 1, count)]
+
+
+def picture_of(capture: Capture, camera: str, frame: int) -> str:
+    """Return a picture of the capture at the report's size, as a data URI."""
+    return _data_uri(_reduced(capture.frame(capture.camera_index(camera), frame)))
 
 
 class _Artist:

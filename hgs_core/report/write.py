@@ -8,9 +8,11 @@ from pathlib import Path
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
+from hgs_core.check.findings import CaptureCheck
 from hgs_core.native.machine import machine_facts
+from hgs_core.report.check_section import PairPictures
 from hgs_core.report.page import PageContent, report_page
-from hgs_core.report.pictures import CameraPictures, draw_pictures
+from hgs_core.report.pictures import CameraPictures, draw_pictures, picture_of
 from hgs_core.report.sizes import chunk_sizes
 from hgs_core.report.sources import read_run
 
@@ -38,6 +40,8 @@ def write_report(run: Path, out: Path, against: Sequence[Path], progress: Progre
     cameras: list[CameraPictures] = []
     times: list[float] = []
     reason = ""
+    check = CaptureCheck.load(finished.folder.check) if finished.folder.check.exists() else None
+    checked: list[PairPictures] = []
     try:
         capture = finished.spec.open_capture()
     except InputError as error:
@@ -45,5 +49,10 @@ def write_report(run: Path, out: Path, against: Sequence[Path], progress: Progre
     else:
         times = [float(seconds) for seconds in capture.times]
         cameras = draw_pictures(finished, capture, progress)
-    page = report_page(PageContent(finished, others, cameras, reason, times, chunks, machine_facts()))
+        if check is not None:
+            checked = [
+                PairPictures(pair, *(picture_of(capture, name, pair.frame) for name in pair.cameras))
+                for pair in check.shown
+            ]
+    page = report_page(PageContent(finished, others, cameras, reason, times, chunks, machine_facts(), check, checked))
     write_bytes(out, page.encode())

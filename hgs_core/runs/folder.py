@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import fcntl
 import json
 import time
@@ -44,6 +45,10 @@ class RunSpec:
         self.check_unchanged(capture)
         return capture
 
+    def trusting(self, poses: bool) -> RunSpec:
+        """Return the specification with `trust_poses` as given; it decides whether a run goes on, not what it makes."""
+        return dataclasses.replace(self, config=self.config.changed({"capture.trust_poses": poses}))
+
     def check_unchanged(self, capture: Capture) -> None:
         """Refuse a capture whose files are not those the run began with.
 
@@ -60,6 +65,7 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         self.path = path
         self.spec = path / "run.json"
+        self.check = path / "check.json"
         self.points = path / "points.npz"
         self.masks = path / "masks.npz"
         self.trained = path / "scene.npz"
@@ -90,10 +96,12 @@ class RunFolder:
         if spec.without_capture:
             value["without_capture"] = True
         if self.spec.exists():
-            if self.read_spec() != spec:
+            there = self.read_spec()
+            if there == spec:
+                return
+            if there.trusting(spec.config.capture.trust_poses) != spec:
                 raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
-            return
-        if self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
+        elif self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
             raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 

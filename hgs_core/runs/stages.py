@@ -6,6 +6,7 @@ loading torch.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import logging
 from collections.abc import Callable, Mapping
@@ -19,14 +20,16 @@ from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
+from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
+from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
 
 if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
 
-__all__ = ["STAGES", "Encoded", "create_run", "encode", "encode_again", "initialise", "train", "train_scene"]
+__all__ = ["STAGES", "Encoded", "check", "create_run", "encode", "encode_again", "initialise", "train", "train_scene"]
 
 _MIN_CAMERAS = 2
 _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
@@ -34,15 +37,17 @@ _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wai
 log = logging.getLogger(__name__)
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
-    `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged.
+    `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged. Returns the
+    config of the run, which names the camera that is held out where `config` leaves the choice.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
     """
     opened = open_capture(capture, masks=masks, downscale=config.capture.downscale)
+    config = _with_held_out(config, RunFolder(run), opened)
     left = len(config.capture.training_cameras(opened))
     if left < _MIN_CAMERAS:
         raise InputError(
@@ -54,16 +59,59 @@ def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | Non
     RunFolder(run).write_spec(spec)
     for note in opened.notes:
         log.warning("%s: %s", capture, note)
+    return config
+
+
+def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> RunConfig:
+    """Choose the camera to hold out, where that is asked for; a run that is there keeps its own."""
+    if config.capture.hold_out != AUTO:
+        return config
+    if folder.spec.exists():
+        return config.changed({"capture.hold_out": folder.read_spec().config.capture.hold_out})
+    chosen = with_held_out(config.capture, capture.cameras)
+    for name in chosen.hold_out:
+        log.warning(
+            "camera %s is held out, so that hgs eval can score the scene with it; --hold-out names others", name
+        )
+    return dataclasses.replace(config, capture=chosen)
+
+
+def check(run: Path, progress: ProgressCallback) -> None:
+    """Look for faults that training would be in vain with: check.json, which is kept if it is there.
+
+    Raises:
+        InputError: there is one, and the config does not trust the poses.
+    """
+    from hgs_core.check.capture_check import check_capture
+    from hgs_core.check.stopping import require_sound
+
+    folder = RunFolder(run)
+    if folder.points.exists():
+        return
+    spec = folder.read_spec()
+    if folder.check.exists():
+        result = CaptureCheck.load(folder.check)
+    else:
+        result = check_capture(spec.open_capture(cache_bytes=spec.config.capture.cache_bytes), progress)
+        result.save(folder.check)
+        for finding in result.findings:
+            log.warning("%s: %s", spec.capture, finding.sentence())
+    if not spec.config.capture.trust_poses:
+        require_sound(result, spec.capture)
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:
-    """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz."""
+    """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz.
+
+    The capture is checked first.
+    """
     from hgs_core.decompose.masks import MotionMasks, motion_masks
     from hgs_core.points.initial_points import initial_points
 
     folder = RunFolder(run)
     if folder.points.exists():
         return
+    check(run, progress)
     capture, config = _open(folder)
     cameras = config.capture.training_cameras(capture)
     if folder.masks.exists():  # of a stage that was stopped, or put there to be used
@@ -166,6 +214,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
+    "check": check,
     "initialise": initialise,
     "train": train,
     "encode": encode,
@@ -180,6 +229,7 @@ def train_scene(
     *,
     masks: Path | None = None,
     progress: ProgressCallback = silent,
+    checked: Callable[[CaptureCheck], None] = lambda result: None,
 ) -> Path:
     """Train a capture and encode the scene; calling it again resumes from the last checkpoint, to the same bits.
 
@@ -189,13 +239,14 @@ def train_scene(
         config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
+        checked: called with what the check of the capture found, also if that stops the run.
 
     Returns:
         `out`. The trained splats are in `out`/scene.npz, the encoded scene is the folder `out`/scene.
 
     Raises:
-        InputError: the capture is unusable, a held-out camera is unknown, the folder is taken, or another process
-            works on the run.
+        InputError: the capture is unusable, its poses do not fit its pictures, a held-out camera is unknown, the folder
+            is taken, or another process works on the run.
         StageStopped: `progress` raised it; what was done so far is kept.
 
     Example:
@@ -208,8 +259,12 @@ def train_scene(
     """
     create_run(out, capture, config or RunConfig(), masks=masks)
     with RunFolder(out).exclusive():
-        for stage in STAGES.values():
-            stage(out, progress)
+        for name, stage in STAGES.items():
+            try:
+                stage(out, progress)
+            finally:
+                if name == "check" and RunFolder(out).check.exists():
+                    checked(CaptureCheck.load(RunFolder(out).check))
     return out
 
 

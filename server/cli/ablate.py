@@ -43,7 +43,7 @@ def add_parser(commands: Any) -> None:
         "--json", metavar="FILE", nargs="?", const="-",
         help="write JSON to FILE, or to standard output in place of the table",
     )  # fmt: skip
-    add_training_options(parser)
+    add_training_options(parser, hold_out="")
     parser.set_defaults(run=_run)
 
 

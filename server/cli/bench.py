@@ -71,7 +71,7 @@ def add_parser(commands: Any) -> None:
     train.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     train.add_argument("--device", choices=("cpu", "cuda"), default="cpu", help="what trains (default: cpu)")
     train.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
-    add_training_options(train)
+    add_training_options(train, hold_out="")
     train.set_defaults(run=_run_training)
     viewer: argparse.ArgumentParser = parts.add_parser(
         "viewer",

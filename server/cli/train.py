@@ -5,12 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.progress import StageStopped
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_masks_option, add_training_options, training_config
+
+if TYPE_CHECKING:
+    from hgs_core.check.findings import CaptureCheck
 
 __all__ = ["add_parser"]
 
@@ -36,8 +39,13 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.stages import train_scene
 
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+
+        def show(check: CaptureCheck) -> None:
+            bars.close()
+            print(check.table(), file=sys.stderr)
+
         try:
-            train_scene(options.capture, options.out, config, masks=options.masks, progress=bars)
+            train_scene(options.capture, options.out, config, masks=options.masks, progress=bars, checked=show)
         except StageStopped:
             bars.close()
             print("stopped; run the same command again to resume", file=sys.stderr)

@@ -14,10 +14,19 @@ from hgs_core.runs.config import PRESETS, RunConfig
 __all__ = ["add_masks_option", "add_training_options", "training_config"]
 
 
-def add_training_options(parser: argparse.ArgumentParser) -> None:
-    """Add --preset, --hold-out, --downscale and --set."""
+def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto") -> None:
+    """Add --preset, --hold-out with its default, --trust-poses, --downscale and --set."""
     parser.add_argument("--preset", choices=list(PRESETS), default="standard", help="how long and how fine to train")
-    parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras kept for `hgs eval`, by name")
+    parser.add_argument(
+        "--hold-out", metavar="A,B", default=hold_out,
+        help="cameras kept for `hgs eval`, by name; or none; or auto, of six or more the one in the middle"
+        + (" (default)" if hold_out == "auto" else ""),
+    )  # fmt: skip
+    parser.add_argument(
+        "--trust-poses",
+        action="store_true",
+        help="train even where the check of the capture finds poses that do not fit",
+    )
     parser.add_argument(
         "--downscale", metavar="N", type=int, help="reduce the pictures N times; big photographs train N^2 times faster"
     )
@@ -42,8 +51,10 @@ def training_config(options: argparse.Namespace) -> RunConfig:
         InputError: an unknown field, or a value of the wrong type or range.
     """
     chosen: dict[str, Any] = {}
-    if hold_out := [name.strip() for name in options.hold_out.split(",") if name.strip()]:
-        chosen["capture.hold_out"] = hold_out
+    hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
+    chosen["capture.hold_out"] = [] if hold_out == ["none"] else hold_out
+    if options.trust_poses:
+        chosen["capture.trust_poses"] = True
     if options.downscale is not None:
         chosen["capture.downscale"] = options.downscale
     config = RunConfig.for_preset(options.preset, **chosen)

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import by_stage
 from jobs.client import MAX_TITLE, JobConflictError, JobRequest
@@ -35,7 +36,7 @@ class Submission(BaseModel):
     capture: StrictStr = Field(min_length=1, max_length=4096)
     title: StrictStr = Field(default="", max_length=MAX_TITLE)
     preset: StrictStr = "standard"
-    hold_out: list[StrictStr] = Field(default=[], max_length=1000)
+    hold_out: list[StrictStr] = Field(default=list(AUTO), max_length=1000)
     config: dict[str, Any] = {}
 
 

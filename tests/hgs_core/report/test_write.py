@@ -11,6 +11,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
+from hgs_core.check.findings import CameraResult, CaptureCheck, Finding, ShownMatch, ShownPair
 from hgs_core.report.write import write_report
 
 
@@ -34,6 +35,19 @@ def test_without_the_capture_the_page_says_so_and_has_no_pictures(run: Path, tmp
     assert "No pictures" in text
     assert "the folder does not exist" in text
     assert tile(text, "psnr") == f"{json.loads((run / 'eval.json').read_text())['psnr']:.2f}"
+
+
+def test_the_check_of_the_capture_is_drawn(run: Path, tmp_path: Path) -> None:
+    shutil.copytree(run, tmp_path / "run")
+    match = ShownMatch((10.0, 20.0), (30.0, 34.0), (0.0, 1.0, -30.0))
+    pair = ShownPair(("0", "1"), 3, ((64, 48), (64, 48)), 5.5, (match,))
+    results = (CameraResult("0", 1, 40, 5.5, None), CameraResult("1", 1, 40, 5.5, None))
+    CaptureCheck(results, (Finding(True, ("1",), "it is upside down", "turn it"),), (pair,), (0, 3), 64).save(
+        tmp_path / "run" / "check.json"
+    )
+    text = written(tmp_path / "run", tmp_path / "report.html")
+    assert "1: it is upside down; turn it" in text
+    assert len(re.findall(r'<image href="data:image/jpeg;base64,/9j', text)) == 2
 
 
 def test_a_run_without_capture_and_scores_still_tells_its_size(run: Path, tmp_path: Path) -> None:

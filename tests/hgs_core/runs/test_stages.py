@@ -14,12 +14,14 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.base.version import software_version
+from hgs_core.capture.held_out import AUTO
+from hgs_core.check.findings import CaptureCheck, Finding
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
-from hgs_core.runs.stages import STAGES, create_run
+from hgs_core.runs.stages import STAGES, create_run, train_scene
 from hgs_core.scene.files import load_scene
 from tests.conftest import REPOSITORY
 from tests.synthetic import write_capture
@@ -151,6 +153,61 @@ def test_bad_hold_outs_are_refused_before_anything_is_written(
     with pytest.raises(InputError, match=problem):
         create_run(tmp_path / "run", capture, config)
     assert not (tmp_path / "run").exists()
+
+
+def test_of_six_cameras_one_is_held_out_where_the_choice_is_left(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    write_capture(tmp_path / "capture", cameras=6, frames=1)
+    config = CONFIG.changed({"capture.hold_out": AUTO})
+    made = create_run(tmp_path / "run", tmp_path / "capture", config)
+    assert made.capture.hold_out == RunFolder(tmp_path / "run").read_spec().config.capture.hold_out == ("2",)
+    assert "camera 2 is held out" in caplog.text
+    assert create_run(tmp_path / "run", tmp_path / "capture", config) == made
+    # A run that was made with another choice is resumed as it was made.
+    create_run(tmp_path / "mine", tmp_path / "capture", CONFIG.changed({"capture.hold_out": ["0"]}))
+    assert create_run(tmp_path / "mine", tmp_path / "capture", config).capture.hold_out == ("0",)
+
+
+@pytest.fixture
+def faulty(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Have every capture checked as faulty; the list has an entry per check."""
+    found = CaptureCheck((), (Finding(True, ("1",), "it is upside down", "turn it"),), (), (0,), 64)
+    calls: list[int] = []
+
+    def check(capture: object, progress: object) -> CaptureCheck:
+        calls.append(1)
+        return found
+
+    monkeypatch.setattr("hgs_core.check.capture_check.check_capture", check)
+    return calls
+
+
+@pytest.mark.parametrize("stage", ["check", "initialise"])
+def test_a_faulty_capture_stops_the_run_until_its_poses_are_trusted(
+    tmp_path: Path, capture: Path, faulty: list[int], stage: str
+) -> None:
+    run = tmp_path / "run"
+    create_run(run, capture, CONFIG)
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"camera 1: it is upside down; turn it; or train with --trust-poses"):
+            STAGES[stage](run, silent)
+    assert faulty == [1], "the result is kept"
+    create_run(run, capture, CONFIG.changed({"capture.trust_poses": True}))
+    STAGES["check"](run, silent)
+    create_run(run, capture, CONFIG)  # trusted no longer
+    with pytest.raises(InputError):
+        STAGES["check"](run, silent)
+
+
+def test_what_the_check_found_is_told_also_where_it_stops_the_run(
+    tmp_path: Path, capture: Path, faulty: list[int]
+) -> None:
+    told: list[CaptureCheck] = []
+    with pytest.raises(InputError):
+        train_scene(capture, tmp_path / "run", CONFIG, checked=told.append)
+    assert [finding.problem for finding in told[0].findings] == ["it is upside down"]
+    assert faulty == [1]
 
 
 def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:

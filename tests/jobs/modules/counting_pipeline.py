@@ -28,11 +28,12 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)
     _replace(run / "run.json", json.dumps({"capture": str(capture), "iterations": config.train.iterations}))
+    return config
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:

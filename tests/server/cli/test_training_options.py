@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 from server.cli.training_options import add_masks_option, add_training_options, training_config
 
@@ -19,7 +20,16 @@ def config_of(*arguments: str) -> RunConfig:
 
 
 def test_without_options_the_config_is_the_preset_standard() -> None:
-    assert config_of() == RunConfig.for_preset("standard")
+    assert config_of() == RunConfig.for_preset("standard", capture={"hold_out": AUTO})
+
+
+def test_nobody_is_held_out_where_none_is_asked_for() -> None:
+    assert config_of("--hold-out", "none").capture.hold_out == ()
+
+
+def test_poses_are_trusted_where_that_is_asked_for() -> None:
+    assert not config_of().capture.trust_poses
+    assert config_of("--trust-poses").capture.trust_poses
 
 
 def test_pictures_are_reduced_as_asked() -> None:

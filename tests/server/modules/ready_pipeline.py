@@ -11,11 +11,12 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.runs.config import RunConfig
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)
     (run / "run.json").write_text(json.dumps({"capture": str(capture)}))
+    return config
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:

@@ -18,13 +18,16 @@ from PIL import Image
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 
 TOTAL = 400
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> None:
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
+    if config.capture.hold_out == AUTO:
+        config = config.changed({"capture.hold_out": ()})
     left = cameras - len(config.capture.hold_out)
     if left < 2:
         raise InputError(
@@ -34,6 +37,7 @@ def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | Non
         raise InputError(capture / "left.png", "the picture is unreadable", "restore the file")
     run.mkdir(parents=True)
     (run / "run.json").write_text(json.dumps({"capture": str(capture)}))
+    return config
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:

@@ -105,7 +105,7 @@ class SubmitForm {
         "hold_out",
         "Cameras to check the scene with",
         [this.#cameras],
-        "Their pictures are left out of the training, so that they show how good the scene is from where no camera stood. You need not choose any.",
+        "Their pictures are left out of the training, so that they show how good the scene is from where no camera stood. Choose none, and of six cameras or more the one in the middle is taken.",
       ),
     };
     const { capture, title, preset, hold_out } = this.#fields;
@@ -145,8 +145,10 @@ class SubmitForm {
     );
   }
 
-  #heldOut(): string[] {
-    return [...this.#cameras.querySelectorAll<HTMLInputElement>("input:checked")].map(({ value }) => value);
+  /** Nothing where no camera is chosen: the server chooses then. */
+  #heldOut(): { hold_out?: string[] } {
+    const names = [...this.#cameras.querySelectorAll<HTMLInputElement>("input:checked")].map(({ value }) => value);
+    return names.length > 0 ? { hold_out: names } : {};
   }
 
   async #send(): Promise<void> {
@@ -160,7 +162,7 @@ class SubmitForm {
         capture,
         title: this.#title.value.trim(),
         preset: chosenIn(this.#fields.preset.node),
-        hold_out: this.#heldOut(),
+        ...this.#heldOut(),
       });
       location.assign(`/job/${encodeURIComponent(job.id)}`);
     } catch (error) {

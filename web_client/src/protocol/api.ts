@@ -85,7 +85,8 @@ export interface Submission {
   readonly capture: string;
   readonly title: string;
   readonly preset: string;
-  readonly hold_out: readonly string[];
+  /** Without it the server chooses. */
+  readonly hold_out?: readonly string[];
 }
 
 export const isFinal = (job: Job): boolean => job.state !== "queued" && job.state !== "running";

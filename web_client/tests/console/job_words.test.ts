@@ -34,7 +34,7 @@ describe("describeProgress", () => {
     ["Waiting", { state: "queued" }],
     ["Starting", {}],
     ["Encoding", { stage: "encode" }],
-    ["Finding what moves", { progress: { stage: "initialise", done: 0, total: 1, figures: {} } }],
+    ["Checking the capture", { progress: { stage: "initialise", done: 0, total: 1, figures: {} } }],
     ["Finding what moves 3 / 16", { progress: { stage: "masks", done: 3, total: 16, figures: {} } }],
     ["Placing points 4 / 9", { progress: { stage: "points", done: 4, total: 9, figures: {} } }],
     ["Depth maps 3 / 16", { progress: { stage: "depth_maps", done: 3, total: 16, figures: {} } }],
@@ -47,8 +47,8 @@ describe("describeProgress", () => {
 
 describe("stepOf", () => {
   it("goes through the steps in the order of the stages", () => {
-    const stages = ["initialise", "masks", "points", "train", "encode", "publish"];
-    expect(stages.map((stage) => stepOf(job({ stage })))).toEqual([0, 0, 1, 2, 3, 4]);
+    const stages = ["initialise", "check", "masks", "points", "train", "encode", "publish"];
+    expect(stages.map((stage) => stepOf(job({ stage })))).toEqual([0, 0, 1, 2, 3, 4, 5]);
   });
 
   it("knows no step of a stage that is not there yet or not known", () => {

@@ -1,0 +1,110 @@
+"""The check of a capture before it trains."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from hgs_core.base.progress import Progress, ProgressCallback, silent
+from hgs_core.capture.capture import Capture
+from hgs_core.check.camera_motion import camera_shift
+from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
+from hgs_core.check.evidence import Evidence, gather
+from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+from hgs_core.check.motion_energy import energy_offsets, motion_energy
+from hgs_core.check.moving_features import feature_offsets, match_leads
+from hgs_core.check.poses import judge_poses
+from hgs_core.check.recordings import judge_masks, judge_pictures, judge_rates
+from hgs_core.check.shown_pairs import shown_pairs
+from hgs_core.check.suspects import WRONG, Suspects
+
+__all__ = ["check_capture"]
+
+_FRAMES = 90  # from the first, in which motion energy is measured
+_APART = 1.0  # frames: what offsets are told from; in short captures half a frame is chance
+
+
+def check_capture(capture: Capture, progress: ProgressCallback = silent) -> CaptureCheck:
+    """Check poses, lenses, clocks, masks and pictures of a capture.
+
+    Four moments are matched between cameras, each within itself, without asking the poses; poses are then judged by how
+    far the matches lie from the epipolar lines. Equal captures give equal results.
+
+    Raises:
+        InputError: a picture or a mask is missing, unreadable or of a wrong size.
+
+    Example:
+        >>> import hgs_core as hgs
+        >>> from pathlib import Path
+        >>> check = hgs.check_capture(hgs.open_capture(Path("capture")))
+        >>> len(check.cameras), [finding.problem for finding in check.stops]
+        (5, [])
+    """
+    names = [camera.name for camera in capture.cameras]
+    seen = gather(capture, progress)
+    rig = Rig.of(seen.cameras)
+    pairs: Pairs = {pair: Pair.of(matches) for pair, matches in seen.pairs.items()}
+    suspects, findings = judge_poses(rig, pairs, names)
+    moving = _moving_cameras(names, seen)
+    ahead = _offsets(capture, rig, seen, suspects, progress)
+    findings += moving
+    findings += _unsynchronous(names, ahead, {name for finding in moving for name in finding.cameras})
+    findings += judge_pictures(names, seen.views) + judge_masks(names, seen.views) + judge_rates(capture.path, names)
+    errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
+    results = tuple(
+        CameraResult(
+            name,
+            sum(index in pair for pair in pairs),
+            round(sum(one.weight for pair, one in pairs.items() if index in pair)),
+            None if errors[index] is None else round(float(errors[index] or 0.0), 3),
+            None if ahead[index] is None else round(float(ahead[index] or 0.0), 2),
+        )
+        for index, name in enumerate(names)
+    )
+    findings.sort(key=lambda finding: not finding.stops)
+    shown = shown_pairs(seen, rig, pair_errors(rig, pairs), suspects)
+    return CaptureCheck(results, tuple(findings), shown, seen.frames, max(camera.width for camera in seen.cameras))
+
+
+def _moving_cameras(names: list[str], seen: Evidence) -> list[Finding]:
+    findings = []
+    for name, view in zip(names, seen.views, strict=True):
+        shift = None if view.last is None else camera_shift(view.features[0], view.last)
+        if shift is not None:
+            first, last = seen.frames[0], seen.frames[-1]
+            problem = f"the camera moves: its picture shifts by {shift:.1f} px from frame {first} to {last}"
+            cure = "cut the video to where it stands still, or leave the camera out"
+            findings.append(Finding(shift > WRONG, (name,), problem, cure))
+    return findings
+
+
+def _offsets(
+    capture: Capture, rig: Rig, seen: Evidence, suspects: Suspects, progress: ProgressCallback
+) -> list[float | None]:
+    """Return by how many frames each camera is ahead: by motion energy, and where that tells nothing by features."""
+    count, frames = len(capture.cameras), min(_FRAMES, len(capture.times))
+    if frames < 2:
+        return [None] * count
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        energies = list(pool.map(lambda i: motion_energy(lambda frame: capture.frame(i, frame), frames), range(count)))
+    progress(Progress("check", 2 * count, 2 * count))
+    found = energy_offsets(energies)
+    if any(offset is not None for offset in found):
+        return found
+    trusted = set(suspects.agreeing)
+    return feature_offsets(count, match_leads(rig, [p for p in seen.pairs if trusted.issuperset(p)], seen.views))
+
+
+def _unsynchronous(names: list[str], ahead: list[float | None], moving: set[str]) -> list[Finding]:
+    findings = []
+    for name, offset in zip(names, ahead, strict=True):
+        if offset is not None and abs(offset) > _APART and name not in moving:
+            frames = float(np.round(abs(offset), 1))
+            way = "ahead of" if offset > 0 else "behind"
+            problem = f"by what moves, its frames are {frames:g} {way} the others'"
+            cut = "the others" if offset > 0 else "it"
+            cure = f"cut the first {max(1, round(frames))} frames of {cut}, or correct its time stamps"
+            findings.append(Finding(False, (name,), problem, cure))
+    return findings

@@ -1,0 +1,88 @@
+"""By how many frames cameras are ahead of others, by how much changes in their pictures from frame to frame.
+
+What starts, stops and turns does so at one moment for all cameras, whatever of it each of them sees. It needs no poses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+__all__ = ["energy_offsets", "motion_energy"]
+
+_SIZE = (128, 96)  # pixels that a picture is reduced to
+_NOISE = 6.0  # levels that pixels differ by without motion
+_FARTHEST = 10  # frames
+_FEWEST = 12  # frames that two cameras must overlap by
+_AGREES = 0.75  # frames
+_LEAST_AGREEMENT = 0.8  # of the pairs' weight, in the median camera; where fewer agree all is chance
+_ROUNDS = 30
+
+Floats = npt.NDArray[np.float64]
+
+
+def motion_energy(picture: Callable[[int], npt.NDArray[np.uint8]], frames: int) -> Floats:
+    """Return how much each of the first frames of a camera differs from the one before, [frames - 1] mean levels."""
+    energy, before = [], None
+    for frame in range(frames):
+        grey = Image.fromarray(picture(frame)).convert("L").resize(_SIZE, Image.Resampling.BOX)
+        now = np.asarray(grey, np.float32)
+        if before is not None:
+            change = np.abs(now - before)
+            energy.append(float(np.where(change > _NOISE, change, 0).mean()))
+        before = now
+    return np.array(energy)
+
+
+def energy_offsets(energies: Sequence[Floats]) -> list[float | None]:
+    """Return by how many frames, not rounded, each camera is ahead of most; all None where the pairs disagree."""
+    count = len(energies)
+    nothing: list[float | None] = [None] * count
+    farthest = min(_FARTHEST, len(energies[0]) - _FEWEST) if count else 0
+    if farthest < 1 or count < 3:
+        return nothing
+    leads, weights = np.zeros((count, count)), np.zeros((count, count))
+    for a in range(count):
+        for b in range(a):
+            leads[a, b], weights[a, b] = _lead(energies[a], energies[b], farthest)
+            leads[b, a], weights[b, a] = -leads[a, b], weights[a, b]
+    if not (weights.sum(axis=1) > 0).all():
+        return nothing
+    offsets = np.zeros(count)
+    for _ in range(_ROUNDS):
+        for camera in range(count):
+            offsets[camera] = _weighted_median(offsets + leads[camera], weights[camera])
+    agrees = np.abs(offsets[:, None] - offsets - leads) < _AGREES
+    agreement = (weights * agrees).sum(axis=1) / weights.sum(axis=1)
+    if np.median(agreement) < _LEAST_AGREEMENT:
+        return nothing
+    offsets -= np.median(offsets)
+    return [float(offset) if share >= 0.5 else None for offset, share in zip(offsets, agreement, strict=True)]
+
+
+def _lead(first: Floats, second: Floats, farthest: int) -> tuple[float, float]:
+    """Return by how many frames the first is ahead of the second, and how much that counts."""
+    likeness = np.array([_correlation(first, second, shift) for shift in range(-farthest, farthest + 1)])
+    best = int(likeness.argmax())
+    lead = float(best - farthest)
+    if 0 < best < 2 * farthest:
+        before, at, after = likeness[best - 1 : best + 2]
+        lead += 0.5 * (before - after) / (before - 2 * at + after) if before - 2 * at + after < 0 else 0.0
+    return lead, max(0.0, float(likeness[best])) ** 4
+
+
+def _correlation(first: Floats, second: Floats, shift: int) -> float:
+    """Return how the second is like the first when it is moved back by `shift` frames."""
+    a, b = first[max(0, -shift) : len(first) - max(0, shift)], second[max(0, shift) : len(second) - max(0, -shift)]
+    if a.std() == 0 or b.std() == 0:
+        return 0.0
+    return float(np.corrcoef(a, b)[0, 1])
+
+
+def _weighted_median(values: Floats, weights: Floats) -> float:
+    order = np.argsort(values, kind="stable")
+    reached = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(reached, reached[-1] / 2)])

@@ -1,0 +1,80 @@
+"""Findings about pictures, masks and frame rates."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.wording import counted
+from hgs_core.capture.video import announced_length
+from hgs_core.check.evidence import CameraEvidence
+from hgs_core.check.findings import Finding
+
+__all__ = ["judge_masks", "judge_pictures", "judge_rates"]
+
+_FLAT = 0.96  # of the pixels; an object before a plain background leaves more
+_ALL = 0.995  # of the pixels
+_VIDEOS = {".avi", ".mkv", ".mov", ".mp4", ".webm"}
+_FEW_CAMERAS = 4
+
+
+def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence]) -> list[Finding]:
+    """Find pictures that show nothing, and too few of them."""
+    findings = []
+    flat = [i for i, view in enumerate(views) if view.level[1] > _FLAT]
+    for level in sorted({views[i].level[0] for i in flat}):
+        cameras = [names[i] for i in flat if views[i].level[0] == level]
+        share = min(views[i].level[1] for i in flat if views[i].level[0] == level)
+        problem = f"{share:.0%} of the first picture is nothing but the level {level}"
+        cure = "store 8 bits per channel" if level in (0, 255) else "look at the files"
+        findings.append(Finding(len(flat) == len(views), tuple(cameras), problem, cure))
+    if len(views) < _FEW_CAMERAS:
+        problem = f"{counted(len(views), 'camera')}: a scene looks right only near where they stand"
+        findings.append(Finding(False, (), problem, f"record with {_FEW_CAMERAS} or more"))
+    return findings
+
+
+def judge_masks(names: Sequence[str], views: Sequence[CameraEvidence]) -> list[Finding]:
+    """Find given masks that mark nothing, or everything."""
+    given = {name: view.marked for name, view in zip(names, views, strict=True) if view.marked}
+    nothing = [name for name, marked in given.items() if max(marked) == 0]
+    everything = [name for name, marked in given.items() if min(marked) > _ALL]
+    findings = []
+    if given and len(nothing) == len(given):
+        problem = "the masks mark nothing in the frames that were looked at: what moves would be trained as still"
+        findings.append(Finding(False, (), problem, "mark what moves, or take the masks away"))
+    if everything:
+        problem = "the masks mark 100 % of the pixels: nothing would be trained as still"
+        cure = "what moves is above 0, what is still is 0: were they inverted?"
+        findings.append(Finding(False, () if len(everything) == len(names) else tuple(everything), problem, cure))
+    return findings
+
+
+def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:
+    """Find videos, called as their cameras, that run at another rate than the others."""
+    rates: dict[str, Fraction] = {}
+    wanted = set(names)
+    for file in sorted([*path.glob("*"), *path.glob("*/*")]):
+        if file.suffix.lower() in _VIDEOS and file.stem in wanted and file.is_file():
+            try:
+                rate = announced_length(file)[1]
+            except InputError:
+                continue  # opening the capture says so where it matters
+            if rate is not None:
+                rates[file.stem] = Fraction(rate).limit_denominator(100_000)
+    if not rates:
+        return []
+    usual = Counter(rates.values()).most_common(1)[0][0]
+    odd = {name: rate for name, rate in rates.items() if rate != usual}
+    findings = []
+    for other in sorted(set(odd.values())):
+        cameras = tuple(name for name, one in odd.items() if one == other)
+        seconds = 1 / abs(float(other - usual))
+        problem = (
+            f"{float(other):.5g} frames per second, the others {float(usual):.5g}: a frame apart after {seconds:.0f} s"
+        )
+        findings.append(Finding(False, cameras, problem, "export all videos at the same rate"))
+    return findings
