@@ -15,6 +15,7 @@ _MASK_MARGIN = 24  # pixels around the mask's box: the descriptors there see bey
 # Pixels; a smaller picture is searched at twice its size, which finds about three times as much.
 _SMALL_PICTURE = 60_000
 _MAX_FEATURES = 3000
+_MAX_FINE_FEATURES = 8000
 _EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
 _MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default
 _MAX_RATIO = 0.8  # of the angles to the best and the second candidate, Lowe's test
@@ -55,7 +56,7 @@ def extract_features(
     pycolmap.logging.minloglevel = 2  # errors alone
     options = pycolmap.FeatureExtractionOptions(num_threads=1, use_gpu=False)
     options.sift.first_octave = -1 if fine or grey.size < _SMALL_PICTURE else 0
-    options.sift.max_num_features = _MAX_FEATURES
+    options.sift.max_num_features = _MAX_FINE_FEATURES if fine else _MAX_FEATURES
     extractor = pycolmap.FeatureExtractor.create(options, pycolmap.Device.cpu)
     keypoints, descriptors = extractor.extract_from_uint8_array(np.ascontiguousarray(grey))
     if len(keypoints) == 0:

@@ -15,6 +15,7 @@ from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
     bench,
+    cameras,
     check,
     encode,
     evaluate,
@@ -41,8 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
-        train, check, masks, encode, evaluate, report, publish, import_splats, export, serve, worker, submit, bench,
-        ablate,
+        train, check, cameras, masks, encode, evaluate, report, publish, import_splats, export, serve, worker, submit,
+        bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)

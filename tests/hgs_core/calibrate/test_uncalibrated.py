@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.calibrate.uncalibrated import find_videos, has_poses
+
+
+def touch(folder: Path, *names: str) -> None:
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+
+
+def test_videos_come_in_the_order_of_their_numbers_whatever_they_are_called(tmp_path: Path) -> None:
+    touch(tmp_path, "cam10.mp4", "cam2.MP4", "cam1.mov", "notes.txt", "poster.jpg")
+    assert [file.name for file in find_videos(tmp_path)] == ["cam1.mov", "cam2.MP4", "cam10.mp4"]
+
+
+def test_videos_in_a_folder_of_their_own_are_found(tmp_path: Path) -> None:
+    touch(tmp_path, "videos/a.mkv", "videos/b.mkv")
+    assert [file.stem for file in find_videos(tmp_path)] == ["a", "b"]
+
+
+def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:
+    touch(tmp_path, "a.mp4")
+    with pytest.raises(InputError, match="has no two videos"):
+        find_videos(tmp_path)
+    touch(tmp_path, "a.mov")
+    with pytest.raises(InputError, match="two videos are called a"):
+        find_videos(tmp_path)
+    with pytest.raises(InputError, match="does not exist"):
+        find_videos(tmp_path / "gone")
+
+
+@pytest.mark.parametrize("name", ["poses_bounds.npy", "transforms_train.json", "sparse/0/cameras.bin", "extri.yml"])
+def test_poses_that_are_there_are_seen(tmp_path: Path, name: str) -> None:
+    assert not has_poses(tmp_path)
+    touch(tmp_path, name)
+    assert has_poses(tmp_path)

@@ -1,0 +1,42 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.calibrate.structure import Solution, SolvedCamera
+from hgs_core.calibrate.upright import Distance
+from server.cli import main
+
+SOLUTION = Solution(
+    (SolvedCamera("cam00", 64, 48, "PINHOLE", (70.0, 70, 32, 24), np.eye(4), 1234),), np.zeros((0, 3)), 0.41
+)
+
+
+def test_options_reach_the_solver_and_the_cameras_are_listed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: dict[str, object] = {}
+
+    def find(folder: Path, **options: object) -> Solution:
+        asked.update(options, folder=folder)
+        return SOLUTION
+
+    monkeypatch.setattr("hgs_core.calibrate.find_cameras.find_cameras", find)
+    line = ["cameras", str(tmp_path), "--focal", "500", "--up", "cam00", "--distance", "cam00, cam01=3.2"]
+    assert main(line) == 0
+    assert (asked["folder"], asked["focal"], asked["up"]) == (tmp_path, 500.0, "cam00")
+    assert asked["distance"] == Distance("cam00", "cam01", 3.2)
+    output = capsys.readouterr()
+    assert output.out == f"{tmp_path / 'sparse' / '0'}\n"
+    assert "cam00       70.0   1,234" in output.err
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--distance", "cam00=3"), ("--distance", "a,b=far"), ("--distance", "a,b=-1"), ("--focal", "0")],
+)
+def test_bad_options_are_refused(option: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["cameras", str(tmp_path), option, value]) == 2
+    assert option in capsys.readouterr().err
