@@ -129,7 +129,7 @@ class CaptureCheck:
 
 def _cells(one: CameraResult) -> tuple[str, ...]:
     error = "-" if one.error is None else f"{one.error:.2f}"
-    ahead = "-" if one.ahead is None else f"{one.ahead:+.1f}"
+    ahead = "-" if one.ahead is None else f"{round(one.ahead, 1) + 0.0:+.1f}"
     return (one.name, str(one.partners), str(one.matches), error, ahead)
 
 

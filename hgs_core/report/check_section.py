@@ -38,7 +38,7 @@ def check_section(check: CaptureCheck | None, pictures: Sequence[PairPictures]) 
             str(one.partners),
             f"{one.matches:,}",
             "-" if one.error is None else f"{one.error:.2f}",
-            "-" if one.ahead is None else f"{one.ahead:+.1f}",
+            "-" if one.ahead is None else f"{round(one.ahead, 1) + 0.0:+.1f}",
         )
         for one in check.cameras
     ]

@@ -95,7 +95,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
         result = check_capture(spec.open_capture(cache_bytes=spec.config.capture.cache_bytes), progress)
         result.save(folder.check)
         for finding in result.findings:
-            log.warning("%s: %s", spec.capture, finding.sentence())
+            log.info("%s: %s", spec.capture, finding.sentence())
     if not spec.config.capture.trust_poses:
         require_sound(result, spec.capture)
 
