@@ -105,6 +105,6 @@ def _unsynchronous(names: list[str], ahead: list[float | None], moving: set[str]
             way = "ahead of" if offset > 0 else "behind"
             problem = f"by what moves, its frames are {frames:g} {way} the others'"
             cut = "the others" if offset > 0 else "it"
-            cure = f"cut the first {max(1, round(frames))} frames of {cut}, or correct its time stamps"
+            cure = f"cut the first {max(1, round(frames))} frames of {cut}, or let hgs sync write sync.json"
             findings.append(Finding(False, (name,), problem, cure))
     return findings

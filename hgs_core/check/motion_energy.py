@@ -15,7 +15,6 @@ __all__ = ["energy_offsets", "motion_energy"]
 
 _SIZE = (128, 96)  # pixels that a picture is reduced to
 _NOISE = 6.0  # levels that pixels differ by without motion
-_FARTHEST = 10  # frames
 _FEWEST = 12  # frames that two cameras must overlap by
 _AGREES = 0.75  # frames
 _LEAST_AGREEMENT = 0.8  # of the pairs' weight, in the median camera; where fewer agree all is chance
@@ -37,11 +36,15 @@ def motion_energy(picture: Callable[[int], npt.NDArray[np.uint8]], frames: int) 
     return np.array(energy)
 
 
-def energy_offsets(energies: Sequence[Floats]) -> list[float | None]:
-    """Return by how many frames, not rounded, each camera is ahead of most; all None where the pairs disagree."""
+def energy_offsets(energies: Sequence[Floats], farthest: int = 10, least_agreement: float = 0.5) -> list[float | None]:
+    """Return by how many frames, not rounded, each camera is ahead of most; all None where the pairs disagree.
+
+    `farthest` is how many frames two cameras may be apart, `least_agreement` the share of a camera's pairs, by weight,
+    that must say the same of it.
+    """
     count = len(energies)
     nothing: list[float | None] = [None] * count
-    farthest = min(_FARTHEST, len(energies[0]) - _FEWEST) if count else 0
+    farthest = min(farthest, len(energies[0]) - _FEWEST) if count else 0
     if farthest < 1 or count < 3:
         return nothing
     leads, weights = np.zeros((count, count)), np.zeros((count, count))
@@ -57,10 +60,12 @@ def energy_offsets(energies: Sequence[Floats]) -> list[float | None]:
             offsets[camera] = _weighted_median(offsets + leads[camera], weights[camera])
     agrees = np.abs(offsets[:, None] - offsets - leads) < _AGREES
     agreement = (weights * agrees).sum(axis=1) / weights.sum(axis=1)
-    if np.median(agreement) < _LEAST_AGREEMENT:
+    if np.median(agreement) < max(least_agreement, _LEAST_AGREEMENT):
         return nothing
     offsets -= np.median(offsets)
-    return [float(offset) if share >= 0.5 else None for offset, share in zip(offsets, agreement, strict=True)]
+    return [
+        float(offset) if share >= least_agreement else None for offset, share in zip(offsets, agreement, strict=True)
+    ]
 
 
 def _lead(first: Floats, second: Floats, farthest: int) -> tuple[float, float]:

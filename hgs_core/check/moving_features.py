@@ -23,8 +23,8 @@ _REACH = 40.0  # pixels that a feature may move by in a frame
 _SLOWEST = 0.4  # pixels per frame across the line; slower matches tell little
 _FEWEST = 20  # matches of a camera
 _LONGEST = 15.0  # frames; estimates beyond are chance
+_FIRST_WIDTH = 3.0  # frames: before cameras agree their offsets are not near to those of their partners
 _WIDTH = 0.35  # frames: how near true estimates come
-_LEAST_SHARE = 0.4  # of the weight, that agrees
 _ROUNDS = 30
 
 Floats = npt.NDArray[np.float64]
@@ -70,13 +70,15 @@ def _leads(fundamental: Floats, first: Features, second: Features, soon: Feature
     return distance[kept] / speed[kept], np.abs(speed[kept])
 
 
-def feature_offsets(count: int, leads: Leads) -> list[float | None]:
+def feature_offsets(count: int, leads: Leads, least_share: float = 0.4) -> list[float | None]:
     """Return by how many frames each camera is ahead of most of them; None for one of which too little tells.
+
+    `least_share` of what a camera's matches tell, by weight, must agree.
 
     Robust: each camera's offset is where most of what its matches tell lies, again and again until they agree.
     """
     offsets, shares = np.zeros(count), np.zeros(count)
-    for _ in range(_ROUNDS):
+    for width in np.geomspace(_FIRST_WIDTH, _WIDTH, _ROUNDS):
         for camera in range(count):
             second, first = leads.second == camera, leads.first == camera
             told = np.concatenate(
@@ -87,16 +89,16 @@ def feature_offsets(count: int, leads: Leads) -> list[float | None]:
             )
             if len(told) >= _FEWEST:
                 weights = np.concatenate((leads.weights[second], leads.weights[first]))
-                offsets[camera], shares[camera] = _densest(told, weights)
-    known = [camera for camera in range(count) if shares[camera] >= _LEAST_SHARE]
+                offsets[camera], shares[camera] = _densest(told, weights, width)
+    known = [camera for camera in range(count) if shares[camera] >= least_share]
     middle = float(np.median(offsets[known])) if known else 0.0
     return [float(offsets[camera]) - middle if camera in known else None for camera in range(count)]
 
 
-def _densest(values: Floats, weights: Floats) -> tuple[float, float]:
+def _densest(values: Floats, weights: Floats, width: float) -> tuple[float, float]:
     """Return around which value most of the weight lies, and the share of it that does; the rest is chance."""
-    near = np.exp(-0.5 * ((values[:, None] - values) / _WIDTH) ** 2) * weights
+    near = np.exp(-0.5 * ((values[:, None] - values) / width) ** 2) * weights
     best = int(near.sum(axis=1).argmax())
-    around = np.abs(values - values[best]) < 2 * _WIDTH
+    around = np.abs(values - values[best]) < 2 * width
     place = float(np.average(values[around], weights=weights[around]))
     return place, float(weights[around].sum() / weights.sum())

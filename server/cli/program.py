@@ -26,6 +26,7 @@ from server.cli import (
     report,
     serve,
     submit,
+    sync,
     train,
     worker,
 )
@@ -42,8 +43,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
-        train, check, cameras, masks, encode, evaluate, report, publish, import_splats, export, serve, worker, submit,
-        bench, ablate,
+        train, check, cameras, sync, masks, encode, evaluate, report, publish, import_splats, export, serve, worker,
+        submit, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)
