@@ -76,5 +76,5 @@ def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:
         problem = (
             f"{float(other):.5g} frames per second, the others {float(usual):.5g}: a frame apart after {seconds:.0f} s"
         )
-        findings.append(Finding(False, cameras, problem, "export all videos at the same rate"))
+        findings.append(Finding(False, cameras, problem, "frames are matched by time stamps: are these right?"))
     return findings
