@@ -132,7 +132,7 @@ export class CanvasRenderer {
       gl.scissor(...pixel);
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT);
-      this.splats.draw(shot, [0, 0], undefined, "depth");
+      this.splats.draw(shot, [0, 0], "depth");
       const [sum, , , seen] = target.read(pixel);
       return seen >= SEEN ? sum / seen : null;
     } finally {

@@ -8,9 +8,21 @@ function compile(gl: WebGL2RenderingContext, type: number, source: string): WebG
   return shader;
 }
 
+/** Where uniforms are; null for those that a program does not use. */
+export type Uniforms<Name extends string> = Readonly<Record<Name, WebGLUniformLocation | null>>;
+
+export function uniformsOf<Name extends string>(
+  gl: WebGL2RenderingContext,
+  program: WebGLProgram,
+  names: readonly Name[],
+): Uniforms<Name> {
+  const uniforms = names.map((name) => [name, gl.getUniformLocation(program, name)]);
+  return Object.fromEntries(uniforms) as Uniforms<Name>;
+}
+
 export class Program<Name extends string> {
   readonly handle: WebGLProgram;
-  readonly uniforms: Readonly<Record<Name, WebGLUniformLocation | null>>;
+  readonly uniforms: Uniforms<Name>;
 
   readonly #gl: WebGL2RenderingContext;
 
@@ -28,8 +40,7 @@ export class Program<Name extends string> {
     }
     gl.deleteShader(vertex);
     gl.deleteShader(fragment);
-    const uniforms = names.map((name) => [name, gl.getUniformLocation(this.handle, name)]);
-    this.uniforms = Object.fromEntries(uniforms) as Record<Name, WebGLUniformLocation | null>;
+    this.uniforms = uniformsOf(gl, this.handle, names);
   }
 
   dispose(): void {

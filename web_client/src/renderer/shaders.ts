@@ -15,10 +15,11 @@ import {
   TRIANGLES_PER_INSTANCE,
 } from "./layout";
 
-/** A shader with what only pictures of hosts need (`HostSurface`); a page's own is free of it. */
-export const forHost = (shader: string): string => shader.replace("\n", "\n#define HOST\n");
-
-export const VERTEX_SHADER = `#version 300 es
+/**
+ * Draws splats. `declarations` and `statements` are added to it, these to the end of `main`: there `p` is the splat's centre
+ * before the camera, `paint` its colour and opacity, and both outputs are set.
+ */
+export const vertexShader = (declarations = "", statements = ""): string => `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -39,13 +40,8 @@ uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
 uniform vec2 closeUp;         // depth from which on nothing fades, world units; deviation from which on all does, pixels
-#ifdef HOST
-uniform vec4 depthZ;          // these take a point before the camera, and 1, to the host's clip-space z and w
-uniform vec4 depthW;
-uniform float logarithmic;    // what the host multiplies logarithms of depth by; 0 if its depth has none
-uniform bool linear;          // whether colours are wanted in linear light
-#endif
 uniform bool depths;          // colours are depths, world units
+${declarations}
 
 flat out vec2 middle;         // pixels of the framebuffer
 flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y); times BASE
@@ -159,14 +155,7 @@ void main() {
   colour = vec4(depths ? vec3(p.z) : paint.rgb, log2(paint.a));
   vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
   gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
-#ifdef HOST
-  float clipW = dot(depthW, vec4(p, 1.0));
-  gl_Position.z = logarithmic > 0.0 ? logarithmic * log2(1.0 + clipW) - 1.0 : dot(depthZ, vec4(p, 1.0)) / clipW;
-  if (linear) {
-    vec3 steep = pow((max(paint.rgb, 0.0) + 0.055) / 1.055, vec3(2.4));
-    colour.rgb = mix(paint.rgb / 12.92, steep, step(0.04045, paint.rgb));
-  }
-#endif
+  ${statements}
 }
 `;
 

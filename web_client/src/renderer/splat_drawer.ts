@@ -3,11 +3,10 @@
  * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
  */
 
-import type { HostSurface } from "./host_surface";
 import { FIFTH_WIDTH, STATICS_PER_ROW, TEXTURE_WIDTH, TRIANGLES_PER_INSTANCE } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
-import { FRAGMENT_SHADER, forHost, VERTEX_SHADER } from "./shaders";
+import { FRAGMENT_SHADER, vertexShader } from "./shaders";
 import type { Shot } from "./shot";
 import { SplatTexture } from "./splat_texture";
 
@@ -27,10 +26,6 @@ const UNIFORMS = [
   "near",
   "antialiased",
   "closeUp",
-  "depthZ",
-  "depthW",
-  "logarithmic",
-  "linear",
   "depths",
 ] as const;
 
@@ -51,6 +46,17 @@ export interface SplatSink {
   setOrder(ids: Uint32Array, count: number): void;
 }
 
+/** What is different where splats are drawn among other things. */
+export interface SplatSurroundings {
+  /** GLSL for the shader of the splats: see `vertexShader`. */
+  readonly declarations: string;
+  readonly statements: string;
+  /** The program has been made, or made anew. */
+  linked(gl: WebGL2RenderingContext, program: WebGLProgram): void;
+  /** Splats are about to be drawn; the program is in use, and the depth test is off. */
+  prepare(gl: WebGL2RenderingContext): void;
+}
+
 export class SplatDrawer implements SplatSink {
   readonly #statics = new SplatTexture("static");
   readonly #dynamics = new SplatTexture("dynamic");
@@ -61,10 +67,9 @@ export class SplatDrawer implements SplatSink {
   #dynamicRows = 0;
   #count = 0;
 
-  /** @param hosted whether it draws among a host's surfaces: then each picture needs to know of them. */
   constructor(
     readonly gl: WebGL2RenderingContext,
-    readonly hosted = false,
+    readonly surroundings?: SplatSurroundings,
   ) {
     this.rebuild();
   }
@@ -112,8 +117,10 @@ export class SplatDrawer implements SplatSink {
 
   /** Make everything anew in a context that was lost and has come back; then the splats and an order must be set again. */
   rebuild(): void {
-    const { gl } = this;
-    this.#program = new Program(gl, this.hosted ? forHost(VERTEX_SHADER) : VERTEX_SHADER, FRAGMENT_SHADER, UNIFORMS);
+    const { gl, surroundings } = this;
+    const vertices = vertexShader(surroundings?.declarations, surroundings?.statements);
+    this.#program = new Program(gl, vertices, FRAGMENT_SHADER, UNIFORMS);
+    surroundings?.linked(gl, this.#program.handle);
     this.#vertices = gl.createVertexArray();
     this.#order.forget();
     this.#count = 0;
@@ -124,27 +131,19 @@ export class SplatDrawer implements SplatSink {
 
   /**
    * Blend the splats over what is in the bound framebuffer, in the rectangle of the camera's size whose lower left corner
-   * is `origin`, in pixels of that framebuffer. Depth is not written, and tested only against the surfaces of a host. With
-   * `paint` "depth" a splat's colour is how far away its centre is, in each channel.
-   *
-   * @throws Error if `host` is left out of what was made for one, or given to what was not.
+   * is `origin`, in pixels of that framebuffer. Depth is not looked at, but for what the surroundings do. With `paint`
+   * "depth" a splat's colour is how far away its centre is, in each channel.
    */
   draw(
     { pose, camera, time, antialiased, closeUp }: Shot,
     origin: readonly [number, number] = [0, 0],
-    host?: HostSurface,
     paint: "colour" | "depth" = "colour",
   ): void {
-    if (this.hosted !== (host !== undefined)) throw new Error("a host's surface goes with a drawer made for a host");
     if (this.#count === 0) return;
     const { gl } = this;
     const u = this.#program.uniforms;
     gl.viewport(...origin, camera.width, camera.height);
-    if (host) {
-      gl.enable(gl.DEPTH_TEST);
-      gl.depthFunc(host.reversed ? gl.GEQUAL : gl.LEQUAL);
-      gl.depthMask(false);
-    } else gl.disable(gl.DEPTH_TEST);
+    gl.disable(gl.DEPTH_TEST);
     gl.disable(gl.CULL_FACE);
     gl.disable(gl.DITHER);
     gl.enable(gl.BLEND);
@@ -171,13 +170,8 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
     gl.uniform2f(u.closeUp, closeUp?.clear ?? 0, closeUp?.widest ?? LARGEST);
-    if (host) {
-      gl.uniform4f(u.depthZ, ...host.z);
-      gl.uniform4f(u.depthW, ...host.w);
-      gl.uniform1f(u.logarithmic, host.logarithmic);
-      gl.uniform1i(u.linear, host.linear ? 1 : 0);
-    }
     gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
+    this.surroundings?.prepare(gl);
     const instances = Math.ceil(this.#count / TRIANGLES_PER_INSTANCE);
     gl.drawArraysInstanced(gl.TRIANGLES, 0, 3 * TRIANGLES_PER_INSTANCE, instances);
     gl.bindVertexArray(null);

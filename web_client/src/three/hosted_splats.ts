@@ -2,15 +2,16 @@
 
 import type { WebGLRenderer } from "three";
 import type { Viewport } from "../camera/projection";
-import type { HostSurface } from "../renderer/host_surface";
 import type { Shot } from "../renderer/shot";
 import { SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
+import { type HostSurface, HostSurroundings } from "./host_surface";
 import { keepBindings, keepUnpacking } from "./kept_state";
 import { LinearLight } from "./linear_light";
 import { WaitingSplats } from "./waiting_splats";
 
 export class HostedSplats {
   readonly #waiting = new WaitingSplats(() => this.#renderer?.capabilities.maxTextureSize ?? mostRowsHere());
+  readonly #host = new HostSurroundings();
   readonly #listeners = new AbortController();
   #renderer: WebGLRenderer | null = null;
   #drawer: SplatDrawer | null = null;
@@ -35,7 +36,7 @@ export class HostedSplats {
     const gl = this.#contextOf(renderer);
     if (this.#drawer && !this.#stale && this.#waiting.empty) return null;
     return keepUnpacking(gl, () => {
-      if (!this.#drawer) this.#drawer = new SplatDrawer(gl, true);
+      if (!this.#drawer) this.#drawer = new SplatDrawer(gl, this.#host);
       else if (this.#stale) this.#drawer.rebuild();
       if (this.#stale) this.#light = null;
       this.#stale = false;
@@ -54,7 +55,8 @@ export class HostedSplats {
     const drawer = this.#drawer;
     if (!drawer || drawer.count === 0) return;
     const { gl } = drawer;
-    const draw = () => drawer.draw(shot, [viewport.x, viewport.y], surface);
+    const draw = () => drawer.draw(shot, [viewport.x, viewport.y]);
+    this.#host.surface = surface;
     keepBindings(gl, () => {
       if (light === null) draw();
       else {
