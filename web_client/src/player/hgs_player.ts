@@ -1,7 +1,8 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
 import type { Manifest } from "../codec/types";
-import { checkedSplats, type Quality } from "../renderer/quality";
+import type { Quality } from "../renderer/qualities";
+import { checkedSplats } from "../renderer/quality";
 import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";

@@ -4,7 +4,7 @@
  */
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
-import type { Quality } from "../renderer/quality";
+import type { Quality } from "../renderer/qualities";
 import type { Pixels } from "../renderer/shot";
 import { Picture } from "./picture";
 import type { Playback } from "./playback";

@@ -4,10 +4,7 @@
  * picture), and cost about a quarter more.
  */
 
-/** What a viewer chooses. Auto: as fine as the device can at a steady rate while something moves, and finest at rest. */
-export type Quality = "auto" | "high" | "medium" | "low";
-
-export const QUALITIES: readonly Quality[] = ["auto", "high", "medium", "low"];
+import type { Quality } from "./qualities";
 
 export interface Fineness {
   /** Of the canvas's width and height. */

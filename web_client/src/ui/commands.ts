@@ -4,6 +4,7 @@ import { FlyMode } from "../camera/fly_mode";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { obey } from "./key_bindings";
+import { Message } from "./message";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
 import { playerKeys } from "./player_keys";
@@ -12,6 +13,8 @@ import type { SharedView } from "./shared_view";
 /** The player's view, as far as commands reach it. */
 export interface CommandSurroundings {
   readonly bookmarks: Bookmarks;
+  /** The bookmarks have changed. */
+  keep(bookmarks: readonly number[]): void;
   /** All of the player, in its shadow root. */
   readonly root: HTMLElement;
   /** Where settings and statistics go. */
@@ -23,8 +26,6 @@ export interface CommandSurroundings {
   /** The address that opens on what is shared; left out where the page has none. */
   readonly link?: (shared: SharedView) => string;
   toggleFullscreen(): void;
-  /** Say what was done. */
-  say(text: string): void;
   /** Say what went wrong. */
   fail(text: string): void;
   /** The repeated stretch or the bookmarks have changed. */
@@ -37,14 +38,16 @@ export class Commands {
   readonly #obey: (event: KeyboardEvent) => void;
 
   constructor(player: HgsPlayer, surroundings: CommandSurroundings) {
-    const { bookmarks, root, place, button, keys, link = null, say, fail, marked, toggleFullscreen } = surroundings;
+    const { bookmarks, keep, root, place, button, keys, link = null, fail, marked, toggleFullscreen } = surroundings;
+    const message = new Message(player.disposed);
+    const say = (text: string) => message.say(text);
     this.fly = new FlyMode(keys, player.camera, player.disposed);
     const changed = () => {
       marked();
       this.#panels.update();
       root.classList.toggle("flying", this.fly.active);
     };
-    const actions = new PlayerActions(player, { fly: this.fly, bookmarks, say, fail, changed, link });
+    const actions = new PlayerActions(player, { fly: this.fly, bookmarks, keep, say, fail, changed, link });
     const bindings = playerKeys(player, actions, {
       toggleFullscreen,
       toggleStatistics: () => this.#panels.toggleStatistics(),
@@ -53,7 +56,7 @@ export class Commands {
     this.#obey = obey(bindings);
     this.#panels = new Panels(player, actions, bindings, root, button);
     place.append(this.#panels.node);
-    root.append(this.#panels.help.node);
+    root.append(message.node, this.#panels.help.node);
   }
 
   toggleSettings(): void {

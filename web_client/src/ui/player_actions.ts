@@ -2,7 +2,7 @@
 
 import type { FlyMode } from "../camera/fly_mode";
 import type { HgsPlayer } from "../player/hgs_player";
-import type { Bookmarks } from "./bookmarks";
+import { type Bookmarks, neighbour, toggled } from "./bookmarks";
 import { formatTime } from "./format";
 import { moves } from "./playing";
 import { savePicture } from "./save_picture";
@@ -25,6 +25,8 @@ export function rateAfter(rate: number, steps: 1 | -1): number {
 export interface ActionSurroundings {
   readonly fly: FlyMode;
   readonly bookmarks: Bookmarks;
+  /** The bookmarks have changed. */
+  keep(bookmarks: readonly number[]): void;
   /** Say what was done. */
   say(text: string): void;
   /** Say what went wrong. */
@@ -100,12 +102,16 @@ export class PlayerActions {
   toggleBookmark(): void {
     if (!this.moves) return;
     const { currentTime, start } = this.player;
-    const marked = this.surroundings.bookmarks.toggle(currentTime);
+    const { bookmarks, keep } = this.surroundings;
+    const times = toggled(bookmarks.times, currentTime);
+    const marked = times.length > bookmarks.times.length;
+    bookmarks.times = times;
+    keep(times);
     this.#done(`${marked ? "Bookmark at" : "No bookmark at"} ${formatTime(currentTime - start)}`);
   }
 
   goToBookmark(direction: 1 | -1): void {
-    const time = this.surroundings.bookmarks.neighbour(this.player.currentTime, direction);
+    const time = neighbour(this.surroundings.bookmarks.times, this.player.currentTime, direction);
     if (time === null) this.surroundings.say(direction === 1 ? "No later bookmark" : "No earlier bookmark");
     else this.seekTo(time);
   }

@@ -3,7 +3,7 @@
 import { listenForGestures } from "../camera/gestures";
 import type { Manifest } from "../codec/types";
 import { HgsPlayer } from "../player/hgs_player";
-import { Bookmarks } from "./bookmarks";
+import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
 import { element, icon } from "./element";
 import { toggleFullscreen } from "./full_screen";
@@ -12,7 +12,6 @@ import { BACK, FULLSCREEN, SETTINGS } from "./icons";
 import { IdleHiding } from "./idle_hiding";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
 import { LatePart } from "./late_part";
-import { Message } from "./message";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";
@@ -41,7 +40,6 @@ export class PlayerView {
   readonly #commands: LatePart<Commands>;
   readonly #panels = element("div"); // that commands open
   readonly #headset: HTMLElement;
-  readonly #message: Message;
   readonly #settings = button("Settings", SETTINGS, () => this.#commands.use((all) => all.toggleSettings()));
   readonly #keys: EventTarget;
   readonly #bookmarks: Bookmarks;
@@ -59,9 +57,8 @@ export class PlayerView {
       home: page?.home ?? null,
     });
     const signal = this.player.disposed;
-    this.#message = new Message(signal);
     this.#keys = page ? window : this.root;
-    this.#bookmarks = new Bookmarks(options.bookmarks ?? [], () => page?.keep?.(this.#bookmarks.times));
+    this.#bookmarks = { times: [...(options.bookmarks ?? [])].sort((a, b) => a - b) };
     this.#commands = new LatePart(
       () => this.#loadCommands(),
       (message) => this.fail(message),
@@ -71,7 +68,7 @@ export class PlayerView {
     this.controls = options.controls ?? true;
     this.poster = options.poster ?? null;
     this.root.classList.toggle("whole-page", page !== undefined);
-    this.root.append(this.#stage, this.#poster, this.#notices.node, this.#message.node, this.#controls);
+    this.root.append(this.#stage, this.#poster, this.#notices.node, this.#controls);
     const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     adoptStyle(shadow, css);
     this.#headset = offerHeadset(this.player, shadow);
@@ -184,15 +181,16 @@ export class PlayerView {
 
   async #loadCommands(): Promise<Commands> {
     const { Commands } = await import("./commands"); // for those who press a key or open the settings
+    const { page } = this.#options;
     return new Commands(this.player, {
       bookmarks: this.#bookmarks,
+      keep: (bookmarks) => page?.keep?.(bookmarks),
       root: this.root,
       place: this.#panels,
       button: this.#settings,
       keys: this.#keys,
-      link: this.#options.page?.link,
+      link: page?.link,
       toggleFullscreen: () => this.toggleFullscreen(),
-      say: (text) => this.#message.say(text),
       fail: (text) => this.fail(text),
       marked: () => this.#transport?.timeline.mark(),
     });

@@ -1,7 +1,7 @@
 /** All that is seldom needed, behind one button: quality, camera, speed, repeating, bookmarks, links, pictures, help. */
 
 import type { HgsPlayer } from "../player/hgs_player";
-import { QUALITIES, type Quality } from "../renderer/quality";
+import { QUALITIES, type Quality } from "../renderer/qualities";
 import { readableCameraNames } from "./camera_names";
 import { element } from "./element";
 import { formatTime } from "./format";

@@ -1,5 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import { checkedSplats, LADDER, type Quality, QualityControl } from "../../src/renderer/quality";
+import type { Quality } from "../../src/renderer/qualities";
+import { checkedSplats, LADDER, QualityControl } from "../../src/renderer/quality";
 
 let control: QualityControl;
 

@@ -1,7 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
 import type { FlyMode } from "../../src/camera/fly_mode";
 import type { HgsPlayer } from "../../src/player/hgs_player";
-import { Bookmarks } from "../../src/ui/bookmarks";
 import { longSeekStep, PlayerActions, rateAfter, seekStep } from "../../src/ui/player_actions";
 
 it("goes five and ten seconds at a time, in a short scene a tenth and a fifth of it", () => {
@@ -24,6 +23,7 @@ describe("a scene from 1 to 11 seconds", () => {
   let actions: PlayerActions;
   const say = vi.fn();
   const fail = vi.fn();
+  const keep = vi.fn();
 
   beforeEach(() => {
     say.mockClear();
@@ -31,7 +31,8 @@ describe("a scene from 1 to 11 seconds", () => {
     player = { start: 1, end: 11, duration: 10, currentTime: 4, loopRange: null };
     actions = new PlayerActions(player as unknown as HgsPlayer, {
       fly: {} as FlyMode,
-      bookmarks: new Bookmarks([], () => {}),
+      bookmarks: { times: [] },
+      keep,
       say,
       fail,
       changed: () => {},
@@ -71,6 +72,7 @@ describe("a scene from 1 to 11 seconds", () => {
 
   it("goes from bookmark to bookmark", () => {
     actions.toggleBookmark();
+    expect(keep).toHaveBeenLastCalledWith([4]);
     player.currentTime = 9;
     actions.goToBookmark(-1);
     expect(player.currentTime).toBe(4);

@@ -1,5 +1,6 @@
 import { expect, it } from "vitest";
-import { LADDER, type Quality } from "../../src/renderer/quality";
+import type { Quality } from "../../src/renderer/qualities";
+import { LADDER } from "../../src/renderer/quality";
 import { figuresOf } from "../../src/ui/stats_panel";
 import { stats } from "../stats";
 
