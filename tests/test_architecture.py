@@ -135,7 +135,7 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
             "hgs_core.render.triton.kernels.projection_forward",
             "hgs_core.render.triton.kernels.segments",
             "hgs_core.render.triton.kernels.tile_lists",
-            "hgs_core.train.triton.kernels.adam",
+            "hgs_core.train.triton.kernels.rmsprop",
             "hgs_core.train.triton.kernels.loss",
         ),
         "launched by the tests of what calls it, against float64",

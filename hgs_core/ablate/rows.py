@@ -78,6 +78,10 @@ ROWS: Mapping[str, Row] = {
             "no-infill", "Do statics that are added where still pixels stay wrong help?",
             {"train.density.infill": 0.0},
         ),
+        Row(
+            "no-moving-steps", "Do further steps of the dynamics alone, where it moves, help?",
+            {"train.moving_steps": 0.0},
+        ),
         Row("no-settling", "Do steps that become small at the end help?", {"train.settled": 1.0}),
         Row("equal-steps", "Do smaller steps of what lives shortly help?", {"train.steps_by_life": False}),
         Row(

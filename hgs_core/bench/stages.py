@@ -16,9 +16,9 @@ from hgs_core.bench.workload import BACKGROUND, Workload
 from hgs_core.native.raster import Measurements, Raster
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import ScreenStatistics
-from hgs_core.train.adam import Adam
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.loss import photometric_loss
+from hgs_core.train.rmsprop import RmsProp
 
 __all__ = ["Timing", "TrainingTimes", "kernel_times", "training_times", "using_threads"]
 
@@ -73,7 +73,7 @@ def training_times(workload: Workload, backend: str, seconds: float) -> Timing[T
     static, dynamic = workload.static(), workload.dynamic()
     camera, moment = workload.camera, workload.scene.time
     dssim = TrainConfig().dssim
-    adam, rates = Adam.of(static), {name: 0.0 for name, _ in static.items()}
+    optimiser, rates = RmsProp.of(static), {name: 0.0 for name, _ in static.items()}
     statistics = ScreenStatistics.zeros(len(static) + len(dynamic or ()))
 
     def iteration() -> TrainingTimes:
@@ -90,7 +90,7 @@ def training_times(workload: Workload, backend: str, seconds: float) -> Timing[T
         render.rgb.backward(slope)  # type: ignore[no-untyped-call]
         static.map(lambda array: array.requires_grad_(False))
         differentiated = time.perf_counter()
-        adam.step(static, rates)
+        optimiser.step(static, rates)
         end = time.perf_counter()
         parts = drawn - start, compared - drawn, differentiated - compared, end - differentiated
         return TrainingTimes(end - start, *parts)

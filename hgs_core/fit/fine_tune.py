@@ -24,10 +24,10 @@ from hgs_core.fit.views import EncodeViews
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
-from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import scene_extent
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.step import take_step
@@ -57,9 +57,9 @@ class FineTune:
     ) -> None:
         """Begin with a trained scene and the states in which its segments' trainings ended, if they are known.
 
-        It will be trained for the config's iterations in all; the training cameras' colour maps stay as they are. Adam
-        goes on from its moments: without them its first steps are as large for numbers that nothing pulls at as for
-        others, and undo more than a few hundred iterations make good.
+        It will be trained for the config's iterations in all; the training cameras' colour maps stay as they are.
+        RMSprop goes on from its moments: without them its first steps are as large for numbers that nothing pulls at as
+        for others, and undo more than a few hundred iterations make good.
         """
         assert views.capture is not None
         self.scene, self.utility = scene, utility
@@ -77,12 +77,12 @@ class FineTune:
         ]
         extent = scene_extent(np.array([camera.position for camera in views.trained.values()]))
         self._schedules = [Schedule(self._config, extent, segment.frames) for segment in self._segments]
-        static = states[0].static_adam if states else Adam.of(scene.static.map(self._tensor))
-        dynamic = [state.dynamic_adam for state in states] or [
-            Adam.of(segment.dynamic.map(self._tensor)) for segment in scene.segments
+        static = states[0].static_optimiser if states else RmsProp.of(scene.static.map(self._tensor))
+        dynamic = [state.dynamic_optimiser for state in states] or [
+            RmsProp.of(segment.dynamic.map(self._tensor)) for segment in scene.segments
         ]
-        self._static: Adam[StaticSplats[Tensor]] = static.to(self._device)
-        self._dynamic: list[Adam[DynamicSplats[Tensor]]] = [adam.to(self._device) for adam in dynamic]
+        self._static: RmsProp[StaticSplats[Tensor]] = static.to(self._device)
+        self._dynamic: list[RmsProp[DynamicSplats[Tensor]]] = [optimiser.to(self._device) for optimiser in dynamic]
 
     def run(self, settings: EncodeSettings, iterations: range, trained: Callable[[int], None]) -> None:
         """Train for some iterations against the scene as `settings` code it; what they drop is gone.
@@ -105,8 +105,8 @@ class FineTune:
         """Quantise the scene; utilities and moments follow the splats that are kept."""
         coded = quantised_scene(self.scene, self._views.cameras, self._views.times, self.utility, settings)
         self._static.select(torch.from_numpy(coded.static_rows).to(self._device), 0)
-        for adam, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
-            adam.select(torch.from_numpy(rows).to(self._device), 0)
+        for optimiser, rows in zip(self._dynamic, coded.dynamic_rows, strict=True):
+            optimiser.select(torch.from_numpy(rows).to(self._device), 0)
         self.utility = Utility(
             self.utility.static.take(coded.static_rows),
             tuple(of.take(rows) for of, rows in zip(self.utility.dynamic, coded.dynamic_rows, strict=True)),

@@ -1,3 +1,3 @@
-"""The C++17 CPU kernels and their bindings: rasterization, the training loss and Adam, on numpy arrays."""
+"""The C++17 CPU kernels and their bindings: rasterization, the training loss and RMSprop, on numpy arrays."""
 
 __all__: list[str] = []

@@ -46,6 +46,8 @@ class Measurements(NamedTuple):
     evaluations: int  # pairs of splats and pixels that were composited, whole vectors of pixels counted
 
 
+_ANEW, _KEEP, _REUSE = 0, 1, 2  # HGS_STATICS_ of src/hgs_native.h
+
 # Workspaces that no rendering uses: handing them on keeps their buffers, and the caches, warm. A deque needs no lock,
 # which a fork could leave locked.
 _free_workspaces: deque[int] = deque()
@@ -84,6 +86,7 @@ class Raster:
         tile_mask: npt.NDArray[np.bool_] | None = None,
         antialiased: bool = False,
         depth: bool = False,
+        keep_statics: bool = False,
         threads: int | None = None,
     ) -> None:
         """Draw both sets at normalised `time`.
@@ -97,6 +100,7 @@ class Raster:
             tile_mask: [ceil(H / 16), ceil(W / 16)]; tiles that are False show the background.
             antialiased: compensate opacities for the low-pass filter (docs/numerics.md, "Antialiasing").
             depth: whether `depth` is wanted.
+            keep_statics: whether `redraw` will be called.
             threads: default `thread_count()`.
 
         Raises:
@@ -108,27 +112,39 @@ class Raster:
         self._workspace: int | None = None
         self._threads = threads or thread_count()
         self._static = statics_struct(static)
-        mask = None
-        if tile_mask is not None:
-            tiles = (-(-camera.height // 16), -(-camera.width // 16))
-            mask = address("tile_mask", tile_mask, tiles, np.bool_)
-        self._view = CView(c_camera(camera), time, background, antialiased, mask, 0)
         self._shape = (camera.height, camera.width)
-        self._kept = (static, tile_mask)  # the structs point into them
+        mask = self._mask(tile_mask)
+        self._view = CView(c_camera(camera), time, background, antialiased, mask, _KEEP if keep_statics else _ANEW)
+        self._static_arrays = static  # the structs point into them
         self._workspace = _take_workspace()
         self._draw(dynamic, depth)
 
-    def redraw(self, dynamic: DynamicSplats[Floats] | None, time: float, depth: bool = False) -> None:
+    def redraw(
+        self,
+        dynamic: DynamicSplats[Floats] | None,
+        time: float,
+        depth: bool = False,
+        tile_mask: npt.NDArray[np.bool_] | None = None,
+    ) -> None:
         """Draw the same statics from the same camera with other dynamics, or at another time, into new pictures.
 
-        The statics are neither projected nor sorted again. Raises what the constructor raises; RuntimeError also after
-        `release`.
+        The statics are neither projected nor sorted again; the mask may be another. Raises what the constructor raises;
+        RuntimeError also after `release`, or without `keep_statics`.
         """
         if self._workspace is None:
             raise RuntimeError("redraw after release")
+        if self._view.statics_use == _ANEW:
+            raise RuntimeError("redraw of statics that were not kept")
         self._view.time = time
-        self._view.reuse_statics = 1
+        self._view.tile_mask = self._mask(tile_mask)
+        self._view.statics_use = _REUSE
         self._draw(dynamic, depth)
+
+    def _mask(self, tile_mask: npt.NDArray[np.bool_] | None) -> int | None:
+        """Keep a mask and return its address."""
+        self._tile_mask = tile_mask
+        tiles = (-(-self._shape[0] // 16), -(-self._shape[1] // 16))
+        return None if tile_mask is None else address("tile_mask", tile_mask, tiles, np.bool_)
 
     def _draw(self, dynamic: DynamicSplats[Floats] | None, depth: bool) -> None:
         self._dynamic = dynamics_struct(dynamic)

@@ -83,7 +83,7 @@ class CView(ctypes.Structure):
         ("background", ctypes.c_float * 3),
         ("antialiased", ctypes.c_int32),
         ("tile_mask", ctypes.c_void_p),
-        ("reuse_statics", ctypes.c_int32),
+        ("statics_use", ctypes.c_int32),
     )
 
 

@@ -8,13 +8,14 @@ from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 
 from hgs_core.native.arrays import Floats
 from hgs_core.native.raster import Raster
 from hgs_core.render.finite import refuse_non_finite
-from hgs_core.render.types import Contributions, Render, View
+from hgs_core.render.types import Contributions, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["FixedViewCpu", "contributions_cpu", "rasterize_cpu"]
@@ -35,7 +36,7 @@ def rasterize_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Te
     dynamic = _prepared(dynamic, view.gradients in ("all", "dynamic"))
     tensors = [array for splats in (static, dynamic) if splats is not None for _, array in splats.items()]
     with _non_finite_named(static, dynamic, view.time):
-        picture = _Rasterize.apply(view, static is not None, *tensors)  # type: ignore[no-untyped-call]
+        picture = _Rasterize.apply(view, None, static is not None, *tensors)  # type: ignore[no-untyped-call]
     return Render(*picture)
 
 
@@ -63,6 +64,21 @@ class FixedViewCpu:
         """Draw one moment; raises what `rasterize_cpu` raises."""
         return Render(*_pictures(self._drawn(dynamic, time, depth)))
 
+    def differentiable_frame(
+        self,
+        dynamic: DynamicSplats[Tensor],
+        time: float,
+        tile_mask: npt.NDArray[np.bool_] | None,
+        statistics: ScreenStatistics | None,
+    ) -> Render:
+        """Draw one moment, differentiable towards the dynamics until the next one is drawn."""
+        prepared = _prepared(dynamic, True)
+        assert prepared is not None
+        view = dataclasses.replace(self._view, time=time, tile_mask=tile_mask, statistics=statistics)
+        tensors = [array for _, array in prepared.items()]
+        with _non_finite_named(self._static, prepared, time):
+            return Render(*_Rasterize.apply(view, self, False, *tensors))  # type: ignore[no-untyped-call]
+
     def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
         """Weigh the splats at one moment; raises what `rasterize_cpu` raises."""
         return Contributions(*self._drawn(dynamic, time, False).contributions())
@@ -70,11 +86,14 @@ class FixedViewCpu:
     def _drawn(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Raster:
         dynamic = _prepared(dynamic, False)
         with _non_finite_named(self._static, dynamic, time):
-            if self._raster is None:
-                view = dataclasses.replace(self._view, time=time, depth=depth)
-                self._raster = _raster(_arrays(self._static), _arrays(dynamic), view)
-            else:
-                self._raster.redraw(_arrays(dynamic), time, depth)
+            return self.redrawn(_arrays(dynamic), dataclasses.replace(self._view, time=time, depth=depth))
+
+    def redrawn(self, dynamic: DynamicSplats[Floats] | None, view: View) -> Raster:
+        """Draw a view from this camera; the statics are projected and sorted for the first one only."""
+        if self._raster is None:
+            self._raster = _raster(_arrays(self._static), dynamic, view, keep_statics=True)
+        else:
+            self._raster.redraw(dynamic, view.time, view.depth, _mask(view))
         return self._raster
 
 
@@ -95,16 +114,27 @@ def _arrays(splats: Any) -> Any:
     return None if splats is None else splats.map(_array)
 
 
-def _raster(static: StaticSplats[Floats] | None, dynamic: DynamicSplats[Floats] | None, view: View) -> Raster:
+def _mask(view: View) -> npt.NDArray[np.bool_] | None:
+    return None if view.tile_mask is None else np.ascontiguousarray(view.tile_mask, np.bool_)
+
+
+def _raster(
+    static: StaticSplats[Floats] | None,
+    dynamic: DynamicSplats[Floats] | None,
+    view: View,
+    *,
+    keep_statics: bool = False,
+) -> Raster:
     return Raster(
         static,
         dynamic,
         view.camera,
         view.time,
         background=view.background,
-        tile_mask=None if view.tile_mask is None else np.ascontiguousarray(view.tile_mask, np.bool_),
+        tile_mask=_mask(view),
         antialiased=view.antialiased,
         depth=view.depth,
+        keep_statics=keep_statics,
     )
 
 
@@ -127,18 +157,22 @@ def _non_finite_named(
 
 class _Rasterize(torch.autograd.Function):
     @staticmethod
-    def forward(ctx: Any, view: View, has_static: bool, *tensors: Tensor) -> tuple[Tensor, Tensor, Tensor | None]:
+    def forward(
+        ctx: Any, view: View, fixed: FixedViewCpu | None, has_static: bool, *tensors: Tensor
+    ) -> tuple[Tensor, Tensor, Tensor | None]:
+        """Draw `tensors`, statics first if there are some; the statics of a fixed view are its own."""
         arrays = [_array(tensor) for tensor in tensors]
         n = len(dataclasses.fields(StaticSplats)) if has_static else 0
         static = StaticSplats(*arrays[:n]) if n else None
-        raster = _raster(static, DynamicSplats(*arrays[n:]) if arrays[n:] else None, view)
+        dynamic = DynamicSplats(*arrays[n:]) if arrays[n:] else None
+        raster = _raster(static, dynamic, view) if fixed is None else fixed.redrawn(dynamic, view)
         pictures = _pictures(raster)
         if any(ctx.needs_input_grad):
             # Saving the tensors lets autograd notice parameters or pictures that were changed in place since.
             ctx.save_for_backward(*(p for p in pictures if p is not None), *tensors)
             ctx.set_materialize_grads(False)
             ctx.statistics, ctx.raster, ctx.static_fields = view.statistics, raster, n
-        else:
+        elif fixed is None:
             raster.release()
         return pictures
 
@@ -152,7 +186,7 @@ class _Rasterize(torch.autograd.Function):
             grad_rgb = torch.zeros(raster.rgb.shape)
         wanted = [
             torch.empty_like(tensor) if needed else None
-            for tensor, needed in zip(tensors, ctx.needs_input_grad[2:], strict=True)
+            for tensor, needed in zip(tensors, ctx.needs_input_grad[3:], strict=True)
         ]
         raster.backward(
             _array(grad_rgb.contiguous()),
@@ -162,7 +196,7 @@ class _Rasterize(torch.autograd.Function):
             None if statistics is None else (statistics.grad_norm_sum, statistics.count),
             None if grad_depth is None else _array(grad_depth.contiguous()),
         )
-        return None, None, *wanted
+        return None, None, None, *wanted
 
 
 def _named(kind: type, tensors: list[Tensor | None]) -> dict[str, Floats] | None:

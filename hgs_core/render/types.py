@@ -54,6 +54,11 @@ class ScreenStatistics:
         """Return statistics of `n` splats that no pass has seen."""
         return ScreenStatistics(np.zeros(n, np.float32), np.zeros(n, np.int32))
 
+    def add(self, other: ScreenStatistics, rows: slice | npt.NDArray[np.int64]) -> None:
+        """Add those of the splats `rows`, none of which is named twice, in place."""
+        self.grad_norm_sum[rows] += other.grad_norm_sum
+        self.count[rows] += other.count
+
     def rows(self, selection: slice) -> ScreenStatistics:
         """Return the statistics of some splats, as views."""
         return ScreenStatistics(self.grad_norm_sum[selection], self.count[selection])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -16,15 +17,16 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.old_names import with_new_names
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.adam import Adam
 from hgs_core.train.colour_correction import ColourCorrection
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.history import TrainingHistory
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["TrainState", "fresh_state", "load_state", "save_state"]
 
-_FORMAT = 3
+_FORMAT = 4
+_WITH_FIRST_MOMENTS = 3  # of the optimiser that was; its second moments are those of today's
 
 
 @dataclass
@@ -35,8 +37,8 @@ class TrainState:
     seconds: float  # spent training so far
     static: StaticSplats[Tensor]
     dynamic: DynamicSplats[Tensor]
-    static_adam: Adam[StaticSplats[Tensor]]
-    dynamic_adam: Adam[DynamicSplats[Tensor]]
+    static_optimiser: RmsProp[StaticSplats[Tensor]]
+    dynamic_optimiser: RmsProp[DynamicSplats[Tensor]]
     statistics: ScreenStatistics
     correction: ColourCorrection | None  # None: cameras are not corrected, or agree well enough not to be
     history: TrainingHistory
@@ -45,13 +47,23 @@ class TrainState:
         """Move everything that steps touch to a device."""
         self.static = self.static.map(lambda array: array.to(device))
         self.dynamic = self.dynamic.map(lambda array: array.to(device))
-        self.static_adam, self.dynamic_adam = self.static_adam.to(device), self.dynamic_adam.to(device)
+        self.static_optimiser, self.dynamic_optimiser = (
+            self.static_optimiser.to(device),
+            self.dynamic_optimiser.to(device),
+        )
         self.correction = None if self.correction is None else self.correction.to(device)
 
     def replace(self, static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> None:
         """Go on with other splats, whose optimisers know; the statistics of the screen begin anew."""
         self.static, self.dynamic = static, dynamic
         self.statistics = ScreenStatistics.zeros(len(static) + len(dynamic))
+
+    def move_dynamic(
+        self, living: DynamicSplats[Tensor], rows: Tensor, rates: Mapping[str, float | Tensor], seen: ScreenStatistics
+    ) -> None:
+        """Step the dynamics `rows` [R] by the gradients of `living`, which are these, and count what was seen."""
+        self.statistics.add(seen, len(self.static) + rows.cpu().numpy())
+        self.dynamic_optimiser.step(self.dynamic, rates, living, rows)
 
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""
@@ -63,7 +75,8 @@ def fresh_state(
 ) -> TrainState:
     """Return the state before the first iteration, with `cameras` training cameras."""
     return TrainState(
-        0, 0.0, static, dynamic, Adam.of(static), Adam.of(dynamic), ScreenStatistics.zeros(len(static) + len(dynamic)),
+        0, 0.0, static, dynamic, RmsProp.of(static), RmsProp.of(dynamic),
+        ScreenStatistics.zeros(len(static) + len(dynamic)),
         ColourCorrection(cameras) if config.colour_correction else None, TrainingHistory(),
     )  # fmt: skip
 
@@ -76,8 +89,8 @@ def save_state(path: Path, state: TrainState) -> None:
         "seconds": state.seconds,
         "static": _plain(state.static),
         "dynamic": _plain(state.dynamic),
-        "static_adam": state.static_adam.state(),
-        "dynamic_adam": state.dynamic_adam.state(),
+        "static_optimiser": state.static_optimiser.state(),
+        "dynamic_optimiser": state.dynamic_optimiser.state(),
         "statistics": {f.name: torch.from_numpy(getattr(state.statistics, f.name)) for f in fields(ScreenStatistics)},
         "correction": None if state.correction is None else state.correction.state(),
         "history": state.history.state(),
@@ -94,15 +107,17 @@ def load_state(path: Path) -> TrainState:
     """
     try:
         value = with_new_names(torch.load(path, map_location="cpu", weights_only=True))
-        if value["format"] != _FORMAT:
+        if value["format"] == _WITH_FIRST_MOMENTS:
+            value |= {f"{name}_optimiser": _without_first(value[f"{name}_adam"]) for name in ("static", "dynamic")}
+        elif value["format"] != _FORMAT:
             raise InputError(path, f"checkpoint format {value['format']}, expected {_FORMAT}", "start a new run")
         return TrainState(
             iteration=int(value["iteration"]),
             seconds=float(value["seconds"]),
             static=StaticSplats(**value["static"]),
             dynamic=DynamicSplats(**value["dynamic"]),
-            static_adam=_adam(StaticSplats, value["static_adam"]),
-            dynamic_adam=_adam(DynamicSplats, value["dynamic_adam"]),
+            static_optimiser=_optimiser(StaticSplats, value["static_optimiser"]),
+            dynamic_optimiser=_optimiser(DynamicSplats, value["dynamic_optimiser"]),
             statistics=ScreenStatistics(**{name: _owned(t) for name, t in value["statistics"].items()}),
             correction=None if value["correction"] is None else ColourCorrection.restored(value["correction"]),
             history=TrainingHistory.restored(value["history"]),
@@ -115,8 +130,13 @@ def _plain(splats: StaticSplats[Tensor] | DynamicSplats[Tensor]) -> dict[str, Te
     return {name: array.detach() for name, array in splats.items()}
 
 
-def _adam(kind: type[Any], value: dict[str, Any]) -> Adam[Any]:
-    return Adam(kind(**value["first"]), kind(**value["second"]), int(value["steps"]))
+def _optimiser(kind: type[Any], value: dict[str, Any]) -> RmsProp[Any]:
+    return RmsProp(kind(**value["moments"]), value["updated"], int(value["steps"]))
+
+
+def _without_first(value: dict[str, Any]) -> dict[str, Any]:
+    rows, steps = len(next(iter(value["second"].values()))), int(value["steps"])
+    return {"moments": value["second"], "updated": torch.full((rows,), steps), "steps": steps}
 
 
 def _owned(tensor: Tensor) -> np.ndarray[Any, Any]:

@@ -41,7 +41,7 @@ class DensityConfig:
 
 
 _DENSITY: dict[str, Range] = {
-    "max_static": (1, 10_000_000),  # with gradients and Adam's moments about 10 GB
+    "max_static": (1, 10_000_000),  # with gradients and moments about 8 GB
     "max_dynamic": (0, 1_000_000),  # the same for a segment of ten seconds
     "start": _SHARE,
     "end": _SHARE,
@@ -78,7 +78,7 @@ class LabelConfig:
 
 @dataclass(frozen=True)
 class LearningRates:
-    """Adam step sizes. Those of positions are multiplied by the scene's extent; sources in docs/training.md."""
+    """Step sizes of RMSprop. Those of positions are multiplied by the scene's extent; sources in docs/training.md."""
 
     position: float = 1e-3
     position_final: float = 5e-5  # log-linear decay from `position`
@@ -101,7 +101,7 @@ class LearningRates:
         check_fields(self, "config.train.learning_rates", _RATES)
 
 
-# Adam moves a parameter by about its rate: 10 multiplies a size by e^10 at once.
+# A step moves a parameter by about its rate: 10 multiplies a size by e^10 at once.
 _RATES: dict[str, Range] = dict.fromkeys((rate.name for rate in dataclasses.fields(LearningRates)), (0.0, 10.0))
 
 _CHOICES: dict[str, tuple[Any, ...]] = {
@@ -116,6 +116,7 @@ _RANGES: dict[str, Range] = {
     "elongation": (1.0, 1e6),  # no picture is a million pixels long
     "dssim": _SHARE,
     "coarse_until": _SHARE,
+    "moving_steps": (0.0, 100.0),  # a training of moving tiles
     "settle_from": _SHARE,
     "settled": _SHARE,
     "checkpoint_every": (1, 100_000),  # what a killed worker loses at most: hours
@@ -126,7 +127,7 @@ _RANGES: dict[str, Range] = {
 class TrainConfig:
     """How to train. An iteration draws one view; `stages` says how the two sets learn from it."""
 
-    iterations: int = 12_000
+    iterations: int = 20_000
     stages: str = "together"  # together (one step for both sets), interleaved (statics first), separate (drawn alone)
     motion_order: int = 3  # degree of the position polynomial: 1, 2, 3 or 5
     segment_frames: int = 150  # longest segment; all segments share the statics of the first
@@ -135,6 +136,7 @@ class TrainConfig:
     colour_correction: bool = True  # learn an affine colour map per training camera; scenes do not keep them
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
+    moving_steps: float = 1.5  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
     settled: float = 0.02  # what is left of them at the end
     steps_by_life: bool = True  # a dynamic splat's steps are smaller the shorter it lives (docs/training.md)

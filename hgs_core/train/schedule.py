@@ -53,9 +53,10 @@ class Schedule:
     def dynamic_rates(self, iteration: int, dynamic: DynamicSplats[Tensor]) -> dict[str, float | Tensor]:
         """Return the step size of every field of the dynamic set, per splat; and per coefficient for the polynomials.
 
-        All are in proportion to the root of the share of time for which a splat is alive (`share_alive`): Adam divides
-        its gradients by the root of their mean square over all steps, in most of which it has none, so that each of its
-        visits would move it the farther the fewer there are (docs/training.md, "Steps of what is rarely seen").
+        All are in proportion to the root of the share of time for which a splat is alive (`share_alive`): RMSprop
+        divides gradients by the root of their mean square over all steps, in most of which such a splat has none, so
+        that each of its visits would move it the farther the fewer there are (docs/training.md, "Steps of what is
+        rarely seen").
 
         A coefficient of the k-th power of time moves a splat in proportion to the k-th power of its life, so its step
         is divided by that: at the ends of a life, a step of any coefficient moves the splat equally far. Otherwise what

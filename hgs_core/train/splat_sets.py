@@ -10,7 +10,7 @@ from torch import Tensor
 
 from hgs_core.base.arrays import Mask
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.adam import Adam
+from hgs_core.train.rmsprop import RmsProp
 
 __all__ = ["Mask", "joined", "kept", "rows_of"]
 
@@ -23,10 +23,10 @@ def joined(*sets: S) -> S:
     return kind(*(torch.cat(arrays) for arrays in zip(*((a for _, a in s.items()) for s in sets), strict=True)))
 
 
-def kept(splats: S, adam: Adam[S], mask: Mask | None, added: S | None = None) -> S:
+def kept(splats: S, optimiser: RmsProp[S], mask: Mask | None, added: S | None = None) -> S:
     """Return the splats of `mask` [N] (None: all) and then those added, for which the optimiser has no moments yet."""
     rows = torch.arange(len(splats)) if mask is None else rows_of(mask)
-    adam.select(rows, 0 if added is None else len(added))
+    optimiser.select(rows, 0 if added is None else len(added))
     left = splats.take(rows)
     return left if added is None else joined(left, added)
 

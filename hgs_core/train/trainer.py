@@ -20,13 +20,14 @@ from hgs_core.metrics.psnr import decibels
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.render.tiles import tiles_of_dynamic
-from hgs_core.render.types import Gradients
+from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control import RoundContext, rounds
 from hgs_core.train.initialise import scene_extent
+from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.schedule import Schedule
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.step import take_step
@@ -83,7 +84,7 @@ class Trainer:
         )
         if after is not None:
             self.state.correction = after.correction
-        self._constrain()  # colours far out of range would leave Adam with second moments that stop it for long
+        self._constrain()  # colours far out of range would leave moments that stop the optimiser for long
 
     def run(self, progress: ProgressCallback) -> HybridScene[npt.NDArray[np.float32]]:
         """Train to the end of the schedule and return the scene.
@@ -168,21 +169,25 @@ class Trainer:
     ) -> None:
         """One step of one set, or of both; sets that are trained separately are also drawn so."""
         state, config, timed = self.state, self.config, self.state.history.timed
-        static, dynamic, statistics = state.static, state.dynamic, state.statistics
+        rows = living_rows(state.dynamic, view.moment)
+        static, dynamic = state.static, rows_taken(state.dynamic, rows)
         if ignored is not None and stage == "static":
-            dynamic, statistics = dynamic.take(slice(0, 0)), statistics.rows(slice(0, len(static)))
+            dynamic = dynamic.take(slice(0, 0))
         if ignored is not None and stage == "dynamic":
-            static, statistics = static.take(slice(0, 0)), statistics.rows(slice(len(static), None))
+            static = static.take(slice(0, 0))
+        seen = ScreenStatistics.zeros(len(static) + len(dynamic))
         with timed(f"{stage} step"):
             step = take_step(
                 static, dynamic, view, config, gradients=stage, tiles=tiles, ignored=ignored,
-                correction=state.correction, statistics=statistics,
+                correction=state.correction, statistics=seen,
             )  # fmt: skip
-        with timed("Adam"):
+        with timed("optimiser"):
             if stage in ("static", "all"):
-                state.static_adam.step(state.static, self.schedule.static_rates(iteration))
+                state.statistics.add(seen.rows(slice(0, len(static))), slice(0, len(static)))
+                state.static_optimiser.step(state.static, self.schedule.static_rates(iteration))
             if stage in ("dynamic", "all"):
-                state.dynamic_adam.step(state.dynamic, self.schedule.dynamic_rates(iteration, state.dynamic))
+                rates = self.schedule.dynamic_rates(iteration, dynamic)
+                state.move_dynamic(dynamic, rows, rates, seen.rows(slice(len(static), None)))
             if step.colour_gradient is not None and stage != "dynamic" and self.statics_learn:
                 assert state.correction is not None
                 state.correction.step(view.place, step.colour_gradient, config.learning_rates.colour_correction)
@@ -205,8 +210,9 @@ class Trainer:
 def _shorten_needles(log_scales: Tensor, elongation: float) -> None:
     """Let no axis [N, 3] be longer than `elongation` times the middle one, in place."""
     if len(log_scales):
-        middle = log_scales.median(dim=1, keepdim=True).values
-        torch.minimum(log_scales, middle + math.log(elongation), out=log_scales)
+        a, b, c = log_scales.unbind(1)
+        middle = torch.maximum(torch.minimum(a, b), torch.minimum(torch.maximum(a, b), c))  # a median is far slower
+        torch.minimum(log_scales, (middle + math.log(elongation))[:, None], out=log_scales)
 
 
 def _copied(array: Tensor) -> npt.NDArray[np.float32]:

@@ -17,6 +17,7 @@ from hgs_core.decompose.temporal import sample_frames
 from hgs_core.scene.camera import Camera
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
+from hgs_core.train.moving_tiles import MovingTiles, tiles_of
 from hgs_core.train.segments import CaptureSegment
 from hgs_core.train.views import ViewSchedule
 
@@ -67,6 +68,7 @@ class TrainingViews:
         self._training = tuple(cameras)
         self._places = {camera: place for place, camera in enumerate(self._training)}
         self.cameras = tuple(cameras.values())
+        self._tiles: dict[tuple[int, int, float], MovingTiles | None] = {}
         frame_bytes = max(3 * camera.width * camera.height for camera in self.cameras)
         # The decoder may pass frames that are not in the block: leave them a fifth of the cache.
         memory = capture.cache_bytes * 4 // 5
@@ -86,6 +88,24 @@ class TrainingViews:
         """Return the view of an iteration, resized by the factor `size`."""
         index, frame = self.order.view(iteration)
         return self._view(self._frames, index, frame, size, masked=self._config.stages == "separate")
+
+    def where_it_moves(self, iteration: int, count: int, size: float) -> Iterator[tuple[TrainingView, MovingTiles]]:
+        """Yield views in which something moves, resized by the factor `size`; there must be masks.
+
+        `count` views are drawn; those in which nothing moves are left out.
+        """
+        for index, frame in self.order.more_views(iteration, count):
+            tiles = self._moving_tiles(index, frame, size)
+            if tiles is not None:
+                yield self._view(self._frames, index, frame, size), tiles
+
+    def _moving_tiles(self, index: int, frame: int, size: float) -> MovingTiles | None:
+        key = index, frame, size
+        if key not in self._tiles:
+            assert self._masks is not None
+            camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
+            self._tiles[key] = tiles_of(reduced_mask(self._masks.mask(index, self._segment.first + frame), camera))
+        return self._tiles[key]
 
     def samples(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
         """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""

@@ -48,6 +48,13 @@ class ViewSchedule:
         first, last = self._block(iteration)
         return int(random.choice(self.cameras)), int(random.integers(first, last))
 
+    def more_views(self, iteration: int, count: int) -> Iterator[tuple[int, int]]:
+        """Yield (camera, frame) of further views, drawn as those of iterations are."""
+        random = np.random.default_rng((self.seed, 9, iteration))
+        first, last = self._block(iteration)
+        for _ in range(count):
+            yield int(random.choice(self.cameras)), int(random.integers(first, last))
+
     def samples(self, iteration: int) -> Iterator[tuple[int, list[int]]]:
         """Yield a few cameras, each with a few frames of the iteration's block, one from each equal part of it."""
         random = np.random.default_rng((self.seed, 4, iteration))

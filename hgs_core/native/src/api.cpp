@@ -70,7 +70,7 @@ int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_
     w.depth = picture->depth != nullptr;
     w.seconds = {};
     hgs::Stopwatch watch;
-    const bool keep_statics = view->reuse_statics != 0;
+    const bool keep_statics = view->statics_use == HGS_STATICS_REUSE;
     hgs_status status = keep_statics ? HGS_OK : hgs::project_statics(w, *statics, threads);
     if (status == HGS_OK) status = hgs::project_dynamics(w, *dynamics, threads);
     if (status != HGS_OK) return status;

@@ -8,7 +8,10 @@
 
 #include <stdint.h>
 
-#define HGS_ABI_VERSION 6
+#define HGS_STATICS_ANEW 0
+#define HGS_STATICS_KEEP 1
+#define HGS_STATICS_REUSE 2
+#define HGS_ABI_VERSION 7
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -43,9 +46,10 @@ typedef struct hgs_view {
   int32_t antialiased; /* 1: opacities are multiplied by what the low-pass filter spreads them over; 0: they are not */
   /* [ceil(height / 16)][ceil(width / 16)] bytes; tiles that are 0 show the background. NULL = draw all. */
   const uint8_t *tile_mask;
-  /* 1: camera, tile mask, antialiasing and static splats are those of the workspace's last rendering without this, which
-   * succeeded: the statics are neither projected nor listed again. */
-  int32_t reuse_statics;
+  /* HGS_STATICS_KEEP: the statics are listed in all tiles, whatever the mask. HGS_STATICS_REUSE: camera, antialiasing and
+   * static splats are those of the workspace's last rendering with HGS_STATICS_KEEP, which succeeded: the statics are
+   * neither projected nor listed again. The mask may be another each time. */
+  int32_t statics_use;
 } hgs_view;
 
 /* A picture, or the gradient of one. */
@@ -159,14 +163,18 @@ HGS_API int32_t hgs_ssim(const float *image, const float *target, int32_t width,
 HGS_API int32_t hgs_l1_dssim(const float *image, const float *target, int32_t width, int32_t height,
                              float dssim_weight, int32_t threads, double *loss, float *gradient);
 
-/* One step of Adam (Kingma and Ba 2015, algorithm 1) on n values, in place.
+/* One step of RMSprop (Tieleman and Hinton 2012) on rows of `width` values, in place.
  *
- * first_moments, second_moments: state, zero before the first step.
- * factors: [ceil(n / values_per_factor)] of the learning rate, one for so many values in turn; NULL = 1 for all.
- * step: 1 for the first step. */
-HGS_API int32_t hgs_adam(int64_t n, float *parameters, const float *gradients, float *first_moments,
-                         float *second_moments, const float *factors, int64_t values_per_factor, double learning_rate,
-                         double beta1, double beta2, double epsilon, int64_t step, int32_t threads);
+ * gradients: [rows][width], one after the other.
+ * row_of: [rows] the rows of `parameters` and `moments` that they are for, none twice; NULL = 0, 1, 2, ...
+ * moments: state, zero before the first step: mean squares of the gradients.
+ * decays: [rows] what is left of the moments; NULL = beta for all. Squares gain 1 - beta.
+ * factors: [ceil(rows width / values_per_factor)] of the learning rate, one for so many values in turn; NULL = 1 for all.
+ * correction: 1 - beta^step, by which the moments are divided. */
+HGS_API int32_t hgs_rmsprop(int64_t rows, int64_t width, const int64_t *row_of, float *parameters,
+                            const float *gradients, float *moments, const float *decays, double beta,
+                            const float *factors, int64_t values_per_factor, double learning_rate, double correction,
+                            double epsilon, int32_t threads);
 
 #ifdef __cplusplus
 }

@@ -18,8 +18,9 @@ constexpr int64_t kPrefetch = 8;  // splats ahead
 // Emits splats into the tiles they reach.
 class Emitter {
  public:
-  Emitter(const Workspace &w, ThreadEmissions &out)
+  Emitter(const Workspace &w, bool masked, ThreadEmissions &out)
       : w_(w),
+        masked_(masked),
         emissions_(out.emissions),
         tile_counts_(out.tile_counts.reserve(w.tile_count())) {
     std::fill_n(tile_counts_, w.tile_count(), 0);
@@ -62,7 +63,7 @@ class Emitter {
     if (one_half && ty0 == ty1) {
       PixelRange halves[] = {kNoPixels, kNoPixels};
       halves[box.x0 / kCell % 2] = box;
-      add(splat, to_t, tx0, ty0, w_.cells_drawn(tx0, ty0), halves);
+      add(splat, to_t, tx0, ty0, cells_listed(tx0, ty0), halves);
       return;
     }
     const Ellipse ellipse(s);
@@ -72,7 +73,7 @@ class Emitter {
       if (ty0 != ty1) row = ellipse.narrow_x(row);
       if (row.empty()) continue;
       for (int tx = row.x0 / kTile; tx <= row.x1 / kTile; ++tx) {
-        const unsigned cells = w_.cells_drawn(tx, ty);
+        const unsigned cells = cells_listed(tx, ty);
         if (cells == 0) continue;
         PixelRange halves[2];
         for (int h = 0; h < 2; ++h) {
@@ -88,6 +89,9 @@ class Emitter {
       }
     }
   }
+
+  // The cells of a tile that the list is for.
+  unsigned cells_listed(int tx, int ty) const { return masked_ ? w_.cells_drawn(tx, ty) : 15; }
 
   // The pixels of both halves of a tile, as far as they lie in cells that are drawn.
   void add(uint32_t splat, const ToT &to_t, int tx, int ty, unsigned cells, PixelRange *halves) {
@@ -118,6 +122,7 @@ class Emitter {
   static constexpr PixelRange kNoPixels{1 << 20, -1, 1 << 20, -1};
 
   const Workspace &w_;
+  const bool masked_;
   Buffer<Emission> &emissions_;
   uint32_t *const tile_counts_;
   Emission *next_ = nullptr;
@@ -135,8 +140,10 @@ void list_by_tile(Workspace &w, ScreenSet &set, int threads) {
   std::vector<ThreadEmissions> &scratch = w.scratch.threads;
   if (scratch.size() < static_cast<size_t>(threads)) scratch.resize(threads);
 
+  // Lists that are kept serve frames with other masks.
+  const bool kept = &set == &w.statics && w.view.statics_use == HGS_STATICS_KEEP;
   parallel_ranges(threads, visible, [&](int thread, int64_t begin, int64_t end) {
-    Emitter emitter(w, scratch[thread]);
+    Emitter emitter(w, !kept, scratch[thread]);
     for (int64_t i = begin; i < end; ++i) {
       __builtin_prefetch(&set.splats[set.order[std::min(i + kPrefetch, end - 1)]]);
       const uint32_t splat = set.order[i];

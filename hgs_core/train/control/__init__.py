@@ -11,6 +11,7 @@ from hgs_core.train.control.births import BirthRound
 from hgs_core.train.control.density import DensityRound
 from hgs_core.train.control.infill import InfillRound
 from hgs_core.train.control.labels import LabelRound
+from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.pruning import PruningRound
 from hgs_core.train.control.relocation import NoiseRound, RelocationRound
 from hgs_core.train.control.round import Round, RoundContext
@@ -29,6 +30,8 @@ def rounds(config: TrainConfig, *, masked: bool, statics_learn: bool) -> tuple[R
     found: list[Round] = [PruningRound(config)]
     if masked:
         found.append(BirthRound(config))
+    if masked and config.moving_steps:
+        found.insert(0, MovingSteps(config))
     if statics_learn:
         found.append(InfillRound(config))
     if config.density.method == "relocation":

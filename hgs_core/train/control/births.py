@@ -74,12 +74,12 @@ class BirthRound:
             alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
             missing.append(MissingPoints(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))
         shortened, changed = with_lives_shortened(state.dynamic, np.array(moments), np.stack(ghosts))
-        dynamic = kept(state.dynamic, state.dynamic_adam, ~changed, shortened.take(rows_of(changed)))
+        dynamic = kept(state.dynamic, state.dynamic_optimiser, ~changed, shortened.take(rows_of(changed)))
         # They live for about a frame: what lives longer will learn to. So few iterations show them that they start
         # opaque.
         points = chosen_points(missing, most, generator)
         _, born = initial_splats(
             points, segment.clock, segment.frames, opacity=_OPACITY, coefficients=dynamic.motion.shape[1]
         )
-        state.replace(state.static, kept(dynamic, state.dynamic_adam, None, born))
+        state.replace(state.static, kept(dynamic, state.dynamic_optimiser, None, born))
         state.history.births += len(born)

@@ -17,10 +17,10 @@ from torch import Tensor
 from hgs_core.render.projection import rotation_matrices
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.round import BudgetRound, RoundContext
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined
 
 __all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
@@ -49,9 +49,9 @@ class DensityRound(BudgetRound):
         first, most = context.first_counts, schedule.splat_budgets
         static, dynamic = state.static, state.dynamic
         if context.statics_learn and statics:
-            static = refine(static, state.static_adam, seen.rows(slice(0, statics)), plan(first[0], most[0]))
+            static = refine(static, state.static_optimiser, seen.rows(slice(0, statics)), plan(first[0], most[0]))
         if len(dynamic):
-            dynamic = refine(dynamic, state.dynamic_adam, seen.rows(slice(statics, None)), plan(first[1], most[1]))
+            dynamic = refine(dynamic, state.dynamic_optimiser, seen.rows(slice(statics, None)), plan(first[1], most[1]))
         state.replace(static, dynamic)
 
 
@@ -71,12 +71,12 @@ class DensityPlan:
         return self.config.density.clone_scale * self.extent
 
 
-def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: DensityPlan) -> S:
-    """Prune what cannot be seen, then clone or split what the loss pulls at most; `adam` follows.
+def refine(splats: S, optimiser: RmsProp[S], statistics: ScreenStatistics, plan: DensityPlan) -> S:
+    """Prune what cannot be seen, then clone or split what the loss pulls at most; `optimiser` follows.
 
     Args:
         splats: the set, float32 on the CPU.
-        adam: its optimiser; new splats start with zero moments.
+        optimiser: its optimiser; new splats start with zero moments.
         statistics: of this set's rows alone, since the last round.
         plan: budgets and thresholds.
 
@@ -102,7 +102,7 @@ def refine(splats: S, adam: Adam[S], statistics: ScreenStatistics, plan: Density
         halves = _halves(splats.take(torch.nonzero(split)[:, 0]), plan.generator)
         added = joined(faded.take(torch.nonzero(clone)[:, 0]), halves)
         result = joined(faded.take(survivors), added)
-        adam.select(survivors, len(added))
+        optimiser.select(survivors, len(added))
         return result
 
 

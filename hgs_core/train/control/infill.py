@@ -57,7 +57,7 @@ class InfillRound:
         views = context.views.everywhere(context.iteration)
         points = find_infill(state.static, state.dynamic, views, config, state.shown, ranges, most, generator)
         added, _ = initial_splats(points, context.segment.clock, context.segment.frames, opacity=_OPACITY)
-        state.replace(kept(state.static, state.static_adam, None, added), state.dynamic)
+        state.replace(kept(state.static, state.static_optimiser, None, added), state.dynamic)
         state.history.infilled += len(added)
 
 

@@ -74,8 +74,8 @@ class LabelRound:
         to_static = as_statics(state.dynamic.take(rows_of(still)))
         to_dynamic = as_dynamics(state.static.take(rows_of(restless)), state.dynamic.motion.shape[1])
         state.replace(
-            kept(state.static, state.static_adam, ~restless, to_static),
-            kept(state.dynamic, state.dynamic_adam, ~still, to_dynamic),
+            kept(state.static, state.static_optimiser, ~restless, to_static),
+            kept(state.dynamic, state.dynamic_optimiser, ~still, to_dynamic),
         )
         state.history.relabelled(len(to_static), int(restless.sum()))
 

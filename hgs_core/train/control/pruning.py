@@ -53,6 +53,6 @@ class PruningRound:
             needed[statics:] &= ~outside_moving_hull(state.dynamic, views.cameras, frames, views.moving)
         static = state.static
         if context.statics_learn:
-            static = kept(static, state.static_adam, needed[:statics])
-        state.replace(static, kept(state.dynamic, state.dynamic_adam, needed[statics:]))
+            static = kept(static, state.static_optimiser, needed[:statics])
+        state.replace(static, kept(state.dynamic, state.dynamic_optimiser, needed[statics:]))
         state.history.pruned += len(peak) - len(state.static) - len(state.dynamic)

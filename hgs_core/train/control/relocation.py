@@ -19,10 +19,10 @@ from torch import Tensor
 
 from hgs_core.render.projection import rotation_matrices
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.adam import Adam
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.density import peak_opacity
 from hgs_core.train.control.round import BudgetRound, RoundContext
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined
 
 __all__ = ["NoiseRound", "RelocationRound", "disturb", "relocate", "shared_among"]
@@ -52,10 +52,10 @@ class RelocationRound(BudgetRound):
         static, dynamic = state.static, state.dynamic
         if context.statics_learn and len(static):
             budget = schedule.budget(context.iteration, first[0], most[0])
-            static = relocate(static, state.static_adam, budget, dead, generator)
+            static = relocate(static, state.static_optimiser, budget, dead, generator)
         if len(dynamic):
             budget = schedule.budget(context.iteration, first[1], most[1])
-            dynamic = relocate(dynamic, state.dynamic_adam, budget, dead, generator)
+            dynamic = relocate(dynamic, state.dynamic_optimiser, budget, dead, generator)
         state.replace(static, dynamic)
 
 
@@ -79,12 +79,12 @@ class NoiseRound:
         disturb(state.dynamic, step, schedule.extent, generator)
 
 
-def relocate(splats: S, adam: Adam[S], budget: int, dead: float, generator: np.random.Generator) -> S:
-    """Move the dead onto the living and add copies of these up to the budget; `adam` follows.
+def relocate(splats: S, optimiser: RmsProp[S], budget: int, dead: float, generator: np.random.Generator) -> S:
+    """Move the dead onto the living and add copies of these up to the budget; `optimiser` follows.
 
     Args:
         splats: the set, float32 on the CPU.
-        adam: its optimiser; copies and what they are copies of start with zero moments.
+        optimiser: its optimiser; copies and what they are copies of start with zero moments.
         budget: splats wanted afterwards; with more there already, none are added.
         dead: opacity below which a splat is dead: its greatest one at a moment of the segment. So is one that is not
             finite.
@@ -104,7 +104,7 @@ def relocate(splats: S, adam: Adam[S], budget: int, dead: float, generator: np.r
         chosen = np.flatnonzero(shares > 1)
         untouched = torch.from_numpy(alive[shares[alive] == 1])
         parts = _divided(splats.take(torch.from_numpy(chosen)), shares[chosen])
-        adam.select(untouched, len(parts))
+        optimiser.select(untouched, len(parts))
         return joined(splats.take(untouched), parts)
 
 

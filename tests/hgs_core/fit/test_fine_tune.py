@@ -81,7 +81,7 @@ def test_equal_arguments_give_equal_scenes_and_leave_the_given_one_alone(given: 
 def test_a_budget_is_kept_with_coarser_codes_than_without(given: Given) -> None:
     scene, views, utility = given
     plain = fit(scene, views, utility, "low", CONFIG)
-    tuned = fit(scene, views, utility, "low", CONFIG, iterations=100)
+    tuned = fit(scene, views, utility, "low", CONFIG, iterations=200)
     assert tuned.loss <= BUDGETS["low"]
     assert tuned.settings.coarseness > plain.settings.coarseness
 

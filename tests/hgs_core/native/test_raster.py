@@ -172,7 +172,7 @@ def test_pictures_too_large_for_the_boxes_of_splats_are_refused() -> None:
 def test_drawing_again_gives_the_bits_of_a_new_rendering() -> None:
     static, dynamic = scene()
     for threads in (1, 3):
-        raster = Raster(static, dynamic, camera(120, 88), 0.1, threads=threads, antialiased=True)
+        raster = Raster(static, dynamic, camera(120, 88), 0.1, threads=threads, antialiased=True, keep_statics=True)
         for time, depth in ((0.3, False), (0.9, True)):
             raster.redraw(dynamic, time, depth)
             fresh = Raster(static, dynamic, camera(120, 88), time, threads=threads, antialiased=True, depth=depth)
@@ -183,6 +183,35 @@ def test_drawing_again_gives_the_bits_of_a_new_rendering() -> None:
                 assert raster.depth is None
         raster.redraw(None, 0.0)
         np.testing.assert_array_equal(raster.rgb, Raster(static, None, camera(120, 88), antialiased=True).rgb)
+
+
+def test_drawing_again_may_leave_out_other_tiles() -> None:
+    static, dynamic = scene()
+    r = np.random.default_rng(0)
+    first, later = (r.uniform(size=(6, 8)) < 0.4 for _ in range(2))
+    raster = Raster(static, dynamic, camera(120, 88), 0.1, tile_mask=first, keep_statics=True)
+    fresh = Raster(static, dynamic, camera(120, 88), 0.1, tile_mask=first)
+    assert_close(raster.rgb, fresh.rgb, "picture")
+    gradient = r.normal(size=(3, 88, 120)).astype(np.float32)
+    for mask in (later, None):
+        fresh = Raster(static, dynamic, camera(120, 88), 0.6, tile_mask=mask)
+        raster.redraw(dynamic, 0.6, tile_mask=mask)
+        assert_close(raster.rgb, fresh.rgb, "picture")  # boxes that no mask has cut are summed in another order
+        assert_close(raster.alpha, fresh.alpha, "picture")
+        found = []
+        for drawn in (raster, fresh):
+            grads = {name: np.empty_like(array) for name, array in dynamic.items()}
+            drawn.backward(gradient, None, None, grads)
+            found.append(grads)
+        for name in found[0]:
+            assert_close(found[0][name], found[1][name], "gradients")
+
+
+def test_statics_that_were_not_kept_are_not_drawn_again() -> None:
+    static, dynamic = scene()
+    raster = Raster(static, dynamic, camera(120, 88), 0.1)
+    with pytest.raises(RuntimeError, match="not kept"):
+        raster.redraw(dynamic, 0.2)
 
 
 def test_contributions_add_up_to_the_coverage() -> None:

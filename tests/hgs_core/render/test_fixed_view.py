@@ -8,8 +8,10 @@ import torch
 
 from hgs_core.base.errors import InputError
 from hgs_core.render import FixedView, contributions, rasterize
+from hgs_core.render.types import ScreenStatistics
 from tests.hgs_core.render.comparison import every_backend
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
+from tests.tolerances import assert_close
 
 BACKGROUND = (0.2, 0.5, 0.9)
 
@@ -47,6 +49,34 @@ def test_contributions_are_those_of_single_pictures(backend: str) -> None:
         found = fixed.contributions(moving, time)
         assert np.array_equal(found.total, expected.total)
         assert np.array_equal(found.peak, expected.peak)
+
+
+@every_backend
+def test_differentiable_frames_have_the_gradients_of_single_pictures(backend: str) -> None:
+    static = static_splats(150, dtype=torch.float32)
+    fixed = FixedView(static, camera(75, 41), antialiased=True, backend=backend)
+    tiles = np.random.default_rng(0).uniform(size=(3, 5)) < 0.5
+    for time, mask in ((0.2, None), (0.7, tiles)):
+        found = []
+        for alone in (False, True):
+            moving = dynamic_splats(120, dtype=torch.float32).map(lambda array: array.requires_grad_())
+            seen = ScreenStatistics.zeros(270)
+            if alone:
+                picture = rasterize(
+                    static, moving, camera(75, 41), time, backend=backend, gradients="dynamic", tile_mask=mask,
+                    statistics=seen, antialiased=True,
+                ).rgb  # fmt: skip
+            else:
+                picture = fixed.differentiable_frame(moving, time, tile_mask=mask, statistics=seen).rgb
+            (picture * torch.linspace(-1, 1, 75)).sum().backward()
+            found.append((picture.detach(), {name: array.grad for name, array in moving.items()}, seen))
+        assert_close(found[0][0].numpy(), found[1][0].numpy(), "picture")
+        for name, gradient in found[0][1].items():
+            assert gradient is not None
+            assert gradient.any()
+            assert_close(gradient.numpy(), found[1][1][name].numpy(), "gradients")
+        np.testing.assert_array_equal(found[0][2].count, found[1][2].count)
+        assert found[0][2].count[150:].any()
 
 
 @every_backend

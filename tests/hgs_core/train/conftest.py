@@ -60,8 +60,8 @@ def applied(views: TrainingViews, segment: CaptureSegment) -> Callable[..., None
         schedule = Schedule(config, extent=1.0, frames=6)
         counts = len(state.static), len(state.dynamic)
         control.apply(state, RoundContext(0, 0, schedule, views, segment, views.cameras[0], counts, statics_learn))
-        assert len(state.static_adam.first) == len(state.static)
-        assert len(state.dynamic_adam.second) == len(state.dynamic)
+        assert len(state.static_optimiser.moments) == len(state.static)
+        assert len(state.dynamic_optimiser.moments) == len(state.dynamic)
         assert len(state.statistics.count) == len(state.static) + len(state.dynamic)
 
     return apply

@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from hgs_core.base.errors import InputError
+from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.checkpoint import TrainState, load_state, save_state
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 from tests.hgs_core.train.conftest import state_of
@@ -20,7 +21,7 @@ def state() -> TrainState:
     made = state_of(static_splats(7, dtype=torch.float32), dynamic_splats(4, dtype=torch.float32))
     made.iteration, made.seconds = 12, 3.5
     made.statistics.count[:] = range(11)
-    made.static_adam.first.rgb[2] = 0.25
+    made.static_optimiser.moments.rgb[2] = 0.25
     return made
 
 
@@ -30,7 +31,8 @@ def test_a_state_comes_back_as_it_was(state: TrainState, tmp_path: Path) -> None
     assert (back.iteration, back.seconds, back.correction) == (12, 3.5, None)
     for mine, theirs in (
         (state.static, back.static), (state.dynamic, back.dynamic),
-        (state.static_adam.first, back.static_adam.first), (state.dynamic_adam.second, back.dynamic_adam.second),
+        (state.static_optimiser.moments, back.static_optimiser.moments),
+        (state.dynamic_optimiser.moments, back.dynamic_optimiser.moments),
     ):  # fmt: skip
         for (name, one), (_, two) in zip(mine.items(), theirs.items(), strict=True):
             assert torch.equal(one, two), name
@@ -71,8 +73,37 @@ def test_a_checkpoint_of_another_version_is_refused(state: TrainState, tmp_path:
     save_state(tmp_path / "a.pt", state)
     value = torch.load(tmp_path / "a.pt", weights_only=True)
     torch.save({**value, "format": 99}, tmp_path / "a.pt")
-    with pytest.raises(InputError, match="checkpoint format 99, expected 3; start a new run"):
+    with pytest.raises(InputError, match="checkpoint format 99, expected 4; start a new run"):
         load_state(tmp_path / "a.pt")
+
+
+def test_a_checkpoint_with_first_moments_is_read_without_them(state: TrainState, tmp_path: Path) -> None:
+    """What format 3 kept of Adam; its second moments are those that RMSprop has."""
+    state.static_optimiser.steps, state.dynamic_optimiser.steps = 12, 12
+    save_state(tmp_path / "a.pt", state)
+    value = torch.load(tmp_path / "a.pt", weights_only=True)
+    for name in ("static", "dynamic"):
+        kept = value.pop(f"{name}_optimiser")
+        first = {field: torch.ones_like(array) for field, array in kept["moments"].items()}
+        value[f"{name}_adam"] = {"first": first, "second": kept["moments"], "steps": 12}
+    torch.save({**value, "format": 3}, tmp_path / "a.pt")
+    back = load_state(tmp_path / "a.pt")
+    assert torch.equal(back.static_optimiser.moments.rgb, state.static_optimiser.moments.rgb)
+    assert (back.dynamic_optimiser.steps, back.dynamic_optimiser.updated.tolist()) == (12, [12] * 4)
+
+
+def test_moving_dynamics_changes_their_rows_alone(state: TrainState) -> None:
+    before = state.dynamic.rgb.clone()
+    rows = torch.tensor([1, 3])
+    living = state.dynamic.map(lambda array: array[rows].clone())
+    living.rgb.grad = torch.ones_like(living.rgb)
+    seen = ScreenStatistics.zeros(2)
+    seen.count[:] = [5, 6]
+    counted = state.statistics.count.copy()
+    state.move_dynamic(living, rows, {name: 0.01 for name, _ in living.items()}, seen)
+    moved = (state.dynamic.rgb != before).any(1)
+    assert moved.tolist() == [False, True, False, True]
+    assert (state.statistics.count - counted).tolist() == [0] * 7 + [0, 5, 0, 6]
 
 
 def test_other_splats_begin_with_statistics_of_their_own(state: TrainState) -> None:

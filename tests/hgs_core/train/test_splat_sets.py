@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from hgs_core.train.adam import Adam
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined, kept, rows_of
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 
@@ -16,17 +16,17 @@ def test_joined_sets_have_all_rows_in_order() -> None:
 
 def test_what_is_kept_keeps_its_moments_and_what_is_added_has_none() -> None:
     splats, added = static_splats(4), static_splats(2, seed=5)
-    adam = Adam.of(splats)
-    adam.first.rgb[:] = torch.arange(4.0)[:, None]
-    result = kept(splats, adam, np.array([True, False, False, True]), added)
+    optimiser = RmsProp.of(splats)
+    optimiser.moments.rgb[:] = torch.arange(4.0)[:, None]
+    result = kept(splats, optimiser, np.array([True, False, False, True]), added)
     np.testing.assert_array_equal(result.means.numpy(), np.concatenate([splats.means[[0, 3]], added.means]))
-    assert adam.first.rgb[:, 0].tolist() == [0, 3, 0, 0]
-    assert len(adam.second) == 4
+    assert optimiser.moments.rgb[:, 0].tolist() == [0, 3, 0, 0]
+    assert len(optimiser.moments) == 4
 
 
 def test_without_a_mask_all_are_kept() -> None:
     splats = static_splats(3)
-    assert torch.equal(kept(splats, Adam.of(splats), None).means, splats.means)
+    assert torch.equal(kept(splats, RmsProp.of(splats), None).means, splats.means)
 
 
 def test_rows_are_those_that_the_mask_marks() -> None:

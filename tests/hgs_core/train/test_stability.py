@@ -1,7 +1,7 @@
 """Training from scenes that are hard on every number in it: nothing becomes NaN, nothing runs away, the loss falls.
 
-The reference for how far a parameter may move is Adam itself: a step is at most (1 - beta1) / sqrt(1 - beta2) times
-the step size (Kingma and Ba, 2015, section 2.1).
+The reference for how far a parameter may move is RMSprop itself: a step is at most 1 / sqrt(1 - beta) times the step
+size, that of a gradient after many that were zero.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.render import rasterize
 from hgs_core.scene import DynamicSplats, StaticSplats
-from hgs_core.train.adam import BETA1, BETA2
 from hgs_core.train.config import DensityConfig, LabelConfig, TrainConfig
 from hgs_core.train.loss import photometric_loss
+from hgs_core.train.rmsprop import BETA
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.targets import target_picture
 from hgs_core.train.trainer import Trainer
@@ -198,7 +198,7 @@ def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions
     before = start[0].map(torch.clone), start[1].map(torch.clone)
     training.run(silent)
     (folder / "checkpoint.pt").unlink()
-    furthest = STEPS * (1 - BETA1) / math.sqrt(1 - BETA2)  # in step sizes
+    furthest = STEPS / math.sqrt(1 - BETA)  # in step sizes
     after = training.state.static, training.state.dynamic
     # They fall from there; between two frames every life counts as the whole segment, so that motion's stay alike.
     rates = training.schedule.static_rates(0), training.schedule.dynamic_rates(0, before[1])
@@ -224,7 +224,7 @@ def test_training_from_a_hard_scene_is_stable(
 
 
 def test_colours_out_of_range_do_not_spoil_the_optimiser(capture: Capture, tmp_path: Path) -> None:
-    # Their gradients would stay in Adam's second moments for hundreds of steps: they are clamped before the first.
+    # Their gradients would stay in the optimiser's moments for hundreds of steps: they are clamped before the first.
     kinds = ["far too bright", "invisible"] * ((STILL + MOVING) // 2)
     train(capture, tmp_path, 286, kinds, ["calm"] * MOVING)
 

@@ -13,8 +13,8 @@ import torch
 from hgs_core.base.progress import silent
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.adam import Adam
 from hgs_core.train.config import DensityConfig, TrainConfig
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.schedule import Schedule, share_alive
 from hgs_core.train.segments import cut_into_segments
 from hgs_core.train.trainer import Trainer
@@ -41,13 +41,12 @@ def fade(times: Doubles, centers: Doubles, widths: Doubles) -> Doubles:
     return np.exp(-((times[:, None] - centers) ** 2) / (2 * widths**2))
 
 
-def moved_by_adam(gradients: Doubles, rate: float) -> Doubles:
-    """How far Adam moves each column of gradients [steps, N], by the paper's algorithm in float64."""
-    first, second, place = (np.zeros(gradients.shape[1]) for _ in range(3))
+def moved_by_rmsprop(gradients: Doubles, rate: float) -> Doubles:
+    """How far RMSprop moves each column of gradients [steps, N], in float64."""
+    second, place = (np.zeros(gradients.shape[1]) for _ in range(2))
     for step, gradient in enumerate(gradients, 1):
-        first += 0.1 * (gradient - first)
         second += 0.001 * (gradient**2 - second)
-        place += rate * (first / (1 - 0.9**step)) / (np.sqrt(second / (1 - 0.999**step)) + 1e-15)
+        place += rate * gradient / (np.sqrt(second / (1 - 0.999**step)) + 1e-15)
     return place
 
 
@@ -66,13 +65,13 @@ def test_the_share_is_finite_for_every_life() -> None:
     assert (share.diff() <= 0).all()  # the shorter, the less
 
 
-def test_adam_alone_moves_what_is_alive_for_a_share_of_the_time_too_far_at_each_visit() -> None:
+def test_rmsprop_alone_moves_what_is_alive_for_a_share_of_the_time_too_far_at_each_visit() -> None:
     # The derivation of docs/training.md, with lives that are there or not.
     r = np.random.default_rng(0)
     shares = np.array([1.0, 0.5, 0.2, 0.1])
     visited = r.uniform(size=(20_000, 4)) < shares
     gradients = visited * r.normal(1.0, 0.5, visited.shape)
-    each = moved_by_adam(gradients, 1e-3) / visited.sum(0)
+    each = moved_by_rmsprop(gradients, 1e-3) / visited.sum(0)
     np.testing.assert_allclose(each / each[0], 1 / np.sqrt(shares), rtol=0.05)
 
 
@@ -84,11 +83,11 @@ def test_the_schedules_steps_move_a_splat_as_far_at_each_visit_as_one_that_is_al
     splats = lives(CENTERS, WIDTHS)
     schedule = Schedule(TrainConfig(), extent=1.0, frames=60)
     rates = schedule.dynamic_rates(0, splats)
-    adam = Adam.of(splats)
+    optimiser = RmsProp.of(splats)
     for gradient in torch.tensor(-pull[:, None] * w, dtype=torch.float32):
         splats.log_scales.grad = gradient[:, None].expand(-1, 3).contiguous()
-        adam.step(splats, rates)
-    always = moved_by_adam(pull[:, None], schedule.config.learning_rates.log_scale)[0] / steps
+        optimiser.step(splats, rates)
+    always = moved_by_rmsprop(pull[:, None], schedule.config.learning_rates.log_scale)[0] / steps
     visits = w.mean(0) ** 2 / (w**2).mean(0) * steps  # that are worth as much as whole ones
     # A tenth of the opacity is a little later than where a life without fading would end.
     np.testing.assert_allclose(splats.log_scales[:, 0].numpy() / visits, always, rtol=0.12)
@@ -130,7 +129,7 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
         capture, dict(enumerate(capture.cameras)), config, 1, segment, (static, dynamic), tmp_path / "checkpoint.pt"
     )
     scene = training.run(silent)
-    # Adam's first step is as long as the step size, whatever the gradient.
+    # The first step is as long as the step size, whatever the gradient.
     rate = config.learning_rates.opacity
     factor = np.sqrt(share_alive(lives(centers, widths)).numpy()) if by_life else np.ones(12)
     assert not by_life or factor[0] < 0.85

@@ -241,7 +241,7 @@ def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path, st
     history = training.state.history
     assert history.curves["iteration"] == [10, 20, 30, 40, 50, 60]
     assert history.curves["static"][-1] == len(training.state.static)
-    assert {"frames", "Adam", "density"} | steps <= set(history.profile)
+    assert {"frames", "optimiser", "density"} | steps <= set(history.profile)
 
 
 def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:

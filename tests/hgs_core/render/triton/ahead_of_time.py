@@ -23,8 +23,8 @@ from hgs_core.render.triton.contribution import contributions_triton
 from hgs_core.render.triton.rasterize import rasterize_triton
 from hgs_core.render.types import Gradients, ScreenStatistics, View
 from hgs_core.scene.camera import Camera
-from hgs_core.train.triton.adam import adam_step
 from hgs_core.train.triton.loss import l1_dssim
+from hgs_core.train.triton.rmsprop import rmsprop_step
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats
 
 OPTIONS = ("num_warps", "num_stages", "enable_fp_fusion")
@@ -84,9 +84,9 @@ def render(over: Camera, coefficients: int = 4, **options: Any) -> None:
 def learn() -> None:
     """Loss and optimiser."""
     l1_dssim(torch.zeros(3, 20, 24), torch.zeros(3, 20, 24), 0.2)
-    arrays = [torch.zeros(9, 3) for _ in range(4)]
-    for factors in (None, torch.ones(9)):
-        adam_step(*arrays, 0.01, 1, beta1=0.9, beta2=0.999, epsilon=1e-15, factors=factors)
+    arrays = [torch.zeros(9, 3) for _ in range(3)]
+    for factors, rows, decays in ((None, None, None), (torch.ones(9), torch.arange(9), torch.ones(9))):
+        rmsprop_step(*arrays, 0.01, 0.001, beta=0.999, epsilon=1e-15, factors=factors, rows=rows, decays=decays)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from tests.conftest import REPOSITORY
 KERNELS = {
     "project_statics", "project_dynamics", "count_tiles", "emit_tiles", "place_entries", "composite",
     "composite_backward", "reduce_slots", "differentiate_statics", "differentiate_dynamics", "weigh",
-    "adam", "blur_pictures", "differentiate_ssim", "blur_derivatives", "write_gradient",
+    "rmsprop", "blur_pictures", "differentiate_ssim", "blur_derivatives", "write_gradient",
 }  # fmt: skip
 
 

@@ -44,7 +44,7 @@ def test_what_appears_is_born_at_its_place_and_time_within_the_room(context: Rou
     assert np.quantile(distance, 0.9) < 0.35  # the ball's radius is 0.25
     frames = np.rint(born.time_centers.numpy() * (FRAMES - 1)).astype(int)
     assert set(frames) == set(EVENT)
-    assert len(state.dynamic_adam.first) == len(state.dynamic)
+    assert len(state.dynamic_optimiser.moments) == len(state.dynamic)
     assert len(state.statistics.count) == len(state.static) + len(state.dynamic)
 
 

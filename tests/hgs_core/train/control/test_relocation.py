@@ -13,8 +13,8 @@ from torch import Tensor
 from hgs_core.render import rasterize
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
-from hgs_core.train.adam import Adam
 from hgs_core.train.control.relocation import disturb, relocate, shared_among
+from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 from tests.tolerances import assert_close
@@ -63,7 +63,7 @@ def test_a_picture_of_copies_in_one_place_is_that_of_their_parent(copies: int) -
         torch.tensor([[0.0, 0.0, 2.0]]), torch.full((1, 3), math.log(0.2)), torch.tensor([[1.0, 0, 0, 0]]),
         torch.logit(torch.tensor([0.8])), torch.ones(1, 3),
     )  # fmt: skip
-    moved = relocate(splats, Adam.of(splats), copies, DEAD, generator())
+    moved = relocate(splats, RmsProp.of(splats), copies, DEAD, generator())
     assert len(moved) == copies
     before, after = (rasterize(s, None, camera, gradients="none").alpha for s in (splats, moved))
     assert float(after[48, 48]) == pytest.approx(float(before[48, 48]), rel=1e-4)
@@ -73,7 +73,7 @@ def test_a_picture_of_copies_in_one_place_is_that_of_their_parent(copies: int) -
 
 def test_the_dead_become_copies_of_the_living_and_the_number_stays() -> None:
     splats = statics([0.5, 0.001, 0.7, 0.002])
-    moved = relocate(splats, Adam.of(splats), 0, DEAD, generator())
+    moved = relocate(splats, RmsProp.of(splats), 0, DEAD, generator())
     assert len(moved) == 4
     for mean in moved.means:
         assert (mean == splats.means[[0, 2]]).all(1).any()
@@ -81,36 +81,36 @@ def test_the_dead_become_copies_of_the_living_and_the_number_stays() -> None:
 
 def test_the_untouched_keep_place_and_moments_and_copies_start_anew() -> None:
     splats = statics([0.9, 0.001, 0.01])
-    adam = Adam.of(splats)
-    adam.first.means[:] = torch.arange(1.0, 4.0)[:, None]
-    moved = relocate(splats, adam, 0, DEAD, generator())  # the first is chosen 90 times as often as the last
+    optimiser = RmsProp.of(splats)
+    optimiser.moments.means[:] = torch.arange(1.0, 4.0)[:, None]
+    moved = relocate(splats, optimiser, 0, DEAD, generator())  # the first is chosen 90 times as often as the last
     assert torch.equal(moved.means[0], splats.means[2])
     assert torch.equal(moved.means[1:], splats.means[[0, 0]])
-    assert adam.first.means[:, 0].tolist() == [3, 0, 0]
+    assert optimiser.moments.means[:, 0].tolist() == [3, 0, 0]
 
 
 def test_growth_ends_at_the_budget() -> None:
     splats = statics([0.5] * 10)
-    assert len(relocate(splats, Adam.of(splats), 13, DEAD, generator())) == 13
-    assert relocate(splats, Adam.of(splats), 10, DEAD, generator()) is splats
+    assert len(relocate(splats, RmsProp.of(splats), 13, DEAD, generator())) == 13
+    assert relocate(splats, RmsProp.of(splats), 10, DEAD, generator()) is splats
 
 
 def test_the_opaque_are_copied_most() -> None:
     splats = statics([0.9] * 20 + [0.02] * 80)
-    moved = relocate(splats, Adam.of(splats), 150, DEAD, generator())
+    moved = relocate(splats, RmsProp.of(splats), 150, DEAD, generator())
     copies = [(moved.means == mean).all(1).sum() for mean in splats.means]
     assert np.mean(copies[:20]) > 2 > 1.3 > np.mean(copies[20:])
 
 
 def test_where_nothing_lives_nothing_changes() -> None:
     splats = statics([0.001, 0.002])
-    assert relocate(splats, Adam.of(splats), 10, DEAD, generator()) is splats
+    assert relocate(splats, RmsProp.of(splats), 10, DEAD, generator()) is splats
 
 
 def test_a_splat_with_nan_is_dead_and_never_copied() -> None:
     splats = statics([0.5, 0.9])
     splats.means[1, 0] = math.nan
-    moved = relocate(splats, Adam.of(splats), 4, DEAD, generator())
+    moved = relocate(splats, RmsProp.of(splats), 4, DEAD, generator())
     assert len(moved) == 4
     assert torch.isfinite(moved.means).all()
 
@@ -120,7 +120,7 @@ def test_copies_of_dynamic_splats_live_and_move_as_their_parent() -> None:
     splats.opacity_logits[:] = 2.0
     splats.time_log_precisions[:] = math.log(100.0)
     splats.time_centers[:] = torch.tensor([0.4, 3.0])  # the second one lives outside the segment
-    moved = relocate(splats, Adam.of(splats), 3, DEAD, generator())
+    moved = relocate(splats, RmsProp.of(splats), 3, DEAD, generator())
     for name in ("motion", "rotation", "time_centers", "time_log_precisions", "rgb"):
         assert torch.equal(getattr(moved, name), getattr(splats, name)[[0, 0, 0]])
     opacity = torch.sigmoid(moved.opacity_logits)
@@ -153,6 +153,6 @@ def test_noise_leaves_opaque_splats_and_all_else_alone() -> None:
 
 def test_equal_seeds_give_equal_bits() -> None:
     splats = joined(statics([0.5] * 20), statics([0.001] * 5))
-    one, two = (relocate(splats, Adam.of(splats), 40, DEAD, generator()) for _ in range(2))
+    one, two = (relocate(splats, RmsProp.of(splats), 40, DEAD, generator()) for _ in range(2))
     for (_, first), (_, second) in zip(one.items(), two.items(), strict=True):
         assert torch.equal(first, second)

@@ -18,7 +18,7 @@ def due(config: TrainConfig, *, masked: bool = True, statics_learn: bool = True)
 
 
 def test_rounds_follow_an_iteration_in_their_order() -> None:
-    assert list(due(CONFIG)) == ["pruning", "births", "infill", "density", "labels"]
+    assert list(due(CONFIG)) == ["moving steps", "pruning", "births", "infill", "density", "labels"]
 
 
 def test_rounds_have_their_places_in_the_run() -> None:
@@ -26,6 +26,7 @@ def test_rounds_have_their_places_in_the_run() -> None:
     assert found["pruning"] == [300, 450, 650, 850]
     assert found["births"] == [300, 450]
     assert found["density"] == [100, 200, 300, 400, 500, 600]
+    assert found["moving steps"] == [400, 500, 600, 700, 800, 900, 1000]
 
 
 def test_labels_and_infill_have_the_same_ten_while_splats_are_still_added() -> None:
@@ -48,16 +49,20 @@ def test_the_config_turns_rounds_off(changed: dict[str, object], name: str, left
     assert len(due(with_fields(CONFIG, changed, "config.train"))[name]) == left
 
 
-def test_without_masks_nothing_is_born() -> None:
-    assert "births" not in due(CONFIG, masked=False)
+def test_without_moving_steps_there_is_no_round_of_them() -> None:
+    assert "moving steps" not in due(with_fields(CONFIG, {"moving_steps": 0.0}, "config.train"))
+
+
+def test_without_masks_nothing_is_born_and_nothing_known_to_move() -> None:
+    assert list(due(CONFIG, masked=False)) == ["pruning", "infill", "density", "labels"]
 
 
 def test_statics_that_do_not_learn_are_neither_added_nor_relabelled() -> None:
-    assert list(due(CONFIG, statics_learn=False)) == ["pruning", "births", "density"]
+    assert list(due(CONFIG, statics_learn=False)) == ["moving steps", "pruning", "births", "density"]
 
 
 def test_relocation_brings_noise_after_every_iteration_and_takes_the_place_of_density_control() -> None:
     relocation = with_fields(CONFIG, {"density": {"method": "relocation"}}, "config.train")
     assert len(due(relocation)["noise"]) == 1000
     assert due(relocation)["density"] == due(CONFIG)["density"]
-    assert type(rounds(relocation, masked=True, statics_learn=True)[4]).__name__ == "RelocationRound"
+    assert type(rounds(relocation, masked=True, statics_learn=True)[5]).__name__ == "RelocationRound"

@@ -43,6 +43,6 @@ def test_both_learn_the_same(tmp_path: Path) -> None:
     pairs += zip(ours.segments[0].dynamic.items(), theirs.segments[0].dynamic.items(), strict=True)
     assert len(ours.static) > 15  # more than the first points: there was density control
     for (name, one), (_, other) in pairs:
-        # Adam turns the sign of a tiny gradient into a whole step: some parameters differ, most do not.
+        # RMSprop turns the sign of a tiny gradient into a whole step: some parameters differ, most do not.
         assert one.shape == other.shape, name
         assert np.median(np.abs(one - other)) <= 1e-5, name

@@ -1,0 +1,67 @@
+"""Further steps where it moves: of the dynamics alone, in the tiles where something moves.
+
+What stands still is seen in every picture of a camera, what moves in the few that show it there. Drawing a moving tile
+again costs a fraction of a picture, and the statics of the fixed cameras need to be projected and sorted once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from hgs_core.render.fixed_view import FixedView
+from hgs_core.render.types import ScreenStatistics
+from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.config import TrainConfig
+from hgs_core.train.control.round import RoundContext
+from hgs_core.train.living import living_rows, rows_taken
+from hgs_core.train.moving_tiles import MovingTiles, loss_gradient
+from hgs_core.train.training_views import TrainingView
+
+__all__ = ["MovingSteps"]
+
+_FROM = 0.3  # share of the iterations that pass before them: first the room behind is there, and births begin
+_EVERY = 100  # iterations, after which as many times `train.moving_steps` are taken with the statics as they are
+
+
+@dataclass(frozen=True)
+class MovingSteps:
+    """Takes steps of the dynamics in the tiles that the masks mark; statics and colour maps stay as they are."""
+
+    name: ClassVar[str] = "moving steps"
+    on_host: ClassVar[bool] = False
+    config: TrainConfig
+
+    def due(self, iteration: int) -> bool:
+        """Return whether the round follows this iteration, counted from 0."""
+        done = iteration + 1
+        return done % _EVERY == 0 and done > _FROM * self.config.iterations
+
+    def apply(self, state: TrainState, context: RoundContext) -> None:
+        """Change the state in place."""
+        size = context.schedule.resolution(context.iteration)
+        count = round(_EVERY * self.config.moving_steps)
+        fixed: dict[int, FixedView] = {}
+        for view, moving in context.views.where_it_moves(context.iteration, count, size):
+            if view.place not in fixed:
+                fixed[view.place] = FixedView(
+                    state.static, view.camera, antialiased=self.config.antialiased, backend=self.config.backend
+                )
+            self._step(state, context, fixed[view.place], view, moving)
+
+    def _step(
+        self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
+    ) -> None:
+        rows = living_rows(state.dynamic, view.moment)
+        if not len(rows):
+            return
+        living = rows_taken(state.dynamic, rows)
+        living.map(lambda array: array.requires_grad_(True))
+        seen = ScreenStatistics.zeros(len(state.static) + len(rows))
+        picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
+        affine = None if state.correction is None else state.correction.affine[view.place]
+        picture.backward(loss_gradient(picture.detach(), view.target, affine, moving, self.config.dssim))  # type: ignore[no-untyped-call]
+        living.map(lambda array: array.requires_grad_(False))
+        rates = context.schedule.dynamic_rates(context.iteration, living)
+        state.move_dynamic(living, rows, rates, seen.rows(slice(len(state.static), None)))
+        state.dynamic.rgb.clamp_(0, 1)

@@ -1,0 +1,77 @@
+"""The part of a picture that moves, in the rasterizer's tiles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.base.arrays import Mask
+from hgs_core.render.colour_affine import colour_affine
+from hgs_core.render.constants import TILE
+from hgs_core.render.tiles import tiles_to_pixels
+from hgs_core.train.loss import photometric_loss
+
+__all__ = ["MovingTiles", "loss_gradient", "tiles_of"]
+
+
+@dataclass(frozen=True)
+class MovingTiles:
+    """The tiles in which something moves, and the smallest window of whole tiles around them."""
+
+    tiles: Mask  # [ceil(H/16), ceil(W/16)]
+    rows: slice  # of the window, pixels
+    columns: slice
+
+    def window(self, picture: Tensor) -> Tensor:
+        """Return the window of a picture [3, H, W]."""
+        return picture[:, self.rows, self.columns]
+
+    def drawn(self) -> Tensor:
+        """Return which pixels of the window lie in one of the tiles."""
+        height, width = self.rows.stop, self.columns.stop
+        return torch.from_numpy(tiles_to_pixels(self.tiles, width, height)[self.rows, self.columns])
+
+
+def tiles_of(moving: Mask) -> MovingTiles | None:
+    """Return the tiles of the pixels [H, W] that move; None if none does."""
+    height, width = moving.shape
+    rows, columns = -(-height // TILE), -(-width // TILE)
+    padded = np.zeros((rows * TILE, columns * TILE), np.bool_)
+    padded[:height, :width] = moving
+    tiles: Mask = np.asarray(padded.reshape(rows, TILE, columns, TILE).any((1, 3)), np.bool_)
+    if not tiles.any():
+        return None
+    down, across = np.flatnonzero(tiles.any(1)), np.flatnonzero(tiles.any(0))
+    return MovingTiles(
+        tiles,
+        slice(int(down[0]) * TILE, min(height, (int(down[-1]) + 1) * TILE)),
+        slice(int(across[0]) * TILE, min(width, (int(across[-1]) + 1) * TILE)),
+    )
+
+
+def loss_gradient(picture: Tensor, target: Tensor, affine: Tensor | None, moving: MovingTiles, dssim: float) -> Tensor:
+    """Return the gradient [3, H, W] of the loss of a picture of which the moving tiles alone were drawn.
+
+    It is that of the whole picture's loss, in which all other pixels count as perfect, but that SSIM's windows stand
+    where they do in a picture of the window's size.
+
+    Args:
+        picture: [3, H, W] as the scene shows it.
+        target: [3, H, W].
+        affine: [3, 4] the camera's colour map, or None.
+        moving: which tiles were drawn.
+        dssim: lambda of the loss.
+    """
+    drawn, window, truth = moving.drawn().to(picture.device), moving.window(picture), moving.window(target)
+    shown = window if affine is None else colour_affine(window, affine)
+    compared = torch.where(drawn, shown, truth).requires_grad_(True)
+    (gradient,) = torch.autograd.grad(photometric_loss(compared, truth, dssim), compared)
+    gradient *= drawn * (truth[0].numel() / target[0].numel())
+    if affine is not None:
+        gradient = (affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
+    whole = torch.zeros_like(picture)
+    moving.window(whole).copy_(gradient)
+    return whole

@@ -1,0 +1,64 @@
+"""Tiles of what moves, and the loss in them against the loss of whole pictures."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+
+from hgs_core.render.colour_affine import colour_affine
+from hgs_core.train.loss import photometric_loss
+from hgs_core.train.moving_tiles import loss_gradient, tiles_of
+from tests.tolerances import assert_close
+
+
+def moving_pixels() -> np.ndarray:  # type: ignore[type-arg]
+    """In a picture of 50 x 75 pixels: one pixel in the tile (1, 2), and two in the last one, which is cut."""
+    mask = np.zeros((50, 75), np.bool_)
+    mask[17, 40] = True
+    mask[48:, 74] = True
+    return mask
+
+
+def test_a_tile_moves_if_any_of_its_pixels_does() -> None:
+    found = tiles_of(moving_pixels())
+    assert found is not None
+    assert np.argwhere(found.tiles).tolist() == [[1, 2], [3, 4]]
+    assert found.tiles.shape == (4, 5)
+    assert (found.rows, found.columns) == (slice(16, 50), slice(32, 75))
+    drawn = found.drawn()
+    assert drawn.shape == (34, 43)
+    assert int(drawn.sum()) == 16 * 16 + 2 * 11
+    assert drawn[:16, :16].all()
+    assert drawn[32:, 32:].all()
+
+
+def test_where_nothing_moves_there_are_no_tiles() -> None:
+    assert tiles_of(np.zeros((50, 75), np.bool_)) is None
+
+
+def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
+    """Reference: the loss by autograd, colours mapped, other tiles replaced by the target: in the window, and whole.
+
+    The windows of SSIM, which stand on every few pixels, stand elsewhere in the whole picture.
+    """
+    generator = torch.Generator().manual_seed(0)
+    picture, target = (torch.rand(3, 50, 75, generator=generator) for _ in range(2))
+    affine = torch.eye(3, 4) + 0.1 * torch.randn(3, 4, generator=generator)
+    moving = tiles_of(moving_pixels())
+    assert moving is not None
+    drawn = torch.from_numpy(moving.tiles.repeat(16, 0).repeat(16, 1)[:50, :75].copy())
+    for colours in (None, affine):
+        whole = picture.clone().requires_grad_(True)
+        shown = whole if colours is None else colour_affine(whole, colours)
+        photometric_loss(torch.where(drawn, shown, target), target, 0.2).backward()  # type: ignore[no-untyped-call]
+        found = loss_gradient(picture, target, colours, moving, 0.2)
+        assert whole.grad is not None
+        part = picture.clone().requires_grad_(True)
+        shown = part if colours is None else colour_affine(part, colours)
+        inside = moving.window(torch.where(drawn, shown, target)), moving.window(target)
+        share = inside[1].numel() / target.numel()
+        (share * photometric_loss(*inside, 0.2)).backward()  # type: ignore[no-untyped-call]
+        assert part.grad is not None
+        assert_close(found.numpy(), part.grad.numpy(), "gradients")
+        assert not found[:, ~drawn].any()
+        assert torch.nn.functional.cosine_similarity(found.flatten(), whole.grad.flatten(), dim=0) > 0.98
