@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
@@ -13,9 +13,13 @@ from hgs_core.base.progress import StageStopped
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
+if TYPE_CHECKING:
+    from hgs_core.capture.capture import Capture
+
 __all__ = ["add_parser"]
 
 SYNC_FILE = "sync.json"
+_SAME_MOMENT = 1e-4  # seconds
 
 
 def add_parser(commands: Any) -> None:
@@ -37,6 +41,7 @@ def _run(options: argparse.Namespace) -> int:
     if out.exists():
         raise InputError(out, "is there already", "move it away to have the offsets found again")
     capture = open_capture(options.capture)
+    _refuse_aligned(options.capture, capture)
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
             offsets = find_offsets(capture, bars)
@@ -53,3 +58,19 @@ def _run(options: argparse.Namespace) -> int:
     write_bytes(out, json.dumps({"frames": told}, indent=1).encode() + b"\n")
     print(out)
     return 0
+
+
+def _refuse_aligned(path: Path, capture: Capture) -> None:
+    """Refuse a capture whose footage was put in step when it was opened: offsets of what is left would replace that.
+
+    Raises:
+        InputError: a camera shows another frame of its own than the capture's, or took it at another time.
+    """
+    last = len(capture.times) - 1
+    for index, camera in enumerate(capture.cameras):
+        for frame in (0, last):
+            late = capture.moment(index, frame) - float(capture.times[frame])
+            if capture.number(index, frame) != frame or abs(late) > _SAME_MOMENT:
+                problem = f"the time stamps of camera {camera.name} already say when it began"
+                cure = "remove them (docs/captures.md) to have the offsets found by what moves"
+                raise InputError(path, problem, cure)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.capture.capture import Capture
 from server.cli import main
 from tests.synthetic import write_capture
 
@@ -41,3 +42,22 @@ def test_a_camera_that_nothing_tells_of_is_named_and_nothing_is_written(
     assert main(["sync", str(capture)]) == 2
     assert "too little that moves is seen by 1;" in capsys.readouterr().err
     assert not (capture / "sync.json").exists()
+
+
+def test_footage_that_time_stamps_put_in_step_is_refused(
+    capture: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Offsets of what is left would take the place of those that the stamps gave."""
+    found(monkeypatch, [0.0, 0.0, 0.0])
+    monkeypatch.setattr(Capture, "number", lambda self, camera, frame: frame + (camera == 1))
+    assert main(["sync", str(capture)]) == 2
+    assert "time stamps of camera 1 already say when it began; remove them" in capsys.readouterr().err
+    assert not (capture / "sync.json").exists()
+    monkeypatch.undo()
+    found(monkeypatch, [0.0, 0.0, 0.0])
+    later = Capture.moment
+    monkeypatch.setattr(
+        Capture, "moment", lambda self, camera, frame: later(self, camera, frame) + 0.01 * (camera == 2)
+    )
+    assert main(["sync", str(capture)]) == 2
+    assert "time stamps of camera 2" in capsys.readouterr().err
