@@ -18,7 +18,8 @@ from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, decode_chunk, decode_scene, encode_scene
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.codec.format.folder import CHUNKS
-from hgs_core.fit.coarseness import Fitted, Loss, fine_tune_iterations, fit
+from hgs_core.fit.coarseness import Fitted, fine_tune_iterations, fit
+from hgs_core.fit.loss import Decibels, Loss
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.interchange.importing import import_scene
@@ -42,12 +43,14 @@ class CodecPoint:
     """An encoding."""
 
     name: str  # the budget, or "" in the sweep
-    coarseness: float
+    coarseness: float  # of static splats
+    dynamic_share: float  # coarseness of dynamic splats over that
     bytes_static: int  # of chunks; the manifest is not counted
     bytes_dynamic: int
     splats_static: int  # encoded
     splats_dynamic: int
     loss: float  # dB, of training views, or of made-up ones
+    loss_moving: float | None  # dB, of what moves in them; None: nothing tells what does
     loss_held_out: float | None  # dB, of cameras that nothing was chosen on
     encode_seconds: float  # of a budget with the search and the training further
 
@@ -104,7 +107,10 @@ def bench_codec(
         began = time.process_time()
         found = fit(scene, views, utility, name, config.train, seed=config.seed, iterations=iterations, states=states)
         chosen.append((name, found, time.process_time() - began))
-    plain = [("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), 0.0), 0.0) for coarseness in sweep]
+    plain = [
+        ("", Fitted(scene, utility, EncodeSettings(coarseness=coarseness), Decibels(0.0, None)), 0.0)
+        for coarseness in sweep
+    ]
     rates: dict[str, float] = {}
     prefix = (0.0, 0.0)
     for name, found, fitting in [*chosen, *plain]:
@@ -119,10 +125,12 @@ def bench_codec(
             if not rates:
                 rates, prefix = _decode_rates(Path(out)), prefix_losses(Path(out), seen)
         totals = manifest.totals
+        lost = seen.of(decoded)
         points.append(
             CodecPoint(
-                name, found.settings.coarseness, totals.bytes_static, totals.bytes_dynamic, totals.splats_static,
-                totals.splats_dynamic, seen.of(decoded), None if unseen is None else unseen.of(decoded), seconds,
+                name, found.settings.coarseness, found.settings.dynamic_share, totals.bytes_static,
+                totals.bytes_dynamic, totals.splats_static, totals.splats_dynamic, lost.whole, lost.moving,
+                None if unseen is None else unseen.of(decoded).whole, seconds,
             )
         )  # fmt: skip
         tell()

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hgs_core.codec.format.folder import load_manifest, read_chunk
 from hgs_core.codec.format.manifest import ChunkEntry
-from hgs_core.fit.coarseness import Loss
+from hgs_core.fit.loss import Loss
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
 __all__ = ["PREFIX_SHARE", "prefix_losses"]
@@ -35,7 +35,7 @@ def prefix_losses(folder: Path, loss: Loss, seed: int = 0) -> tuple[float, float
             for segment, sets in zip(manifest.segments, moving, strict=True)
         )
         still = joined([StaticSplats.empty(), *static])
-        return loss.of(HybridScene(still, segments, manifest.background, manifest.antialiased))
+        return loss.of(HybridScene(still, segments, manifest.background, manifest.antialiased)).whole
 
     return shown(False), float(np.mean([shown(True) for _ in range(SHUFFLES)]))
 

@@ -19,14 +19,15 @@ def codec_text(report: CodecReport) -> str:
         "",
         "Encodings; bytes per splat are of those kept",
     ]
-    rows = [["budget", "coarseness", "static", "bytes", "each", "dynamic", "bytes", "each", "all bytes", "loss dB",
-             "held out dB", "encode s"]]  # fmt: skip
+    rows = [["budget", "coarseness", "of dynamic", "static", "bytes", "each", "dynamic", "bytes", "each", "all bytes",
+             "loss dB", "moving dB", "held out dB", "encode s"]]  # fmt: skip
     for p in (*report.budgets, *report.sweep):
         rows.append([
-            p.name or "-", f"{p.coarseness:.3g}", f"{p.splats_static:,}", f"{p.bytes_static:,}",
-            _each(p.bytes_static, p.splats_static), f"{p.splats_dynamic:,}", f"{p.bytes_dynamic:,}",
+            p.name or "-", f"{p.coarseness:.3g}", f"{p.coarseness * p.dynamic_share:.3g}", f"{p.splats_static:,}",
+            f"{p.bytes_static:,}", _each(p.bytes_static, p.splats_static), f"{p.splats_dynamic:,}",
+            f"{p.bytes_dynamic:,}",
             _each(p.bytes_dynamic, p.splats_dynamic), f"{p.bytes_static + p.bytes_dynamic:,}", f"{p.loss:.3f}",
-            "-" if p.loss_held_out is None else f"{p.loss_held_out:.3f}", f"{p.encode_seconds:.1f}",
+            _decibels(p.loss_moving), _decibels(p.loss_held_out), f"{p.encode_seconds:.1f}",
         ])  # fmt: skip
     lines += aligned(rows, left=("budget",))
     lines += ["", f".splatv of the same splats: {report.bytes_splatv:,} bytes"]
@@ -40,6 +41,10 @@ def codec_text(report: CodecReport) -> str:
               f"manifest, {report.prefix_loss_shuffled:.2f} dB shuffled"]  # fmt: skip
     rates = ", ".join(f"{name} {rate / 1e6:.1f} M splats/s" for name, rate in report.decode_rates.items())
     return "\n".join([*lines, "", f"decoding by one core: {rates}"])
+
+
+def _decibels(loss: float | None) -> str:
+    return "-" if loss is None else f"{loss:.3f}"
 
 
 def _each(size: int, splats: int) -> str:

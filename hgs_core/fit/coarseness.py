@@ -4,30 +4,24 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import torch
-from torch import Tensor
-
-from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.base.arrays import Floats
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
 from hgs_core.fit.config import BUDGETS
+from hgs_core.fit.dynamic_share import dynamic_share
 from hgs_core.fit.fine_tune import FineTune
+from hgs_core.fit.loss import Decibels, Loss
 from hgs_core.fit.views import EncodeViews
-from hgs_core.render.fixed_view import FixedView
-from hgs_core.render.threads import one_torch_thread
-from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 
-__all__ = ["Fitted", "Loss", "fine_tune_iterations", "fit"]
+__all__ = ["Fitted", "fine_tune_iterations", "fit"]
 
-LOSS_VIEWS = 12  # in which the loss is measured
 COARSENESS_ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
 LOSS_LEFT_AFTER_TUNING = 0.5  # of a loss after training further, about
 TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before suggests
@@ -36,62 +30,11 @@ FINE_TUNE_SHARE = 1 / 60  # of a training's iterations
 BUDGET_SHARE_NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
 COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
-GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
-IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
 
 def fine_tune_iterations(config: TrainConfig) -> int:
     """Return for how many iterations a scene is trained further before it is encoded, if nobody says otherwise."""
     return round(config.iterations * FINE_TUNE_SHARE)
-
-
-class Loss:
-    """What quantisation costs some views: the mean loss of PSNR, dB.
-
-    Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
-    add; it may then stand before anything, so that the loss is the larger one of those on black and on white.
-    """
-
-    def __init__(self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera]) -> None:
-        """Draw `scene` in views spread over `cameras` (by index) and all time; what it loses is measured against that.
-
-        Raises:
-            InputError: a frame cannot be read.
-        """
-        self._cameras, self._times, self._moment = cameras, views.times, views.moment
-        indices = sorted(cameras)
-        self._views = [
-            (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
-            for i in range(LOSS_VIEWS)
-        ]
-        self._backgrounds = (0.0, 1.0) if views.any_background else (0.0,)
-        own = self._pictures(scene)
-        self._reference = own if views.truth is None else [torch.stack([views.truth(*view)]) for view in self._views]
-        self._least = IMPORTED_ERROR if views.truth is None else 1e-12
-        self._psnr = self._decibels(own)
-
-    def of(self, scene: HybridScene[Floats]) -> float:
-        """Return by how much `scene` is worse than the one given first."""
-        return float((self._psnr - self._decibels(self._pictures(scene))).max())
-
-    def _decibels(self, pictures: Sequence[Tensor]) -> Doubles:
-        """Return the mean PSNR on each background, [B]."""
-        pairs = zip(pictures, self._reference, strict=True)
-        errors = np.array([((picture - true) ** 2).mean(dim=(1, 2, 3)).double().numpy() for picture, true in pairs])
-        return np.asarray(-10 * np.log10(errors + self._least).mean(axis=0))
-
-    def _pictures(self, scene: HybridScene[Floats]) -> list[Tensor]:
-        """Draw each view on each background: [B, 3, H, W]."""
-        tensors = scene.map(torch.from_numpy)
-        pictures = []
-        with one_torch_thread():
-            for index, frame in self._views:
-                segment = tensors.segment_at(float(self._times[frame]))
-                view = FixedView(tensors.static, self._cameras[index], antialiased=scene.antialiased)
-                drawn = view.frame(segment.dynamic, segment.normalised(self._moment(index, frame)))
-                grounds = [drawn.rgb + (1 - drawn.alpha) * value if value else drawn.rgb for value in self._backgrounds]
-                pictures.append(torch.stack(grounds).clamp(0, 1))
-        return pictures
 
 
 @dataclass(frozen=True)
@@ -101,7 +44,7 @@ class Fitted:
     scene: HybridScene[Floats]  # exact, trained further if that was asked for
     utility: Utility  # of its splats
     settings: EncodeSettings
-    loss: float  # dB, of the views that it was chosen on, against the better of the scene as it was and as it is
+    loss: Decibels  # of the views that it was chosen on, against the better of the scene as it was and as it is
 
 
 def fit(
@@ -116,46 +59,58 @@ def fit(
     states: Sequence[TrainState] = (),
     trained: Callable[[int], None] = lambda done: None,
 ) -> Fitted:
-    """Find the coarsest settings with which the training views lose no more than the budget.
+    """Find the coarsest settings with which the training views lose no more than the budget, nor what moves in them.
 
-    With `iterations` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the loss is what remains
-    after that; without a capture there is nothing to train with. `trained` is called with the iterations done.
+    Where moving pixels would lose more than whole pictures, dynamic splats are coded less coarsely than static ones
+    (`dynamic_share.py`). With `iterations` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the
+    loss is what remains after that; without a capture there is nothing to train with. `trained` is called with the
+    iterations done.
 
     Raises:
-        InputError: a frame cannot be read, or a splat cannot be encoded.
+        InputError: a frame or a mask cannot be read, or a splat cannot be encoded.
     """
     allowed = BUDGETS[budget]
     loss = Loss(scene, views, views.trained)
-
-    def lost(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> float:
-        return loss.of(quantised_scene(scene, views.every_camera, views.times, utility, settings).decoded)
-
-    def coarsest(allowed: float, start: float) -> Fitted:
-        coarseness, decibels = _coarsest(
-            lambda coarseness: lost(scene, utility, EncodeSettings(coarseness=coarseness)), allowed, start
-        )
-        return Fitted(scene, utility, EncodeSettings(coarseness=coarseness), decibels)
-
     # The loss grows about with the square of the coarseness: of the default budget, 0.1 dB is about coarseness 0.4.
-    start = 0.4 * math.sqrt(allowed / 0.1)
+    first = EncodeSettings(coarseness=0.4 * math.sqrt(allowed / 0.1))
+
+    def coded(scene: HybridScene[Floats], utility: Utility, settings: EncodeSettings) -> HybridScene[Floats]:
+        return quantised_scene(scene, views.every_camera, views.times, utility, settings).decoded
+
+    decoded = coded(scene, utility, first)
+    measured = {first: loss.of(decoded)}
+    start = dataclasses.replace(first, dynamic_share=dynamic_share(scene, decoded, loss, measured[first]))
+
+    def lost(coarseness: float) -> float:
+        settings = dataclasses.replace(start, coarseness=coarseness)
+        if settings not in measured:
+            measured[settings] = loss.of(coded(scene, utility, settings))
+        return measured[settings].most
+
+    def coarsest() -> Fitted:
+        coarseness, _ = _coarsest(lost, allowed, start.coarseness)
+        settings = dataclasses.replace(start, coarseness=coarseness)
+        return Fitted(scene, utility, settings, measured[settings])
+
     if iterations < TUNING_ROUNDS or views.capture is None:
-        return coarsest(allowed, start)
-    loses = lost(scene, utility, EncodeSettings(coarseness=start))
-    coarseness = _next_coarseness(start, loses, allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO)
+        return coarsest()
+    coarseness = _next_coarseness(
+        start.coarseness, lost(start.coarseness), allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO
+    )
     tune = FineTune(scene, utility, views, dataclasses.replace(config, iterations=iterations), seed, states)
     best: Fitted | None = None
     # What was trained at one coarseness fits the codes of no other as well, so that every try is trained for.
     for done in range(TUNING_ROUNDS):
-        first, last = (iterations * part // TUNING_ROUNDS for part in (done, done + 1))
-        settings = EncodeSettings(coarseness=coarseness)
-        tune.run(settings, range(first, last), trained)
+        begin, end = (iterations * part // TUNING_ROUNDS for part in (done, done + 1))
+        settings = dataclasses.replace(start, coarseness=coarseness)
+        tune.run(settings, range(begin, end), trained)
         # What training further gains is for the viewer: the codes may not spend it.
-        decibels = lost(tune.scene, tune.utility, settings) - min(0.0, loss.of(tune.scene))
-        if decibels <= allowed and (best is None or coarseness > best.settings.coarseness):
-            best = Fitted(tune.scene, tune.utility, settings, decibels)
-        aim = allowed if decibels <= allowed else BUDGET_SHARE_NEAR_ENOUGH * allowed
-        coarseness = _next_coarseness(coarseness, decibels, aim, LARGEST_TUNING_RATIO)
-    return best or coarsest(allowed, start)
+        left = loss.of(coded(tune.scene, tune.utility, settings)).without_gain(loss.of(tune.scene))
+        if left.most <= allowed and (best is None or coarseness > best.settings.coarseness):
+            best = Fitted(tune.scene, tune.utility, settings, left)
+        aim = allowed if left.most <= allowed else BUDGET_SHARE_NEAR_ENOUGH * allowed
+        coarseness = _next_coarseness(coarseness, left.most, aim, LARGEST_TUNING_RATIO)
+    return best or coarsest()
 
 
 def _next_coarseness(current: float, loss: float, target: float, largest_ratio: float) -> float:

@@ -30,6 +30,7 @@ class EncodeViews:
     times: NDArray[np.float64]  # [F] seconds
     truth: Callable[[int, int], Tensor] | None  # the picture [3, H, W] of a camera and a frame, if there are any
     capture: Capture | None = None  # to train further with
+    moving: Callable[[int, int], Tensor] | None = None  # the mask [H, W] bool of a trained camera and a frame, if known
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
 
     def moment(self, camera: int, frame: int) -> float:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 
+import torch
+
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
+from hgs_core.decompose.masks import MotionMasks
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
@@ -31,13 +34,14 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
     """Return the views of a run: its capture's, or those around a scene that was imported without one.
 
     Raises:
-        InputError: the capture is gone or has changed, or the run's points are missing.
+        InputError: the capture is gone or has changed, the run's points are missing, or its masks are unreadable.
     """
     if spec.without_capture:
         return views_around(scene, spec.capture.stem)
     capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
     cameras = with_near_planes(capture.cameras, PointCloud.load(folder.points).xyz)
     trained = {i: cameras[i] for i in spec.config.capture.training_cameras(capture)}
+    masks = MotionMasks.load(folder.masks, capture) if folder.masks.exists() else None
     return EncodeViews(
         capture.name,
         cameras,
@@ -45,6 +49,7 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
         capture.times,
         lambda i, frame: target_picture(capture, i, frame, cameras[i]),
         capture,
+        None if masks is None else lambda i, frame: torch.from_numpy(masks.mask(i, frame)),
     )
 
 

@@ -28,6 +28,7 @@ from hgs_core.runs.folder import RunFolder, RunSpec
 
 if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
+    from hgs_core.fit.loss import Decibels
 
 __all__ = ["STAGES", "Encoded", "check", "create_run", "encode", "encode_again", "initialise", "train", "train_scene"]
 
@@ -154,8 +155,9 @@ class Encoded:
     """What encoding made of a scene."""
 
     manifest: Manifest
-    coarseness: float
-    loss: float  # dB, of the training views
+    coarseness: float  # of static splats
+    dynamic_share: float  # coarseness of dynamic splats over that
+    loss: Decibels  # of the training views
     static: int  # splats before; those that show next to nothing are dropped
     dynamic: int
 
@@ -173,7 +175,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
 
     Raises:
-        InputError: the run is not trained yet, or its capture is gone or has changed.
+        InputError: the run is not trained yet, or its capture is gone or has changed, or its masks cannot be read.
     """
     from hgs_core.codec import encode_scene
     from hgs_core.fit.coarseness import fine_tune_iterations, fit
@@ -210,7 +212,10 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         trained=list(views.trained.values()) if views.capture else (),
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
-    return Encoded(manifest, found.settings.coarseness, found.loss, len(scene.static), scene.dynamic_splats)
+    settings = found.settings
+    return Encoded(
+        manifest, settings.coarseness, settings.dynamic_share, found.loss, len(scene.static), scene.dynamic_splats
+    )
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

@@ -55,6 +55,9 @@ def _run(options: argparse.Namespace) -> int:
         each = f", {size / kept:.1f} each" if kept else ""
         print(f"{kept:,} {kind} splats in {size:,} bytes{each}; {before - kept:,} dropped")
     views = "views made up around the splats" if spec.without_capture else "training views"
-    print(f"coarseness {encoded.coarseness:.3g}, {encoded.loss:.3f} dB lost in {views}")
+    share, moving = encoded.dynamic_share, encoded.loss.moving
+    of_dynamic = "" if share == 1 else f", {share * encoded.coarseness:.3g} of dynamic splats"
+    where = "" if moving is None else f", {moving:.3f} dB where it moves"
+    print(f"coarseness {encoded.coarseness:.3g}{of_dynamic}, {encoded.loss.whole:.3f} dB lost in {views}{where}")
     print(folder.scene)
     return 0

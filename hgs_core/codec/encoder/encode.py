@@ -95,7 +95,7 @@ def encode_scene(
     slices: list[SliceEntry] = []
     for shown in segments:
         known = None if utility is None else utility.dynamic[shown.number]
-        pieces, chunks = _segment_chunks(shown, seen_by, known, settings, len(coded), scene.antialiased)
+        pieces, chunks = _segment_chunks(shown, seen_by, known, settings.of_dynamic, len(coded), scene.antialiased)
         slices += pieces
         coded += chunks
     manifest = Manifest(

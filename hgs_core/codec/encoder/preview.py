@@ -59,6 +59,7 @@ def quantised_scene(
     ]
     static = joined([StaticSplats.empty(), *decoded])
     exact = joined([StaticSplats.empty(), *(_static(part) for part in parts)])
+    settings = settings.of_dynamic
     before, after, rows = [], [], []
     for shown in shown_segments(scene, frame_interval(times)):
         time, segment = shown.time, shown.segment

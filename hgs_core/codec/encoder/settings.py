@@ -21,6 +21,7 @@ class EncodeSettings:
     """
 
     coarseness: float = 1.0
+    dynamic_share: float = 1.0  # coarseness of dynamic splats over that of static ones
     position_step: float = 0.085  # in effective radii of the splat
     shape_step: float = 0.045  # of ln of the standard deviation on the screen, i.e. 4.5 %
     rotation_step: float = 1.0  # of a quaternion's components, in shape steps over how much longer than wide a splat is
@@ -55,3 +56,8 @@ class EncodeSettings:
                 raise InputError(f"encode.{field.name}", f"{value!r} is out of range", "give a number from 1e-9 to 1e9")
         if self.compression_level > 22:
             raise InputError("encode.compression_level", f"{self.compression_level} is too large", "give 1 to 22")
+
+    @property
+    def of_dynamic(self) -> EncodeSettings:
+        """The settings in which `coarseness` is that of dynamic splats."""
+        return dataclasses.replace(self, coarseness=self.coarseness * self.dynamic_share, dynamic_share=1.0)

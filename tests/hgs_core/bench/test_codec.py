@@ -15,6 +15,7 @@ from hgs_core.bench import codec
 from hgs_core.bench.codec import CodecReport, bench_codec
 from hgs_core.codec import EncodeSettings, SetUtility, Utility
 from hgs_core.fit.coarseness import Fitted
+from hgs_core.fit.loss import Decibels
 from hgs_core.fit.views import EncodeViews
 from hgs_core.interchange import export_scene
 from hgs_core.runs.config import RunConfig
@@ -31,7 +32,7 @@ def found_in_no_time(scene: HybridScene[np.ndarray], views: object, utility: Uti
     """Stands for the search: half of the splats, at a coarseness of 2."""
     half = SetUtility(utility.static.shown[:100], utility.static.missed[:100])
     fewer = dataclasses.replace(scene, static=scene.static.take(slice(100)))
-    return Fitted(fewer, Utility(half, utility.dynamic), EncodeSettings(coarseness=2.0, prune=0.0), 0.0)
+    return Fitted(fewer, Utility(half, utility.dynamic), EncodeSettings(coarseness=2.0, prune=0.0), Decibels(0.0, None))
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,7 @@ import numpy as np
 
 from hgs_core.bench.codec_prefix import prefix_losses
 from hgs_core.codec import EncodeSettings, encode_scene
-from hgs_core.fit.coarseness import Loss
+from hgs_core.fit.loss import Loss
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews
 from hgs_core.scene import HybridScene, Segment, StaticSplats

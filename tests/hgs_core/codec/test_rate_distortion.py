@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, encode_scene
-from hgs_core.fit.coarseness import Loss
+from hgs_core.fit.loss import Loss
 from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
@@ -102,7 +102,7 @@ def outcome(request: pytest.FixtureRequest, tmp_path: Path, cameras: list[Camera
     ).totals
     decoded, loss = decode_scene(tmp_path), Loss(given, views, views.trained)
     still, moving = replace(given, static=decoded.static), replace(given, segments=decoded.segments)
-    found = Outcome(totals.bytes_static, totals.bytes_dynamic, loss.of(still), loss.of(moving))
+    found = Outcome(totals.bytes_static, totals.bytes_dynamic, loss.of(still).whole, loss.of(moving).whole)
     return found, TODAY[request.param]
 
 

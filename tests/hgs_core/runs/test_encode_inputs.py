@@ -11,6 +11,8 @@ import torch
 from PIL import Image
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import silent
+from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
@@ -72,6 +74,20 @@ def test_the_views_are_the_capture_s_but_for_those_held_out(folder: RunFolder, s
         expected = np.asarray(picture, np.float32).transpose(2, 0, 1) / 255
     np.testing.assert_allclose(views.truth(3, 4).numpy(), expected, atol=1e-6)
     assert not views.any_background
+
+
+def test_the_masks_of_the_training_tell_what_moves(folder: RunFolder, scene: HybridScene[np.ndarray]) -> None:
+    capture = folder.read_spec().open_capture()
+    masks = motion_masks(capture, [0, 1, 3, 4], progress=silent)
+    masks.save(folder.masks)
+    moving = views_of_run(folder, folder.read_spec(), scene).moving
+    assert moving is not None
+    assert moving(3, 4).any()
+    np.testing.assert_array_equal(moving(3, 4).numpy(), masks.mask(3, 4))
+
+
+def test_nothing_tells_what_moves_in_a_run_without_masks(folder: RunFolder, scene: HybridScene[np.ndarray]) -> None:
+    assert views_of_run(folder, folder.read_spec(), scene).moving is None
 
 
 def test_the_cameras_see_nothing_before_the_scene(folder: RunFolder, scene: HybridScene[np.ndarray]) -> None:

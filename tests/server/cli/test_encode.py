@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+from hgs_core.base.progress import silent
 from hgs_core.codec import load_manifest
+from hgs_core.decompose.masks import motion_masks
+from hgs_core.runs.folder import RunFolder
 from server.cli import main
 
 
@@ -24,6 +28,21 @@ def test_encode_tells_what_it_dropped_and_takes_the_place_of_the_scene(
     assert dynamic.startswith(f"{after.splats_dynamic} dynamic splats in")
     assert re.fullmatch(r"coarseness [\d.e-]+, -?[\d.]+ dB lost in training views", coarseness)
     assert folder == str(run / "scene")
+
+
+def test_encode_tells_what_is_lost_where_it_moves_if_there_are_masks(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = RunFolder(shutil.copytree(run, tmp_path / "run"))
+    motion_masks(folder.read_spec().open_capture(), range(5), progress=silent).save(folder.masks)
+    assert main(["encode", str(folder.path)]) == 0
+    line = capsys.readouterr().out.splitlines()[2]
+    number = r"-?[\d.e-]+"
+    assert re.fullmatch(
+        rf"coarseness {number}(, {number} of dynamic splats)?, {number} dB lost in training views, "
+        rf"{number} dB where it moves",
+        line,
+    )
 
 
 def test_encode_says_that_the_views_are_made_up_where_there_is_no_capture(

@@ -31,7 +31,7 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
     )
     rng = np.random.default_rng(0)
     utility = Utility(measured(rng, 300), tuple(measured(rng, 200) for _ in range(2)))
-    settings = EncodeSettings(static_chunk_splats=100, small_chunk_splats=20)
+    settings = EncodeSettings(dynamic_share=0.6, static_chunk_splats=100, small_chunk_splats=20)
     encode_scene(given, tmp_path, cameras=cameras, times=TIMES, title="", settings=settings, utility=utility)
     decoded = decode_scene(tmp_path)
     found = quantised_scene(given, cameras, TIMES, utility, settings)
@@ -57,3 +57,16 @@ def test_the_splats_before_quantisation_are_those_given_in_the_order_of_the_deco
     assert np.median(np.abs(found.exact.static.quats - found.decoded.static.quats)) < 0.01
     assert np.median(np.abs(moving.rotation[:, 0] - coded.rotation[:, 0])) < 0.01
     assert np.median(np.abs(moving.log_scales - coded.log_scales)) < 0.01
+
+
+def test_dynamic_splats_have_a_coarseness_of_their_own(cameras: list[Camera]) -> None:
+    given = HybridScene(statics(300, 0), (Segment(0.0, 29 / 30, dynamics(200, 1)),), antialiased=True)
+    rng = np.random.default_rng(0)
+    utility = Utility(measured(rng, 300), (measured(rng, 200),))
+    alike, finer, fine = (
+        quantised_scene(given, cameras, TIMES, utility, EncodeSettings(coarseness=coarseness, dynamic_share=share))
+        for coarseness, share in ((2.0, 1.0), (2.0, 0.25), (0.5, 1.0))
+    )
+    np.testing.assert_array_equal(finer.decoded.static.means, alike.decoded.static.means)
+    np.testing.assert_array_equal(finer.decoded.segments[0].dynamic.rgb, fine.decoded.segments[0].dynamic.rgb)
+    np.testing.assert_array_equal(finer.dynamic_rows[0], fine.dynamic_rows[0])

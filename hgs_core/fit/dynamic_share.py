@@ -1,0 +1,44 @@
+"""How coarse dynamic splats may be beside static ones, so that what moves keeps the budget with the fewest bytes."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.fit.loss import Decibels, Loss
+from hgs_core.scene.splats import HybridScene
+
+__all__ = ["dynamic_share"]
+
+SHARES = 2.0 ** -np.linspace(0.0, 2.0, 41)  # that are weighed: from coarseness alike to a quarter
+DYNAMIC_BYTES = 2.5  # that a dynamic splat takes more where coarseness falls, over those of a static one
+LEAST_PART = 1e-3  # of a loss that either set is taken to make, whatever was measured
+
+
+def dynamic_share(scene: HybridScene[Floats], decoded: HybridScene[Floats], loss: Loss, lost: Decibels) -> float:
+    """Return the coarseness of dynamic splats over that of static ones with which a budget takes the fewest bytes.
+
+    `decoded` is `scene` as one coarseness codes it, which costs `lost`. The share is 1 where moving pixels lose no
+    more than whole pictures. Elsewhere it follows from what the dynamic splats alone make of both losses: each set's
+    part grows with the square of its coarseness, and its bytes fall with the logarithm.
+    """
+    if lost.moving is None or lost.moving <= max(lost.whole, 0.0):
+        return 1.0
+    alone = loss.of(dataclasses.replace(scene, segments=decoded.segments))
+    assert alone.moving is not None
+    squares = SHARES**2
+    of_whole = _at_shares(lost.whole, alone.whole, squares)
+    of_moving = _at_shares(lost.moving, alone.moving, squares)
+    log_coarseness = -0.5 * np.log(np.maximum(of_whole, of_moving))
+    dynamic = DYNAMIC_BYTES * decoded.dynamic_splats
+    saved = (len(decoded.static) + dynamic) * log_coarseness + dynamic * np.log(SHARES)
+    return float(SHARES[np.argmax(saved)])
+
+
+def _at_shares(both: float, dynamic: float, squares: Doubles) -> Doubles:
+    """Return what both sets lose at the given squares of shares, of which dynamic splats make `dynamic` at 1."""
+    least = LEAST_PART * max(both, 1e-9)
+    part = min(max(dynamic, least), max(both, 1e-9) - least)
+    return max(both, 1e-9) - part + part * squares
