@@ -79,7 +79,9 @@ def fit(
 
     decoded = coded(scene, utility, first)
     measured = {first: loss.of(decoded)}
-    start = dataclasses.replace(first, dynamic_share=dynamic_share(scene, decoded, loss, measured[first]))
+    tuned = iterations >= TUNING_ROUNDS and views.capture is not None
+    share = dynamic_share(scene, decoded, loss, measured[first], tuned=tuned)
+    start = dataclasses.replace(first, dynamic_share=share)
 
     def lost(coarseness: float) -> float:
         settings = dataclasses.replace(start, coarseness=coarseness)
@@ -92,7 +94,7 @@ def fit(
         settings = dataclasses.replace(start, coarseness=coarseness)
         return Fitted(scene, utility, settings, measured[settings])
 
-    if iterations < TUNING_ROUNDS or views.capture is None:
+    if not tuned:
         return coarsest()
     coarseness = _next_coarseness(
         start.coarseness, lost(start.coarseness), allowed / LOSS_LEFT_AFTER_TUNING, LARGEST_COARSENESS_RATIO

@@ -14,22 +14,26 @@ __all__ = ["dynamic_share"]
 
 SHARES = 2.0 ** -np.linspace(0.0, 2.0, 41)  # that are weighed: from coarseness alike to a quarter
 DYNAMIC_BYTES = 2.5  # that a dynamic splat takes more where coarseness falls, over those of a static one
+WHOLE_LEFT_AFTER_TUNING = 0.65  # of what whole pictures lose, by training further; moving pixels win next to nothing
 LEAST_PART = 1e-3  # of a loss that either set is taken to make, whatever was measured
 
 
-def dynamic_share(scene: HybridScene[Floats], decoded: HybridScene[Floats], loss: Loss, lost: Decibels) -> float:
+def dynamic_share(
+    scene: HybridScene[Floats], decoded: HybridScene[Floats], loss: Loss, lost: Decibels, *, tuned: bool = False
+) -> float:
     """Return the coarseness of dynamic splats over that of static ones with which a budget takes the fewest bytes.
 
     `decoded` is `scene` as one coarseness codes it, which costs `lost`. The share is 1 where moving pixels lose no
     more than whole pictures. Elsewhere it follows from what the dynamic splats alone make of both losses: each set's
     part grows with the square of its coarseness, and its bytes fall with the logarithm.
+    `tuned` says that the scene will be trained further.
     """
     if lost.moving is None or lost.moving <= max(lost.whole, 0.0):
         return 1.0
     alone = loss.of(dataclasses.replace(scene, segments=decoded.segments))
     assert alone.moving is not None
     squares = SHARES**2
-    of_whole = _at_shares(lost.whole, alone.whole, squares)
+    of_whole = _at_shares(lost.whole, alone.whole, squares) * (WHOLE_LEFT_AFTER_TUNING if tuned else 1.0)
     of_moving = _at_shares(lost.moving, alone.moving, squares)
     log_coarseness = -0.5 * np.log(np.maximum(of_whole, of_moving))
     dynamic = DYNAMIC_BYTES * decoded.dynamic_splats

@@ -205,7 +205,10 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
     summary = with_new_names(json.loads(folder.train_summary.read_text()))
-    training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}
+    training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED} | {
+        "encoding_loss": round(found.loss.whole, 4),
+        "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
+    }
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
         settings=found.settings, thumbnail=picture, training=training, utility=found.utility,

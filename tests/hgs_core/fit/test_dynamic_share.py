@@ -26,11 +26,11 @@ class KnownLoss:
         return self.lost
 
 
-def share(lost: Decibels, alone: KnownLoss, copies: int = 1) -> float:
+def share(lost: Decibels, alone: KnownLoss, copies: int = 1, *, tuned: bool = False) -> float:
     """The share for a scene of 150 static splats and 3 dynamic ones for each copy."""
     static, dynamic = (splats.map(lambda tensor: tensor.numpy()) for splats in synthetic_scene())
     scene = HybridScene(static, (Segment(0.0, 1.0, joined([dynamic] * copies)),))
-    return dynamic_share(scene, scene, cast(Loss, alone), lost)
+    return dynamic_share(scene, scene, cast(Loss, alone), lost, tuned=tuned)
 
 
 @pytest.mark.parametrize(("copies", "dynamic_part"), [(20, 0.4), (100, 0.4), (40, 0.38), (100, 0.25)])
@@ -42,6 +42,11 @@ def test_it_is_that_of_the_coarsest_pair_that_keeps_both_limits(copies: int, dyn
     dynamic = np.minimum(np.maximum(dynamic, 1e-9), static)
     best = np.argmax(150 * np.log(static) + 2.5 * 3 * copies * np.log(dynamic))
     assert found == pytest.approx((dynamic[best] / static[best]) ** 0.5, rel=0.03)
+
+
+def test_it_is_smaller_where_training_further_will_make_good_what_whole_pictures_lose() -> None:
+    plain, tuned = (share(Decibels(0.1, 0.4), KnownLoss(0.05, 0.4), 100, tuned=tuned) for tuned in (False, True))
+    assert tuned < 0.95 * plain
 
 
 def test_finer_dynamic_splats_do_not_make_good_what_static_ones_lose() -> None:

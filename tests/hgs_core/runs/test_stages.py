@@ -69,6 +69,12 @@ def test_a_run_ends_with_a_scene_that_decodes(finished: Path) -> None:
     assert manifest.training["iterations"] == 60
 
 
+def test_the_manifest_tells_what_encoding_lost_and_what_where_it_moves(finished: Path) -> None:
+    told = load_manifest(finished / "scene" / "manifest.json").training
+    assert -1 < told["encoding_loss"] <= 0.1  # the default budget
+    assert -1 < told["encoding_loss_moving"] <= 0.1
+
+
 def test_a_training_leaves_a_picture_of_itself(finished: Path) -> None:
     with Image.open(finished / "preview.jpg") as preview, Image.open(finished / "scene" / "thumbnail.jpg") as thumbnail:
         assert preview.size == thumbnail.size
