@@ -24,6 +24,7 @@ CHECKED_MOMENTS = 9  # of a splat's visible life at which errors are weighed and
 ORDER_COST_BITS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
 COST_OF_TURNING = 24.0
 LARGEST_PATH_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
+LARGEST_PATH_ERROR = 7.9  # steps by which all that is left out and rounded may shift it: 8 are an error of the encoder
 COARSEST_COEFFICIENT_ROUNDING = 6  # powers of two by which coefficients may be rounded more coarsely
 NEAR_ROUNDINGS = 27 + 2  # of these roundings: those within a few steps
 LARGEST_TURN_MISFIT = 1.0  # squared steps by which a turn may miss its path
@@ -80,6 +81,23 @@ def motion_numbers(
         position [N, 3] and, for the splats that have them, velocity, acceleration, jerk, snap and crackle, each with
         its step; and the orders [N], 0 to 3 or 5.
     """
+    # Each coefficient alone may shift a path by `LARGEST_PATH_SHIFT`, which can add up to more than is allowed.
+    careful = np.zeros(len(offsets), bool)
+    while True:
+        numbers, orders, errors = _motion_numbers(path, offsets, steps, highest, careful)
+        worse = (errors > LARGEST_PATH_ERROR * steps.position) & ~careful
+        if not worse.any():
+            return numbers, orders
+        careful |= worse
+
+
+def _motion_numbers(
+    path: Path, offsets: Doubles, steps: Steps, highest: int, careful: NDArray[np.bool_]
+) -> tuple[dict[str, tuple[Whole, float]], Whole, Doubles]:
+    """Do the same, and return by how much paths are off [N], faded.
+
+    Splats that are `careful` [N] have the highest order and the nearest whole numbers.
+    """
     # Relative to the path's middle, so that nothing is lost far from the origin.
     middle = path.positions[:, CHECKED_MOMENTS // 2]
     goal = path.positions - middle[:, None]
@@ -92,7 +110,8 @@ def motion_numbers(
         error = np.abs(goal - basis[..., : order + 1] @ fitted)
         cost = ((error**2).sum(axis=2) * path.weights).sum(axis=1) / own[:, 0] ** 2
         excess = (error.max(axis=2) * path.fade).max(axis=1) > LARGEST_PATH_SHIFT * steps.position
-        costs.append(cost + EXCHANGE * ORDER_COST_BITS[order] + np.where(excess & (order < highest), np.inf, 0.0))
+        refused = (excess | careful) & (order < highest)
+        costs.append(cost + EXCHANGE * ORDER_COST_BITS[order] + np.where(refused, np.inf, 0.0))
     orders = np.array(tried)[np.argmin(np.stack(costs, axis=1), axis=1)]
     numbers: dict[str, tuple[Whole, float]] = {}
     left = goal.copy()
@@ -110,13 +129,16 @@ def motion_numbers(
         off = (candidates - exact[:, None]) * step
         cost = ((off * (share / own[members, 0])[:, None, None]) ** 2).sum(axis=2)
         too_far = np.abs(off).max(axis=2) * reach[:, None] > LARGEST_PATH_SHIFT * steps.position
+        too_far |= careful[members, None]
         too_far[:, 0] = False
         chosen = choose(candidates, np.where(too_far, np.inf, cost))
         numbers[MOTION_ORDERS[order - 1]] = chosen, step
         left[members] -= basis[members, :, order, None] * (chosen * step)[:, None]
     constant = (left * path.weights[..., None]).sum(axis=1) + middle
-    numbers["position"] = np.rint(constant / steps.position).astype(np.int64), steps.position
-    return numbers, orders
+    whole = np.rint(constant / steps.position).astype(np.int64)
+    numbers["position"] = whole, steps.position
+    off = left + (middle - whole * steps.position)[:, None]
+    return numbers, orders, (np.abs(off).max(axis=2) * path.fade).max(axis=1)
 
 
 def _coefficient_step(own: Doubles, largest: Doubles) -> float:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
+from hgs_core.codec.encoder.encode_chunk import LIMITS
 from hgs_core.codec.encoder.motion import CHECKED_MOMENTS, Path, highest_order, motion_numbers, turning_numbers
 from hgs_core.codec.encoder.prepare import Prepared
 from hgs_core.codec.encoder.rotations import shape_error, vector_to_quats
@@ -79,6 +82,20 @@ def test_the_order_taken_is_the_lowest_that_the_path_needs_and_the_path_is_kept(
     assert (orders == order).all()
     assert set(numbers) == set(NAMES[: order + 1])
     assert np.abs(rebuilt(numbers, orders, offsets) - path.positions).max() < 4 * steps.position
+
+
+@pytest.mark.parametrize("order", [3, 5])
+def test_roundings_that_few_splats_would_bear_do_not_add_up_to_more_than_a_chunk_may_be_off(order: int) -> None:
+    """Splats that show next to nothing in a chunk of others: bits count for them, and errors hardly do."""
+    rng, count = np.random.default_rng(0), 3000
+    motion = {name: rng.normal(size=(count, 3)) * (0.5 if k else 1.0) for k, name in enumerate(NAMES[: order + 1])}
+    splats = prepared(count, log_scale=np.log(0.05), **motion)
+    path, offsets = path_of(splats)
+    steps = Steps.of(splats, EncodeSettings())
+    steps = dataclasses.replace(steps, own_position=10 * steps.own_position)
+    numbers, orders = motion_numbers(path, offsets, steps, order)
+    error = np.abs(rebuilt(numbers, orders, offsets) - path.positions).max(axis=2) * path.fade
+    assert 6 * steps.position < error.max() < LIMITS["position"] * steps.position
 
 
 def test_what_moves_by_less_than_it_is_worth_stands_still_and_no_farther_than_three_steps_off() -> None:
