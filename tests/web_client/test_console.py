@@ -50,8 +50,12 @@ def write_capture(folder: Path, scene: Path | None) -> None:
     folder.mkdir(parents=True)
     for name in CAMERAS:
         Image.new("RGB", (32, 24)).save(folder / f"{name}.png")
-    frames = [{"file_path": f"{name}.png"} for name in CAMERAS]
-    (folder / "transforms.json").write_text(json.dumps({"frames": frames}))
+    frames = [
+        {"file_path": f"{name}.png", "transform_matrix": [[1, 0, 0, place], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]}
+        for place, name in enumerate(CAMERAS)
+    ]
+    transforms = {"fl_x": 50, "w": 32, "h": 24, "frames": frames}
+    (folder / "transforms.json").write_text(json.dumps(transforms))
     (folder / "until").write_text("0")
     if scene is not None:
         shutil.copytree(scene, folder / "scene")
