@@ -13,7 +13,7 @@ import numpy.typing as npt
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.picture import reduced_picture
 from hgs_core.points.features import Features, extract_features
-from hgs_core.points.matching import moving_pixels
+from hgs_core.points.matching import LONGEST_SIDE, moving_pixels
 from hgs_core.scene.camera import Camera
 
 __all__ = ["MOMENTS", "Pinhole", "View", "look"]
@@ -21,7 +21,6 @@ __all__ = ["MOMENTS", "Pinhole", "View", "look"]
 MOMENTS = 10
 _ENOUGH_FEATURES = 2500  # of a picture: four moments do then
 _FEWER_MOMENTS = 4
-_LONGEST_SIDE = 1000  # pixels; larger pictures are reduced by a whole factor
 
 ReadPicture = Callable[[int, int], npt.NDArray[np.uint8]]
 """Return the picture [H, W, 3] of a camera and a frame, by their numbers."""
@@ -85,5 +84,5 @@ def _small(picture: npt.NDArray[np.uint8]) -> tuple[npt.NDArray[np.uint8], npt.N
     """Return the picture reduced by a whole factor, and how many of its pixels (x, y) one of the new ones is."""
     height, width = picture.shape[:2]
     whole = Camera("", width, height, width, width, width / 2, height / 2, np.eye(4))
-    size = whole.scaled(1 / -(-max(width, height) // _LONGEST_SIDE))
+    size = whole.within(LONGEST_SIDE)
     return reduced_picture(picture, size), np.array([width / size.width, height / size.height])

@@ -14,14 +14,13 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_picture
 from hgs_core.points.features import Features, extract_features
-from hgs_core.points.matching import PairMatches, likely_pairs, match_moments, moving_pixels
+from hgs_core.points.matching import LONGEST_SIDE, PairMatches, likely_pairs, match_moments, moving_pixels
 from hgs_core.scene.camera import Camera
 
 __all__ = ["CameraEvidence", "Evidence", "gather", "moments_of"]
 
 _MOMENTS = 4
 _FEW_FEATURES = 600  # of a picture; with fewer it is searched at twice its size
-_LONGEST_SIDE = 1000  # pixels; larger pictures are reduced by a whole factor
 
 
 @dataclass(frozen=True)
@@ -59,7 +58,7 @@ def gather(capture: Capture, progress: ProgressCallback) -> Evidence:
         InputError: a picture or a mask is missing, unreadable or of a wrong size.
     """
     frames = moments_of(capture)
-    cameras = tuple(_reduced(camera) for camera in capture.cameras)
+    cameras = tuple(camera.within(LONGEST_SIDE) for camera in capture.cameras)
     count = len(cameras)
     views = []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
@@ -80,11 +79,6 @@ def gather(capture: Capture, progress: ProgressCallback) -> Evidence:
                 found[pair] = matches
             progress(Progress("check", count + count * done // len(wanted), 2 * count))
     return Evidence(cameras, frames, tuple(views), found)
-
-
-def _reduced(camera: Camera) -> Camera:
-    factor = -(-max(camera.width, camera.height) // _LONGEST_SIDE)
-    return camera.scaled(1 / factor)
 
 
 def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int]) -> CameraEvidence:

@@ -17,7 +17,7 @@ from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.motion_energy import energy_offsets, motion_energy
 from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.points.features import extract_features
-from hgs_core.points.matching import moving_pixels
+from hgs_core.points.matching import LONGEST_SIDE, moving_pixels
 from hgs_core.points.sfm import camera_pairs
 from hgs_core.scene.camera import Camera
 
@@ -32,7 +32,6 @@ _ROUNDS = 4
 _SETTLED = 0.2  # frames by which offsets may change still
 _LEAST_SHARE = 0.25  # of what a camera's matches tell, that must agree: later rounds confirm it
 _NEAR = 0.75  # frames: features correct what motion energy says by less; by more they are chance
-_LONGEST_SIDE = 1000  # pixels
 
 
 def find_offsets(capture: Capture, progress: ProgressCallback) -> list[float | None]:
@@ -78,7 +77,7 @@ def _agreed(energy: Sequence[float | None], features: Sequence[float | None]) ->
 def _by_features(capture: Capture, start: Sequence[float], pool: ThreadPoolExecutor) -> list[float | None]:
     """Return the offsets that moving features tell, looked for near those of `start`."""
     count, frames = len(capture.cameras), len(capture.times)
-    sizes = [camera.scaled(1 / -(-max(camera.width, camera.height) // _LONGEST_SIDE)) for camera in capture.cameras]
+    sizes = [camera.within(LONGEST_SIDE) for camera in capture.cameras]
     reach = int(np.ceil(max(abs(offset) for offset in start))) + 1
     moments = np.linspace(reach, max(reach, frames - 2 - reach), _MOMENTS).round()
     used = [[int(np.clip(round(moment - offset), 0, frames - 2)) for moment in moments] for offset in start]

@@ -24,7 +24,7 @@ from hgs_core.capture.picture import (
 )
 from hgs_core.decompose.temporal import Background, estimate_background, moving_pixels
 from hgs_core.scene.camera import Camera
-from hgs_core.train.targets import target_picture
+from hgs_core.train.targets import as_target, target_picture
 
 __all__ = ["Truth"]
 
@@ -71,9 +71,7 @@ class Truth:
         size = self._capture.cameras[camera]
         if camera not in self._pictures:
             return target_picture(self._capture, camera, frame, size)
-        path, stored = self._pictures[camera][frame]
-        planes = reduced_picture(read_picture(path, stored), size).transpose(2, 0, 1)
-        return torch.from_numpy(np.ascontiguousarray(planes, np.float32)).div_(255)
+        return as_target(torch.from_numpy(self._levels(camera, frame)), size)
 
     def moving(self, camera: int, frame: int) -> Tensor | None:
         """Return the mask [H, W] bool of what moves, or None if there is none for this camera.
@@ -100,9 +98,11 @@ class Truth:
         return self._backgrounds[camera]
 
     def _levels(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
-        """Return the true picture [H, W, 3]."""
-        planes = self.picture(camera, frame).mul(255).round().to(torch.uint8)
-        return np.ascontiguousarray(planes.permute(1, 2, 0).numpy())
+        """Return the true picture [H, W, 3]; raises what `picture` raises."""
+        if camera not in self._pictures:
+            return self._capture.frame(camera, frame)
+        path, stored = self._pictures[camera][frame]
+        return reduced_picture(read_picture(path, stored), self._capture.cameras[camera])
 
 
 def _files(

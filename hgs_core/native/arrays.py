@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-__all__ = ["Floats", "address", "pointers"]
+__all__ = ["Floats", "address", "planes_size", "pointers"]
 
 Floats = npt.NDArray[np.float32]
 
@@ -27,6 +27,18 @@ def address(name: str, array: npt.NDArray[Any], shape: tuple[int, ...], dtype: t
             f"got {array.dtype.name} {array.shape}{layout}"
         )
     return int(array.ctypes.data)
+
+
+def planes_size(image: Floats) -> tuple[int, int]:
+    """Return the height and the width of planes [3, H, W].
+
+    Raises:
+        ValueError: another shape, or no pixel.
+    """
+    if image.ndim != 3 or image.shape[0] != 3 or 0 in image.shape:
+        raise ValueError(f"image must be planes [3, H, W], got {image.shape}")
+    _, height, width = image.shape
+    return height, width
 
 
 def pointers(names: Iterable[str]) -> list[tuple[str, Any]]:

@@ -6,7 +6,7 @@ import ctypes
 
 import numpy as np
 
-from hgs_core.native.arrays import Floats, address
+from hgs_core.native.arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["l1_dssim"]
@@ -32,9 +32,7 @@ def l1_dssim(
         ValueError: an array of another shape or type.
         RuntimeError: no compiled library.
     """
-    if image.ndim != 3 or image.shape[0] != 3 or 0 in image.shape:
-        raise ValueError(f"image must be planes [3, H, W], got {image.shape}")
-    _, height, width = image.shape
+    height, width = planes_size(image)
     gradient = np.empty_like(image)
     loss = ctypes.c_double()
     status = load().hgs_l1_dssim(

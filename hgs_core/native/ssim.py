@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-from hgs_core.native.arrays import Floats, address
+from hgs_core.native.arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["mean_ssim"]
@@ -22,9 +22,7 @@ def mean_ssim(image: Floats, target: Floats, *, threads: int | None = None) -> f
         ValueError: an array of another shape or type.
         RuntimeError: no compiled library.
     """
-    if image.ndim != 3 or image.shape[0] != 3 or 0 in image.shape:
-        raise ValueError(f"image must be planes [3, H, W], got {image.shape}")
-    _, height, width = image.shape
+    height, width = planes_size(image)
     mean = ctypes.c_double()
     status = load().hgs_ssim(
         ctypes.c_void_p(address("image", image, image.shape)),

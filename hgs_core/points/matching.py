@@ -15,7 +15,10 @@ import numpy.typing as npt
 
 from hgs_core.points.features import Features, mutual_matches
 
-__all__ = ["PairMatches", "likely_pairs", "match_moments", "moving_pixels"]
+__all__ = ["LONGEST_SIDE", "PairMatches", "likely_pairs", "match_moments", "moving_pixels"]
+
+LONGEST_SIDE = 1000
+"""Pixels: pictures with a longer side are reduced by a whole factor before features are looked for."""
 
 _ALL_PAIRS = 12  # cameras up to which every pair is matched
 _PARTNERS = 9  # per camera beyond that: those whose coarse features match most often

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 from torch import Tensor
-from torch.nn.functional import max_pool2d
 
 from hgs_core.render.constants import TILE
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats
 
-__all__ = ["tiles_of_dynamic", "tiles_to_pixels"]
+__all__ = ["pixels_to_tiles", "tiles_of_dynamic", "tiles_to_pixels"]
 
 
 def tiles_of_dynamic(
@@ -24,7 +23,16 @@ def tiles_of_dynamic(
     `rasterize` raises.
     """
     alone = rasterize(None, dynamic, camera, time, backend=backend, gradients="none", antialiased=antialiased)
-    return np.asarray(max_pool2d(alone.alpha[None], TILE, ceil_mode=True)[0].cpu().numpy() > 0)
+    return pixels_to_tiles((alone.alpha > 0).cpu().numpy())
+
+
+def pixels_to_tiles(pixels: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    """Return the tiles [ceil(H/16), ceil(W/16)] with at least one of the pixels [H, W]."""
+    height, width = pixels.shape
+    rows, columns = -(-height // TILE), -(-width // TILE)
+    padded = np.zeros((rows * TILE, columns * TILE), np.bool_)
+    padded[:height, :width] = pixels
+    return np.asarray(padded.reshape(rows, TILE, columns, TILE).any((1, 3)), np.bool_)
 
 
 def tiles_to_pixels(tiles: npt.NDArray[np.bool_], width: int, height: int) -> npt.NDArray[np.bool_]:

@@ -75,6 +75,10 @@ class Camera:
             cy=self.cy * sy,
         )
 
+    def within(self, side: int) -> Camera:
+        """Return the camera of the image reduced by a whole factor, to sides of at most `side` pixels."""
+        return self.scaled(1 / -(-max(self.width, self.height) // side))
+
     def project(self, points: npt.NDArray[np.floating[Any]]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Project world points [N, 3] to pixels [N, 2] and depths [N]; pixels are meaningless where depth <= 0."""
         local = np.asarray(points, dtype=np.float64) @ self.world_to_camera[:3, :3].T + self.world_to_camera[:3, 3]

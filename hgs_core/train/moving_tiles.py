@@ -11,7 +11,7 @@ from torch import Tensor
 from hgs_core.base.arrays import Mask
 from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.constants import TILE
-from hgs_core.render.tiles import tiles_to_pixels
+from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
 from hgs_core.train.loss import photometric_loss
 
 __all__ = ["MovingTiles", "loss_gradient", "tiles_of"]
@@ -38,10 +38,7 @@ class MovingTiles:
 def tiles_of(moving: Mask) -> MovingTiles | None:
     """Return the tiles of the pixels [H, W] that move; None if none does."""
     height, width = moving.shape
-    rows, columns = -(-height // TILE), -(-width // TILE)
-    padded = np.zeros((rows * TILE, columns * TILE), np.bool_)
-    padded[:height, :width] = moving
-    tiles: Mask = np.asarray(padded.reshape(rows, TILE, columns, TILE).any((1, 3)), np.bool_)
+    tiles = pixels_to_tiles(moving)
     if not tiles.any():
         return None
     down, across = np.flatnonzero(tiles.any(1)), np.flatnonzero(tiles.any(0))

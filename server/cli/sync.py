@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["add_parser"]
 
-SYNC_FILE = "sync.json"
 _SAME_MOMENT = 1e-4  # seconds
 
 
@@ -35,6 +34,7 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.capture.open import open_capture
+    from hgs_core.capture.sync import SYNC_FILE
     from hgs_core.check.synchronise import find_offsets
 
     out = options.out or options.capture / SYNC_FILE

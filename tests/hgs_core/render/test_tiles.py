@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from hgs_core.render.reference import rasterize_reference
-from hgs_core.render.tiles import tiles_of_dynamic, tiles_to_pixels
+from hgs_core.render.tiles import pixels_to_tiles, tiles_of_dynamic, tiles_to_pixels
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats
 from tests.hgs_core.render.scenes import camera, dynamic_splats
@@ -41,3 +41,10 @@ def test_tiles_cover_their_pixels() -> None:
     assert pixels[15, 15]
     assert not pixels[15, 16]
     assert pixels[17, 19]
+
+
+def test_a_tile_counts_if_any_of_its_pixels_does_at_the_edge_too() -> None:
+    pixels = np.zeros((50, 75), np.bool_)
+    pixels[17, 40] = pixels[49, 74] = True
+    assert np.argwhere(pixels_to_tiles(pixels)).tolist() == [[1, 2], [3, 4]]
+    assert pixels_to_tiles(pixels).shape == (4, 5)

@@ -41,3 +41,11 @@ def test_a_camera_looks_at_a_point_with_the_worlds_y_down_and_nothing_mirrored()
     np.testing.assert_allclose(camera.position, (1.0, -2.0, -5.0))
     turned = looking_at((1.0, -2.0, -5.0), (1.0, -2.0, 3.0), roll=np.pi / 2)
     np.testing.assert_allclose(turned[:2, :3], [[0, 1, 0], [-1, 0, 0]], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("size", "expected"), [((1000, 700), (1000, 700)), ((1001, 700), (500, 350)), ((800, 3000), (267, 1000))]
+)
+def test_a_picture_is_reduced_by_the_least_whole_factor(size: tuple[int, int], expected: tuple[int, int]) -> None:
+    within = Camera("c", *size, 50.0, 50.0, 32.0, 24.0, np.eye(4)).within(1000)
+    assert (within.width, within.height) == expected
