@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.calibrate.structure import Solution
+from hgs_core.scene.rotations import quaternions_of
 
 __all__ = ["write_colmap_text"]
 
@@ -25,7 +26,7 @@ def write_colmap_text(folder: Path, solution: Solution) -> None:
     for number, camera in enumerate(solution.cameras, 1):
         lens = (camera.model, camera.width, camera.height, *camera.parameters)
         identity = lenses.setdefault(lens, len(lenses) + 1)
-        pose = (*_quaternion(camera.world_to_camera[:3, :3]), *camera.world_to_camera[:3, 3])
+        pose = (*quaternions_of(camera.world_to_camera[:3, :3]), *camera.world_to_camera[:3, 3])
         images += [f"{number} {_numbers(pose)} {identity} {camera.name}", ""]
     cameras = ["# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]"]
     for (model, width, height, *parameters), identity in lenses.items():
@@ -38,18 +39,3 @@ def write_colmap_text(folder: Path, solution: Solution) -> None:
 
 def _numbers(values: Sequence[object] | npt.NDArray[np.float64]) -> str:
     return " ".join(f"{float(str(value)):.12g}" for value in values)
-
-
-def _quaternion(turn: npt.NDArray[np.float64]) -> tuple[float, float, float, float]:
-    """Return (w, x, y, z), w at least 0, of a rotation [3, 3]: the eigenvector of Bar-Itzhack's matrix (2000)."""
-    (xx, yx, zx), (xy, yy, zy), (xz, yz, zz) = turn.T.tolist()
-    symmetric = np.array(
-        [
-            [xx - yy - zz, yx + xy, zx + xz, zy - yz],
-            [yx + xy, yy - xx - zz, zy + yz, xz - zx],
-            [zx + xz, zy + yz, zz - xx - yy, yx - xy],
-            [zy - yz, xz - zx, yx - xy, xx + yy + zz],
-        ]
-    )
-    x, y, z, w = np.linalg.eigh(symmetric / 3)[1][:, -1].tolist()
-    return (w, x, y, z) if w >= 0 else (-w, -x, -y, -z)

@@ -11,6 +11,7 @@ import numpy as np
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change
+from hgs_core.interchange.file_bytes import file_bytes
 
 __all__ = ["columns", "left_over", "read_ply", "write_ply"]
 
@@ -30,10 +31,7 @@ def read_ply(path: Path) -> tuple[dict[str, Floats], list[Change]]:
     Raises:
         InputError: the file is missing, is no such file, or is shorter than its header says.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "give a .ply file of splats") from error
+    data = file_bytes(path, "a .ply file of splats")
     end = data.find(b"end_header\n", 0, _LONGEST_HEADER)
     if not data.startswith(b"ply\n") or end < 0:
         raise InputError(path, "is not a PLY file: it has no PLY header", "give a .ply file of splats")

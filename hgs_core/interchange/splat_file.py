@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
+from hgs_core.interchange.deviations import deviations_limited, deviations_of, log_scales_of
+from hgs_core.interchange.file_bytes import file_bytes
 from hgs_core.interchange.file_format import FileFormat, ReadSplats
-from hgs_core.scene.opacities import logits_of, opacities_of
+from hgs_core.scene.opacities import logits_of_any, opacities_of
 from hgs_core.scene.rotations import unit_quaternions
 from hgs_core.scene.splats import StaticSplats
 
@@ -22,8 +24,6 @@ __all__ = ["SPLAT", "SPLAT_BYTES", "opacity_changes", "read_splat", "rgba_bytes"
 
 SPLAT_BYTES = 32
 _ROW = np.dtype([("mean", "<f4", 3), ("deviation", "<f4", 3), ("rgba", "u1", 4), ("quat", "u1", 4)])
-_OPACITIES = (1e-6, 1 - 1e-6)  # whose logits stand for 0 and 1
-_LOG_SCALES = (-80.0, 80.0)  # whose exponentials are normal float32 numbers
 
 
 def rgba_bytes(rgb: Floats, opacity_logits: Floats) -> NDArray[np.uint8]:
@@ -55,15 +55,13 @@ def opacity_changes(opacity_logits: Floats, stored: NDArray[np.uint8]) -> list[C
 def splat_file(splats: StaticSplats[Floats]) -> Written:
     """Return the file; large and opaque splats come first, so that a beginning of it shows most."""
     rows = np.zeros(len(splats), _ROW)
-    rows["mean"], rows["deviation"] = splats.means, np.exp(np.clip(splats.log_scales, *_LOG_SCALES))
+    rows["mean"], rows["deviation"] = splats.means, deviations_of(splats.log_scales)
     rows["rgba"] = rgba_bytes(splats.rgb, splats.opacity_logits)
     quats = unit_quaternions(splats.quats)
     rows["quat"] = np.clip(np.rint(quats * 128 + 128), 0, 255)
     shown = splats.log_scales.astype(np.float64).sum(axis=1) + np.log(rows["rgba"][:, 3] + 1e-3)
-    low, high = _LOG_SCALES
-    beyond = (splats.log_scales < low) | (splats.log_scales > high)
     changes = (
-        Change.where(Action.LIMITED, "scale", beyond, f"to e^{low:g} to e^{high:g}"),
+        deviations_limited(splats.log_scales),
         *rgba_changes(splats.rgb, splats.opacity_logits, rows["rgba"]),
         Change.rounded("rotation", quats, (rows["quat"].astype(np.float64) - 128) / 128, "8 bits a component"),
     )
@@ -76,21 +74,15 @@ def read_splat(path: Path) -> StaticSplats[Floats]:
     Raises:
         InputError: the file is missing, or not made of whole splats.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "give a .splat file") from error
+    data = file_bytes(path, "a .splat file")
     if len(data) % SPLAT_BYTES or not data:
         raise InputError(path, f"has {len(data)} bytes, no multiple of {SPLAT_BYTES}", "copy it again")
     rows = np.frombuffer(data, _ROW)
-    opacity = np.clip(rows["rgba"][:, 3] / 255, *_OPACITIES)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        log_scales = np.log(rows["deviation"])
     return StaticSplats(
         rows["mean"].copy(),
-        log_scales,
+        log_scales_of(rows["deviation"]),
         (rows["quat"].astype(np.float32) - 128) / 128,
-        logits_of(opacity),
+        logits_of_any(rows["rgba"][:, 3] / 255),
         rows["rgba"][:, :3].astype(np.float32) / 255,
     )
 

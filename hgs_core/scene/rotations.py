@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles
 
-__all__ = ["unit_quaternions", "units_and_norms"]
+__all__ = ["matrices", "quaternions_of", "unit_quaternions", "units_and_norms"]
 
 SHORTEST = 1e-12  # |q|^2 < 1e-24
 
@@ -26,3 +26,28 @@ def units_and_norms(quaternions: NDArray[np.floating[Any]]) -> tuple[Doubles, Do
 def unit_quaternions(quaternions: NDArray[np.floating[Any]]) -> Doubles:
     """Return quaternions [N, 4] at unit length, in float64."""
     return units_and_norms(quaternions)[0]
+
+
+def matrices(quats: Doubles) -> Doubles:
+    """Return rotation matrices [..., 3, 3] of unit quaternions [..., 4]."""
+    w, x, y, z = np.moveaxis(quats, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def quaternions_of(turns: Doubles) -> Doubles:
+    """Return quaternions [..., 4], w at least 0, of rotations [..., 3, 3]: eigenvectors by Bar-Itzhack (2000)."""
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = np.moveaxis(turns.reshape(*turns.shape[:-2], 9), -1, 0)
+    rows = [
+        [xx + yy + zz, zy - yz, xz - zx, yx - xy],
+        [zy - yz, xx - yy - zz, yx + xy, zx + xz],
+        [xz - zx, yx + xy, yy - xx - zz, zy + yz],
+        [yx - xy, zx + xz, zy + yz, zz - xx - yy],
+    ]
+    symmetric = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    quats = np.linalg.eigh(symmetric / 3)[1][..., -1]
+    return np.where(quats[..., :1] < 0, -quats, quats)

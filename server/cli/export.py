@@ -17,7 +17,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "export",
         help="write a scene in another format",
-        description="Write a scene as .ply (3DGS, or STGS where it moves), .splat, .splatv or .spz.",
+        description="Write a scene as .ply (3DGS, or STGS where it moves), .splat, .splatv, .spz or .glb.",
     )
     parser.add_argument("source", metavar="RUN|SCENE", type=Path, help="folder of a run, or of an encoded scene")
     parser.add_argument("--to", metavar="FILE", type=Path, required=True, help="the file; its suffix tells the format")

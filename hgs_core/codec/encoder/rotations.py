@@ -7,7 +7,9 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["canonical", "matrices", "product", "shape_error", "turn_between", "vector_to_quats"]
+from hgs_core.scene.rotations import matrices
+
+__all__ = ["canonical", "product", "shape_error", "turn_between", "vector_to_quats"]
 
 Doubles = NDArray[np.float64]
 
@@ -25,17 +27,6 @@ def product(a: Doubles, b: Doubles) -> Doubles:
         ],
         axis=-1,
     )
-
-
-def matrices(quats: Doubles) -> Doubles:
-    """Return rotation matrices [..., 3, 3] of unit quaternions [..., 4]."""
-    w, x, y, z = np.moveaxis(quats, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def vector_to_quats(vector: Doubles) -> Doubles:

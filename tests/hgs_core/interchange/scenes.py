@@ -7,11 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from hgs_core.codec.encoder.rotations import matrices
 from hgs_core.interchange import Change, export_scene
 from hgs_core.interchange.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.rotations import matrices
 
 CAMERA = Camera("cam00", 640, 480, 500.0, 510.0, 320.0, 240.0, np.eye(4))
 Write = Callable[[str, bytes], Path]

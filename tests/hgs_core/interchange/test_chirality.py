@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import json
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -58,6 +59,20 @@ def spz_positions(data: bytes) -> tuple[Doubles, Doubles]:
     return np.stack([right, -up, -back], axis=1), 0.5 + 0.28209479177387814 * (colours / 255 - 0.5) / 0.15
 
 
+def glb_positions(data: bytes) -> tuple[Doubles, Doubles]:
+    """GLB: x to the right, y up, z to the viewer, and colours as harmonics of degree 0, where the document says."""
+    size = struct.unpack_from("<I", data, 12)[0]
+    document = json.loads(data[20 : 20 + size])
+    names = document["meshes"][0]["primitives"][0]["attributes"]
+    arrays = []
+    for name in ("POSITION", "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0"):
+        view = document["bufferViews"][document["accessors"][names[name]]["bufferView"]]
+        floats = np.frombuffer(data, "<f4", view["byteLength"] // 4, 28 + size + view["byteOffset"])
+        arrays.append(floats.reshape(-1, 3).astype(np.float64))
+    right, up, back = arrays[0].T
+    return np.stack([right, -up, -back], axis=1), 0.5 + 0.28209479177387814 * arrays[1]
+
+
 Read = Callable[[bytes], tuple[Doubles, Doubles]]
 FORMATS: dict[str, tuple[str, bool, Read]] = {
     "3DGS ply": ("a.ply", False, ply_positions),
@@ -65,6 +80,7 @@ FORMATS: dict[str, tuple[str, bool, Read]] = {
     "splat": ("a.splat", False, splat_positions),
     "splatv": ("a.splatv", True, splatv_positions),
     "spz": ("a.spz", False, spz_positions),
+    "glb": ("a.glb", False, glb_positions),
 }
 every_format = pytest.mark.parametrize(("name", "moving", "read"), FORMATS.values(), ids=FORMATS.keys())
 

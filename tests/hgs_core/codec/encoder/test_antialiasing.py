@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hgs_core.codec.encoder.antialiasing import GOLDEN_ANGLE, VIEW_DIRECTIONS, strength_weights
-from hgs_core.codec.encoder.rotations import matrices
+from hgs_core.scene.rotations import matrices
 
 
 def strength(deviations: np.ndarray, turn: np.ndarray, view: np.ndarray) -> float:

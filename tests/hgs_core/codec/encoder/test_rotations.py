@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hgs_core.codec.encoder.rotations import canonical, matrices, product, shape_error, turn_between
+from hgs_core.codec.encoder.rotations import canonical, product, shape_error, turn_between
+from hgs_core.scene.rotations import matrices
 
 seeds = st.integers(0, 2**32 - 1)
 
