@@ -9,6 +9,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
+from hgs_core.capture.footage import find_places
 from hgs_core.capture.video import announced_length
 from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.findings import Finding
@@ -17,7 +18,6 @@ __all__ = ["judge_masks", "judge_pictures", "judge_rates"]
 
 _FLAT = 0.96  # of the pixels; an object before a plain background leaves more
 _ALL = 0.995  # of the pixels
-_VIDEOS = {".avi", ".mkv", ".mov", ".mp4", ".webm"}
 _FEW_CAMERAS = 4
 
 
@@ -57,14 +57,15 @@ def judge_rates(path: Path, names: Sequence[str]) -> list[Finding]:
     """Find videos, called as their cameras, that run at another rate than the others."""
     rates: dict[str, Fraction] = {}
     wanted = set(names)
-    for file in sorted([*path.glob("*"), *path.glob("*/*")]):
-        if file.suffix.lower() in _VIDEOS and file.stem in wanted and file.is_file():
+    videos = [one for place in find_places(path) if place.kind == "videos" for one in place.footage]
+    for video in videos:
+        if video.name in wanted:
             try:
-                rate = announced_length(file)[1]
+                rate = announced_length(video.files[0])[1]
             except InputError:
                 continue  # opening the capture says so where it matters
             if rate is not None:
-                rates[file.stem] = Fraction(rate).limit_denominator(100_000)
+                rates.setdefault(video.name, Fraction(rate).limit_denominator(100_000))
     if not rates:
         return []
     usual = Counter(rates.values()).most_common(1)[0][0]

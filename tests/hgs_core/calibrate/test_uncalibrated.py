@@ -24,6 +24,11 @@ def test_videos_in_a_folder_of_their_own_are_found(tmp_path: Path) -> None:
     assert [file.stem for file in find_videos(tmp_path)] == ["a", "b"]
 
 
+def test_every_ending_that_captures_may_have_is_a_video_here_too(tmp_path: Path) -> None:
+    touch(tmp_path, "left.MTS", "right.3gp")
+    assert [file.name for file in find_videos(tmp_path)] == ["left.MTS", "right.3gp"]
+
+
 def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:
     touch(tmp_path, "a.mp4")
     with pytest.raises(InputError, match="has no two videos"):
@@ -35,8 +40,13 @@ def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:
         find_videos(tmp_path / "gone")
 
 
-@pytest.mark.parametrize("name", ["poses_bounds.npy", "transforms_train.json", "sparse/0/cameras.bin", "extri.yml"])
-def test_poses_that_are_there_are_seen(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("names", [["poses_bounds.npy"], ["sparse/0/cameras.bin", "sparse/0/images.bin"], ["intri.yml"]])
+def test_poses_that_are_there_are_seen(tmp_path: Path, names: list[str]) -> None:
     assert not has_poses(tmp_path)
-    touch(tmp_path, name)
+    touch(tmp_path, *names)
     assert has_poses(tmp_path)
+
+
+def test_other_files_of_such_endings_are_no_poses(tmp_path: Path) -> None:
+    touch(tmp_path, "pyproject.toml", "notes.yml", "shot_list.json")
+    assert not has_poses(tmp_path)
