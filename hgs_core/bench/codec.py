@@ -24,7 +24,7 @@ from hgs_core.fit.utility import measure_utility
 from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.interchange.importing import import_scene
 from hgs_core.interchange.splatv_file import splatv_file
-from hgs_core.interchange.spz_file import spz_file
+from hgs_core.interchange.spz_file import SPZ
 from hgs_core.native.machine import machine_facts
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
@@ -141,7 +141,7 @@ def bench_codec(
     errors: dict[str, StaticErrors] = {}
     spz: dict[str, int] = {}
     if still:
-        versions = {f"spz {version}": spz_file(scene.static, version=version).data for version in (2, 3)}
+        versions = {f"spz {version}": write(scene.static, False).data for version, write in SPZ.versions.items()}
         spz = {name: len(data) for name, data in versions.items()}
         errors = {name: spz_errors(scene.static, data) for name, data in versions.items()}
         for name, found, _ in chosen:

@@ -27,17 +27,23 @@ def export_scene(
     cameras: Sequence[Camera],
     time: float | None = None,
     segment: int | None = None,
+    version: int | None = None,
 ) -> tuple[Change, ...]:
     """Write a scene to `path`, in the format of its suffix, atomically; returns what the file lacks of it.
 
     With `time` (seconds) the scene as it stands then. Without it, .ply is 3DGS's if nothing moves and else, like
     .splatv, the whole of a segment: `segment` names which, and is needed where there are several.
+    `version` is that of .spz.
 
     Raises:
         InputError: an unknown suffix, a time or segment that is missing, needless or not the scene's, or coordinates
             that the format cannot hold.
     """
     target = format_of(path, lambda one: one.write_still is not None or one.write_moving is not None)
+    if version is not None and version not in target.versions:
+        raise InputError(
+            "--spz-version", f"{version} is none of {path.suffix}", "leave it out, or give 2 to 4 for .spz"
+        )
     moving = scene.dynamic_splats > 0
     changes: list[Change] = []
     if scene.antialiased and not target.says_antialiased:
@@ -55,9 +61,10 @@ def export_scene(
     elif moving and time is None:
         raise InputError(path, "holds one moment, and this scene moves", f"add --time {scene.start:g} to {scene.end:g}")
     else:
-        assert target.write_still is not None
+        write = target.write_still if version is None else target.versions[version]
+        assert write is not None
         splats = scene.static if time is None else scene_at(scene, time)
-        written = target.write_still(splats, scene.antialiased)
+        written = write(splats, scene.antialiased)
         more = [] if time is None else _lost_in_a_moment(scene, splats, time)
     write_bytes(path, written.data)
     return nonzero((*changes, *more, *written.changes))

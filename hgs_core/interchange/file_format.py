@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,7 +11,10 @@ from hgs_core.interchange.changes import Change, Written
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
-__all__ = ["FileFormat", "ReadSplats"]
+__all__ = ["FileFormat", "ReadSplats", "WriteStill"]
+
+WriteStill = Callable[[StaticSplats[Floats], bool], Written]
+"""Takes the splats, and whether they are drawn antialiased."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +34,8 @@ class FileFormat:
 
     suffix: str
     read: Callable[[Path], ReadSplats] | None = None
-    write_still: Callable[[StaticSplats[Floats], bool], Written] | None = None  # the bool: they are drawn antialiased
+    write_still: WriteStill | None = None
+    versions: Mapping[int, WriteStill] = field(default_factory=dict)  # where there are several
     # Takes one segment and the scene's cameras.
     write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = None
     says_antialiased: bool = False

@@ -1,173 +1,173 @@
-"""SPZ files (Niantic, versions 2 and 3): static splats in fixed point, 19 or 20 bytes each, gzipped as a whole.
+"""SPZ files (Niantic, versions 2 to 4): static splats in fixed point, 19 or 20 bytes each before compression.
 
-A 16-byte header (magic "NGSP", version, count, SH degree, fractional bits, flags) and one plane after another:
-positions (24 bits), opacity, colour, log-scale (8 bits), rotation, harmonics. Axes are right, up, back: y and z of ours
-with their signs changed. Facts from the format's README (github.com/nianticlabs/spz).
+Versions 2 and 3 are gzipped as a whole: a header of 16 bytes (magic "NGSP", version, count, SH degree, fractional bits,
+flags), the planes, records of extensions. In version 4 nothing but the planes is compressed, each by zstd for itself: a
+header of 32 bytes, which goes on with the number of planes and where their table is, the records of extensions, the
+table of compressed and plain sizes, the planes. Facts from the format's README (github.com/nianticlabs/spz).
 """
 
 from __future__ import annotations
 
 import gzip
+import io
 import struct
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import zstandard
 
-from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
-from hgs_core.interchange.file_format import FileFormat, ReadSplats
-from hgs_core.interchange.gaussian_ply import SH_0, harmonics
-from hgs_core.interchange.splat_file import opacity_changes
-from hgs_core.scene.opacities import logits_of, opacities_of
-from hgs_core.scene.rotations import unit_quaternions
+from hgs_core.interchange.file_bytes import file_bytes
+from hgs_core.interchange.file_format import FileFormat, ReadSplats, WriteStill
+from hgs_core.interchange.spz_planes import DEGREES, Planes, pack, unpack, widths
 from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["SPZ", "read_spz", "spz_file"]
 
-HEADER = struct.Struct("<4sII4B")
+USUAL = 3  # every reader takes it, and at degree 0 version 4 saves a twenty-fifth
+HEADER = struct.Struct("<4sII4B")  # magic, version, count, degree, bits, flags, in version 4 the number of planes
+TABLE_AT = struct.Struct("<I12x")  # what the header of version 4 ends with
+SIZES = struct.Struct("<QQ")  # of a plane: compressed, plain
+RECORD = struct.Struct("<II")  # of an extension: type, length of what follows
 MAGIC = b"NGSP"
-FRACTIONAL_BITS = 12
 ANTIALIASED, EXTENSIONS = 1, 2  # flags
-HARMONICS = (0, 9, 24, 45, 72)  # bytes by degree
-NO_HARMONIC = 128  # the byte of a coefficient of zero
-COLOUR_SCALE = 0.15
-LARGEST = 1 << 28  # bytes of a file once it is unpacked
-FLIP = np.array([1.0, -1.0, -1.0])  # between our axes and right, up, back
-LEAST_OPACITY = 1e-6
+AXES, RIGHT_UP_BACK = 0xADBE0003, (0, 4)  # the extension that names the axes, and which of its values are ours to read
+ORBIT = 0xADBE0002
+LARGEST = 1 << 32  # bytes of a file once it is unpacked
+_CURE = "give an SPZ file of version 2 to 4"
 
 
-def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version: int = 3) -> Written:
+class _Unpacked(NamedTuple):
+    """A file before its numbers are read."""
+
+    planes: Planes
+    bits: int
+    flags: int
+    records: bytes
+
+
+def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version: int = USUAL) -> Written:
     """Return an SPZ file of degree 0; version 2 has coarser rotations in a byte less.
 
     Raises:
         InputError: a position is too far from the origin for 24 bits.
     """
-    largest = float(np.abs(splats.means).max(initial=0.0))
-    bits = FRACTIONAL_BITS
-    while bits > 0 and largest * 2**bits >= 2**23 - 1:
-        bits -= 1
-    if largest * 2**bits >= 2**23 - 1:
-        raise InputError("splats", f"reach {largest:.3g} from the origin", "SPZ holds less than 8,388,607")
-    fixed = np.rint(splats.means * FLIP * 2**bits).astype("<i4")
-    opacity = opacities_of(splats.opacity_logits)
-    harmonic = (splats.rgb - 0.5) / SH_0
-    quats = unit_quaternions(splats.quats)
-    xyzw = np.concatenate([quats[:, 1:] * FLIP, quats[:, :1]], axis=1)
-    shares, scales = _byte(opacity * 255), _byte((splats.log_scales + 10) * 16)
-    colours = _byte(harmonic * (COLOUR_SCALE * 255) + 127.5)
-    rotations = _smallest_three(xyzw) if version >= 3 else _first_three(xyzw)
-    planes = [fixed.view(np.uint8).reshape(-1, 4)[:, :3], shares, colours, scales, rotations]
+    packed = pack(splats, version)
+    planes = [plane.tobytes() for plane in packed.planes if plane.size]
     flags = ANTIALIASED if antialiased else 0
-    header = HEADER.pack(MAGIC, version, len(splats), 0, bits, flags, 0)
-    data = gzip.compress(header + b"".join(plane.tobytes() for plane in planes), 9, mtime=0)
-    decoded = _largest_made_good(rotations) if version >= 3 else _with_w(rotations / 127.5 - 1)
-    decoded *= np.where((decoded * xyzw).sum(axis=1, keepdims=True) < 0, -1.0, 1.0)
-    scale_range, colour_range = (-10.0, 255 / 16 - 10), _colour(np.array([0, 255], np.uint8))
-    darkest, brightest = colour_range
-    dim = (splats.rgb < darkest) | (splats.rgb > brightest)
-    thin = (splats.log_scales < scale_range[0]) | (splats.log_scales > scale_range[1])
-    places = fixed / 2.0**bits * FLIP
-    changes = (
-        Change.rounded("position", splats.means, places, f"fixed point, steps of 1/{2**bits:,}"),
-        *opacity_changes(splats.opacity_logits, shares),
-        Change.where(Action.LIMITED, "colour", dim, f"to {darkest:.2f} to {brightest:.2f}"),
-        Change.rounded("colour", np.clip(splats.rgb, *colour_range), _colour(colours), "8 bits a channel"),
-        Change.where(Action.LIMITED, "scale", thin, f"to e^{scale_range[0]:g} to e^{scale_range[1]:.1f}"),
-        Change.rounded(
-            "scale", np.clip(splats.log_scales, *scale_range), scales / 16.0 - 10, "8 bits of its logarithm"
-        ),
-        Change.rounded("rotation", xyzw, decoded, f"{10 if version >= 3 else 8} bits a component"),
-    )
-    return Written(data, changes)
+    header = HEADER.pack(MAGIC, version, len(splats), 0, packed.bits, flags, len(planes) if version >= 4 else 0)
+    if version < 4:
+        return Written(gzip.compress(header + b"".join(planes), 9, mtime=0), packed.changes)
+    compressed = [zstandard.ZstdCompressor(level=19).compress(plane) for plane in planes]
+    table = b"".join(SIZES.pack(len(short), len(plane)) for short, plane in zip(compressed, planes, strict=True))
+    beginning = header + TABLE_AT.pack(HEADER.size + TABLE_AT.size) + table
+    return Written(beginning + b"".join(compressed), packed.changes)
 
 
 def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[Change]]:
     """Read an SPZ file; returns the splats, whether they were trained antialiased, and what was left out.
 
     Raises:
-        InputError: the file is missing, damaged, or of another version.
+        InputError: the file is missing, damaged, of another version, or in axes other than right, up, back.
     """
+    data = file_bytes(path, "an .spz file")
+    found = _latest(path, data) if data.startswith(MAGIC) else _gzipped(path, data)
+    splats, changes = unpack(found.planes, found.bits)
+    if found.flags & EXTENSIONS:
+        changes += _extensions(path, found.records)
+    return splats, bool(found.flags & ANTIALIASED), changes
+
+
+def _gzipped(path: Path, data: bytes) -> _Unpacked:
+    """Unpack a file of version 2 or 3."""
     try:
-        with gzip.open(path) as file:
-            data = file.read(LARGEST + 1)
+        with gzip.open(io.BytesIO(data)) as file:
+            plain = file.read(LARGEST + 1)
     except (OSError, EOFError, zlib.error) as error:
-        raise InputError(path, f"is not a gzipped SPZ file ({error})", "give an SPZ file of version 2 or 3") from error
-    if len(data) < HEADER.size or len(data) > LARGEST or data[:4] != MAGIC:
-        raise InputError(path, f"holds {len(data)} bytes without an SPZ header", "give an SPZ file of version 2 or 3")
+        raise InputError(path, f"is not an SPZ file ({error})", _CURE) from error
+    if len(plain) < HEADER.size or not plain.startswith(MAGIC):
+        raise InputError(path, f"holds {len(plain)} bytes without an SPZ header", _CURE)
+    version, count, degree, bits, flags = _header(path, plain, (2, 3))
+    each = widths(version, degree)
+    end = HEADER.size + count * sum(each)
+    if len(plain) < end or (len(plain) > end and not flags & EXTENSIONS):
+        raise InputError(path, f"has {len(plain)} bytes, {count} splats need {end}", "copy it again")
+    starts = HEADER.size + count * np.cumsum((0, *each))
+    planes = [plain[start : start + count * width] for start, width in zip(starts, each, strict=False)]
+    return _Unpacked(_planes(planes, count, each), bits, flags, plain[end:])
+
+
+def _latest(path: Path, data: bytes) -> _Unpacked:
+    """Unpack a file of version 4."""
+    begins = HEADER.size + TABLE_AT.size
+    if len(data) < begins:
+        raise InputError(path, f"holds {len(data)} bytes without an SPZ header", _CURE)
+    version, count, degree, bits, flags = _header(path, data, (4,))
+    each = widths(version, degree)
+    filled = [width for width in each if width and count]
+    planes, (table,) = data[HEADER.size - 1], TABLE_AT.unpack_from(data, HEADER.size)
+    at = table + planes * SIZES.size
+    if planes != len(filled) or not begins <= table <= len(data) - planes * SIZES.size:
+        raise InputError(path, f"has {planes} planes, and their table at byte {table} of {len(data)}", "copy it again")
+    plain = []
+    for number, width in enumerate(filled):
+        short, size = SIZES.unpack_from(data, table + number * SIZES.size)
+        if size != count * width or at + short > len(data):
+            problem = f"has a plane of {size} bytes in {short}, {count} splats need {count * width}"
+            raise InputError(path, problem, "copy it again")
+        plain.append(_decompressed(path, data[at : at + short], size))
+        at += short
+    plain += [b""] * (len(each) - len(filled))
+    return _Unpacked(_planes(plain, count, each), bits, flags, data[begins:table])
+
+
+def _header(path: Path, data: bytes, versions: tuple[int, ...]) -> tuple[int, int, int, int, int]:
+    """Return version, count, degree, fractional bits and flags."""
     _, version, count, degree, bits, flags, _ = HEADER.unpack_from(data)
-    if version not in (2, 3) or degree >= len(HARMONICS) or bits > 23 or flags & EXTENSIONS:
-        raise InputError(
-            path, f"is of version {version}, SH degree {degree}, {bits} fractional bits, flags {flags}",
-            "save it as version 2 or 3 without extensions",
-        )  # fmt: skip
-    widths = (9, 1, 3, 3, 4 if version == 3 else 3, HARMONICS[degree])
-    if len(data) != HEADER.size + count * sum(widths):
-        raise InputError(path, f"has {len(data)} bytes, {count} splats need {HEADER.size + count * sum(widths)}")
-    planes, at = [], HEADER.size
-    for width in widths:
-        planes.append(np.frombuffer(data, np.uint8, count * width, at).reshape(count, width))
-        at += count * width
-    position, opacity, colour, scale, rotation, higher = planes
-    wide = np.zeros((count, 3, 4), np.uint8)
-    wide[..., 1:] = position.reshape(count, 3, 3)  # the sign bit on top
-    means = (wide.view("<i4")[..., 0] >> 8) / 2.0**bits * FLIP
-    xyzw = _largest_made_good(rotation) if version == 3 else _with_w(rotation / 127.5 - 1)
-    share = np.clip(opacity[:, 0] / 255.0, LEAST_OPACITY, 1 - LEAST_OPACITY)
-    splats = StaticSplats(
-        means.astype(np.float32),
-        (scale / 16.0 - 10).astype(np.float32),
-        np.concatenate([xyzw[:, 3:], xyzw[:, :3] * FLIP], axis=1).astype(np.float32),
-        logits_of(share),
-        _colour(colour).astype(np.float32),
+    if version not in versions or degree >= len(DEGREES) or bits > 23:
+        problem = f"is of version {version}, SH degree {degree}, {bits} fractional bits"
+        raise InputError(path, problem, "save it as version 4")
+    if count * sum(widths(version, degree)) > LARGEST:
+        raise InputError(path, f"claims {count:,} splats, which are more than {LARGEST:,} bytes", "split it")
+    return version, count, degree, bits, flags
+
+
+def _decompressed(path: Path, data: bytes, size: int) -> bytes:
+    try:
+        plain = zstandard.ZstdDecompressor().stream_reader(io.BytesIO(data)).read(size + 1)
+    except zstandard.ZstdError as error:
+        raise InputError(path, f"holds a damaged plane ({error})", "copy it again") from error
+    if len(plain) != size:
+        raise InputError(path, f"holds a plane that is not of {size} bytes", "copy it again")
+    return plain
+
+
+def _planes(parts: list[bytes], count: int, each: tuple[int, ...]) -> Planes:
+    return Planes(
+        *(np.frombuffer(part, np.uint8).reshape(count, width) for part, width in zip(parts, each, strict=True))
     )
-    return splats, bool(flags & ANTIALIASED), [harmonics(higher != NO_HARMONIC)] if degree else []
 
 
-def _colour(stored: NDArray[np.uint8]) -> Doubles:
-    return np.asarray(0.5 + SH_0 * (stored / 255.0 - 0.5) / COLOUR_SCALE)
-
-
-def _byte(values: Doubles | Floats) -> NDArray[np.uint8]:
-    return np.asarray(np.clip(np.floor(values + 0.5), 0, 255), np.uint8)
-
-
-def _first_three(xyzw: Doubles) -> NDArray[np.uint8]:
-    return _byte(xyzw[:, :3] * np.where(xyzw[:, 3:] < 0, -127.5, 127.5) + 127.5)
-
-
-def _with_w(vector: Doubles) -> Doubles:
-    w = np.sqrt(np.maximum(0.0, 1 - (vector**2).sum(axis=1, keepdims=True)))
-    return np.concatenate([vector, w], axis=1)
-
-
-def _smallest_three(xyzw: Doubles) -> NDArray[np.uint8]:
-    """Pack unit quaternions [N, 4]: two bits name the largest component, the others have a sign and nine bits."""
-    rows = np.arange(len(xyzw))
-    largest = np.abs(xyzw).argmax(axis=1)
-    signed = xyzw * np.where(xyzw[rows, largest] < 0, -1.0, 1.0)[:, None]
-    packed = largest.astype(np.uint32)
-    for component in range(4):
-        number = (np.abs(signed[:, component]) * (511 * 2**0.5) + 0.5).astype(np.uint32)
-        number |= (signed[:, component] < 0).astype(np.uint32) << np.uint32(9)
-        packed = np.where(component == largest, packed, packed << np.uint32(10) | number)
-    return np.asarray(packed, "<u4").view(np.uint8).reshape(-1, 4)
-
-
-def _largest_made_good(rotation: NDArray[np.uint8]) -> Doubles:
-    packed = np.ascontiguousarray(rotation).view("<u4")[:, 0]
-    largest = (packed >> np.uint32(30)).astype(np.intp)
-    rest = packed.copy()
-    xyzw = np.zeros((len(packed), 4))
-    for component in (3, 2, 1, 0):
-        stored = component != largest
-        value = (rest & np.uint32(511)) / (511 * 2**0.5)
-        xyzw[:, component] = np.where(stored, np.where(rest & np.uint32(512), -value, value), 0.0)
-        rest = np.where(stored, rest >> np.uint32(10), rest)
-    xyzw[np.arange(len(packed)), largest] = np.sqrt(np.maximum(0.0, 1 - (xyzw**2).sum(axis=1)))
-    return xyzw
+def _extensions(path: Path, records: bytes) -> list[Change]:
+    """Return what is left out with the records of extensions."""
+    left, at = [], 0
+    while at + RECORD.size <= len(records):
+        kind, size = RECORD.unpack_from(records, at)
+        content = records[at + RECORD.size : at + RECORD.size + size]
+        at += RECORD.size + size
+        if kind == AXES:
+            named = int.from_bytes(content[:4], "little")
+            if named not in RIGHT_UP_BACK:
+                problem = f"is in axes other than right, up, back (number {named} of SPZ_ADOBE_coordinate_system)"
+                raise InputError(path, problem, "save it without that extension")
+            continue
+        what = "camera's limits" if kind == ORBIT else f"extension {kind:#010x}"
+        left.append(Change.whole(Action.LEFT_OUT, what, "a scene has none such"))
+    return left
 
 
 def _read(path: Path) -> ReadSplats:
@@ -175,9 +175,14 @@ def _read(path: Path) -> ReadSplats:
     return ReadSplats(splats, antialiased=antialiased, changes=tuple(changes))
 
 
+def _writer(version: int) -> WriteStill:
+    return lambda splats, antialiased: spz_file(splats, antialiased=antialiased, version=version)
+
+
 SPZ = FileFormat(
     ".spz",
     read=_read,
-    write_still=lambda splats, antialiased: spz_file(splats, antialiased=antialiased),
+    write_still=_writer(USUAL),
+    versions={version: _writer(version) for version in (2, 3, 4)},
     says_antialiased=True,
 )

@@ -28,9 +28,11 @@ class Source:
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
 
-    def export(self, path: Path, *, time: float | None, segment: int | None) -> tuple[Change, ...]:
+    def export(
+        self, path: Path, *, time: float | None = None, segment: int | None = None, version: int | None = None
+    ) -> tuple[Change, ...]:
         """Write the scene to a file; see `export_scene`."""
-        return export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment)
+        return export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
 
 
 def open_source(path: Path) -> Source:

@@ -58,7 +58,9 @@ def add_parser(commands: Any) -> None:
         help="the scene format",
         description="Encode a run or a file of splats by budgets and coarsenesses: bytes, loss, rates, other formats.",
     )
-    codec.add_argument("source", metavar="RUN|FILE", type=Path, help="a finished run, or a .ply, .splat or .spz file")
+    codec.add_argument(
+        "source", metavar="RUN|FILE", type=Path, help="a finished run, or a .ply, .splat, .spz or .glb file"
+    )
     codec.add_argument(
         "--json", metavar="FILE", nargs="?", const="-",
         help="write JSON to FILE, or to standard output in place of text; in RUN/codec.json hgs report shows it",

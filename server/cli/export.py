@@ -23,6 +23,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--to", metavar="FILE", type=Path, required=True, help="the file; its suffix tells the format")
     parser.add_argument("--time", metavar="S", type=float, help="write the scene as it stands at this second")
     parser.add_argument("--segment", metavar="N", type=int, help="which segment of several a 4D file holds, from 0")
+    parser.add_argument("--spz-version", metavar="N", type=int, help="of .spz: 2, 3 (default) or 4")
     parser.add_argument("--json", metavar="FILE", help="write what the file lacks as JSON; -: in place of text")
     parser.set_defaults(run=_run)
 
@@ -32,7 +33,7 @@ def _run(options: argparse.Namespace) -> int:
 
     output = JsonOutput(options.json)
     source = open_source(options.source)
-    changes = source.export(options.to, time=options.time, segment=options.segment)
+    changes = source.export(options.to, time=options.time, segment=options.segment, version=options.spz_version)
     for change in changes:
         print(f"{options.to}: {change}", file=sys.stderr)
     output.show({"file": str(options.to), "changes": [change.to_json() for change in changes]}, str(options.to))

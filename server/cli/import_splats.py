@@ -20,7 +20,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "import",
         help="make a run of a file of splats",
-        description="Make a run of a .ply (3DGS or STGS), .splat, .spz or .glb file and encode it: it can be published.",
+        description="Make a run of a .ply (3DGS or STGS), .splat, .spz or .glb file and encode it.",
     )
     parser.add_argument("file", metavar="FILE", type=Path, help="the file; its suffix tells the format")
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="new folder of the run")

@@ -30,6 +30,7 @@ LOST = {
         ("rounded", "position"): 1, ("limited", "scale"): 2, ("rounded", "scale"): 1, ("limited", "colour"): 1,
         ("rounded", "colour"): 20, ("rounded", "opacity"): 1, ("replaced", "opacity"): 1,
     },
+    ".glb": {("limited", "scale"): 2, ("limited", "colour"): 1},
 }  # fmt: skip
 
 
@@ -49,6 +50,7 @@ def test_what_a_format_holds_is_not_told(tmp_path: Path) -> None:
         (".splat", ["antialiasing", "background"]),
         (".splatv", ["antialiasing", "background", "time"]),
         (".spz", ["background"]),
+        (".glb", ["antialiasing", "background"]),
     ],
 )
 def test_what_a_scene_has_as_a_whole_is_told(tmp_path: Path, suffix: str, expected: list[str]) -> None:
@@ -148,3 +150,12 @@ def test_an_export_that_cannot_be_is_refused_and_nothing_is_written(
         export(HybridScene(scene.static, (first, second)), tmp_path / name, **more)
     assert problem in str(caught.value)
     assert not any(tmp_path.iterdir())
+
+
+def test_a_version_is_chosen_of_spz_and_of_nothing_else(tmp_path: Path) -> None:
+    for version in (2, 3, 4):
+        export(plain_but(), tmp_path / "x.spz", version=version)
+        assert (tmp_path / "x.spz").read_bytes().startswith(b"NGSP") == (version == 4)
+    for name, version in (("x.spz", 5), ("x.glb", 3)):
+        with pytest.raises(InputError, match=rf"--spz-version: {version} is none of {name[1:]}; leave it out"):
+            export(plain_but(), tmp_path / name, version=version)
