@@ -16,7 +16,9 @@ from typing import Any
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import is_storable
 from hgs_core.capture.cameras.rig import CameraFormat
+from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
 from hgs_core.capture.layout import calibration, outline
+from hgs_core.capture.video import announced_length
 from server.capture_folders import CaptureFolders
 from server.encodable import encodable
 
@@ -41,11 +43,12 @@ class _Folder:
 
 @dataclass(frozen=True)
 class _Capture:
-    """A folder with a file of cameras."""
+    """A folder with a file of cameras, or with videos whose poses a job can find."""
 
     files: dict[str, tuple[int, int]]
-    cameras: tuple[CameraFormat, Path]
-    changed: tuple[int, int]  # size and time of change of the file of cameras, which may lie deeper
+    cameras: tuple[CameraFormat, Path] | None = None
+    changed: tuple[int, int] = (0, 0)  # size and time of change of the file of cameras, which may lie deeper
+    videos: tuple[str, ...] = ()  # without poses
 
 
 @dataclass
@@ -65,7 +68,7 @@ class CaptureList:
                 if found is None or len(captures) == _MOST_CAPTURES:
                     complete = False
                     break
-                mark = hash((found.cameras[1], found.changed, tuple(sorted(found.files.items()))))
+                mark = hash((found.cameras and found.cameras[1], found.changed, tuple(sorted(found.files.items()))))
                 before, described = self._known.get(path, (0, {}))
                 if not described or before != mark:
                     described = _described(path, found)
@@ -135,7 +138,8 @@ def _capture(path: Path, found: _Folder) -> _Capture | None:
     try:
         cameras = next(calibration(path), None)
         if cameras is None:
-            return None
+            videos = tuple(sorted((name for name in found.files if is_video(name)), key=natural_order))
+            return _Capture(found.files, videos=videos) if len(videos) >= FEWEST_VIDEOS else None
         status = cameras[1].stat()
     except (InputError, OSError):
         return None
@@ -143,6 +147,8 @@ def _capture(path: Path, found: _Folder) -> _Capture | None:
 
 
 def _described(path: Path, found: _Capture) -> dict[str, Any]:
+    if found.cameras is None:
+        return _described_videos(path, found.videos)
     camera_format, file = found.cameras
     description: dict[str, Any] = {"layout": camera_format.name, "cameras": [], "frames": None, "seconds": None}
     try:
@@ -157,4 +163,16 @@ def _described(path: Path, found: _Capture) -> dict[str, Any]:
         return description | {"problem": "the capture cannot be read; the server's log says more"}
     return description | {
         "cameras": list(told.cameras), "frames": told.frames, "seconds": told.seconds, "problem": None,
+    }  # fmt: skip
+
+
+def _described_videos(path: Path, videos: tuple[str, ...]) -> dict[str, Any]:
+    description = {"layout": "videos without poses", "cameras": [Path(name).stem for name in videos]}
+    try:
+        frames, rate = announced_length(path / videos[0])
+    except InputError as error:
+        return description | {"frames": None, "seconds": None, "problem": " ".join(str(error).split())}
+    return description | {
+        "frames": frames, "seconds": frames / rate if frames is not None and rate is not None else None,
+        "problem": None,
     }  # fmt: skip

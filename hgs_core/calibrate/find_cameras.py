@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+import numpy.typing as npt
+
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.base.wording import counted
@@ -12,6 +15,8 @@ from hgs_core.calibrate.structure import Solution, solve
 from hgs_core.calibrate.uncalibrated import find_videos
 from hgs_core.calibrate.upright import Distance, placed
 from hgs_core.calibrate.views import Pinhole, View, look
+from hgs_core.capture.footage import FEWEST_VIDEOS
+from hgs_core.capture.layout import clock_of_videos
 from hgs_core.capture.video import VideoReader
 
 __all__ = ["COLMAP_FOLDER", "cameras_of_views", "find_cameras"]
@@ -19,7 +24,6 @@ __all__ = ["COLMAP_FOLDER", "cameras_of_views", "find_cameras"]
 COLMAP_FOLDER = Path("sparse", "0")
 """Where the cameras are written, below the folder of the videos."""
 
-_FEWEST_CAMERAS = 3  # two pictures tell no focal length
 _FEWEST_FEATURES = 40  # that the points of the scene explain, of each camera
 _LARGEST_ERROR = 2.0  # pixels
 _CURE = "add cameras in between, at most 30 degrees apart, or calibrate the rig with a board"
@@ -28,6 +32,7 @@ _CURE = "add cameras in between, at most 30 degrees apart, or calibrate the rig 
 def find_cameras(
     folder: Path,
     *,
+    found: Path | None = None,
     focal: float | None = None,
     up: str | None = None,
     distance: Distance | None = None,
@@ -36,7 +41,9 @@ def find_cameras(
     """Find the cameras of the videos in a folder, and write them below it as COLMAP's text files.
 
     Args:
-        folder: one video of each camera, synchronous, with cameras that stand still.
+        folder: one video of each camera, with cameras that stand still; in step, or with a sync.json, timestamps.csv or
+            time stamps that say when they began.
+        found: where to write instead, and where a sync.json may lie that the folder has none of.
         focal: the focal length of all cameras in pixels, if it is known, of lenses without distortion.
         up: a camera whose picture is upright; without it all cameras are taken to be held level.
         distance: between two cameras; without it the scale is arbitrary.
@@ -45,13 +52,18 @@ def find_cameras(
     Raises:
         InputError: there are cameras already, a video is unreadable, or the pictures tell too little.
     """
-    where = folder / COLMAP_FOLDER
+    where = (found or folder) / COLMAP_FOLDER
     if (where / "cameras.txt").exists() or (where / "cameras.bin").exists():
         raise InputError(where, "there are cameras already", "move them away to have them found again")
     videos = [VideoReader(file) for file in find_videos(folder)]
     names = [video.path.stem for video in videos]
     known = [None if focal is None else Pinhole(focal, focal, video.width / 2, video.height / 2) for video in videos]
-    views = look(names, known, lambda camera, frame: videos[camera].read(frame, 0)[0], min(map(len, videos)), progress)
+    clock, _ = clock_of_videos(folder, videos, found)
+
+    def read(camera: int, frame: int) -> npt.NDArray[np.uint8]:
+        return videos[camera].read(int(clock.frames[camera, frame]), 0)[0]
+
+    views = look(names, known, read, len(clock.times), progress)
     solution = placed(cameras_of_views(folder, views, progress), up, distance)
     write_colmap_text(where, solution)
     return solution
@@ -63,7 +75,7 @@ def cameras_of_views(where: Path, views: list[View], progress: ProgressCallback)
     Raises:
         InputError: fewer than three views, or views that cannot be placed; names them and the cure.
     """
-    if len(views) < _FEWEST_CAMERAS:
+    if len(views) < FEWEST_VIDEOS:
         raise InputError(where, f"{counted(len(views), 'camera')} are too few to find poses", _CURE)
     solution = solve(views, progress)
     if solution is None:

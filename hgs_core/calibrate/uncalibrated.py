@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.footage import find_places
+from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
 from hgs_core.capture.layout import calibration
 
-__all__ = ["find_videos", "has_poses"]
+__all__ = ["are_enough_videos", "find_videos", "has_poses"]
 
 
 def has_poses(folder: Path) -> bool:
@@ -32,3 +32,11 @@ def find_videos(folder: Path) -> list[Path]:
                     raise InputError(place.folder, f"two videos are called {name}", "give each camera its own name")
             return [one.files[0] for one in place.footage]
     raise InputError(folder, "has no two videos", "put one video of each camera into it")
+
+
+def are_enough_videos(folder: Path) -> bool:
+    """Return whether poses can be looked for: the folder has three or more videos."""
+    try:
+        return len(find_videos(folder)) >= FEWEST_VIDEOS
+    except InputError:
+        return False  # opening the capture says why

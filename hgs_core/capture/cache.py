@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mmap
 import threading
 from collections import OrderedDict
 
@@ -12,6 +13,9 @@ __all__ = ["FrameCache", "Neighbour"]
 
 Neighbour = tuple[int, npt.NDArray[np.uint8]]
 """A frame index and its picture [H, W, 3]."""
+
+
+_LARGE = 1 << 20  # bytes of a picture that is kept in memory of its own
 
 
 class FrameCache:
@@ -38,7 +42,9 @@ class FrameCache:
             return picture
 
     def put(self, camera: int, frame: int, picture: npt.NDArray[np.uint8]) -> None:
-        """Hold the picture, made read-only; those that were used longest ago make room for it."""
+        """Hold the picture, or a copy, made read-only; those that were used longest ago make room for it."""
+        if _LARGE <= picture.nbytes <= self.limit:
+            picture = _apart(picture)
         picture.flags.writeable = False
         with self._lock:
             if picture.nbytes > self.limit or (camera, frame) in self._pictures:
@@ -48,3 +54,14 @@ class FrameCache:
                 self._bytes -= oldest.nbytes
             self._pictures[camera, frame] = picture
             self._bytes += picture.nbytes
+
+
+def _apart(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return a copy in memory that goes back to the system with it.
+
+    Large pictures that live long, among all that comes and goes beside them, would leave the heap full of holes: of two
+    gigabytes of pictures it grew to five.
+    """
+    copy = np.frombuffer(mmap.mmap(-1, picture.nbytes), np.uint8).reshape(picture.shape)
+    copy[...] = picture
+    return copy

@@ -46,6 +46,7 @@ class Capture:
         moments: npt.NDArray[np.float64] | None = None,  # [C, F] seconds when frames were really taken; None: `times`
         numbers: npt.NDArray[np.int64] | None = None,  # [C, F] of frames in the cameras' own footage; None: in order
         notes: Sequence[str] = (),
+        unaligned: Sequence[Path] = (),
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -69,6 +70,7 @@ class Capture:
         in_order = np.arange(len(self.times))
         self._numbers = np.broadcast_to(in_order, (len(names), len(in_order))) if numbers is None else numbers
         self.notes = tuple(notes)  # what people should know: files left out, masks found
+        self.unaligned = tuple(unaligned)  # the cameras' videos, where nothing says when they began; else none
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # for decoded pictures

@@ -12,7 +12,10 @@ from hgs_core.base.storable_text import require_storable
 if TYPE_CHECKING:
     from hgs_core.capture.capture import Capture
 
-__all__ = ["CaptureConfig"]
+__all__ = ["SYNC_BY", "CaptureConfig"]
+
+SYNC_BY = ("auto", "audio", "motion", "none")
+"""What may tell when videos began: their sound, what moves, the one of both that is sure, or nothing."""
 
 _RANGES: dict[str, Range] = {
     "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
@@ -31,16 +34,17 @@ class CaptureConfig:
         str, ...
     ] = ()  # camera names that neither training nor initialisation may see; ("auto",): one of six
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
-    frame_memory_mib: int = 4096  # for decoded frames; a longer capture is visited in blocks that fit
+    frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
     trust_poses: bool = False  # train whatever the check of the capture says
+    sync: str = "auto"  # what tells when videos began that nothing is said of: auto, audio, motion or none
 
     def __post_init__(self) -> None:
         """Check every field.
 
         Raises:
-            InputError: names the field, the value and the range.
+            InputError: names the field, the value, and the range or the choices.
         """
-        check_fields(self, "config.capture", _RANGES)
+        check_fields(self, "config.capture", _RANGES, {"sync": SYNC_BY})
         _check_hold_out(self.hold_out)
 
     @property

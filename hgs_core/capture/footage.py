@@ -20,9 +20,12 @@ from typing import Literal
 
 from hgs_core.capture.picture import list_folder, list_folders
 
-__all__ = ["Footage", "Kind", "Place", "find_places", "is_picture", "is_video", "natural_order"]
+__all__ = ["FEWEST_VIDEOS", "Footage", "Kind", "Place", "find_places", "is_picture", "is_video", "natural_order"]
 
 Kind = Literal["videos", "folders", "moments", "photographs"]
+
+FEWEST_VIDEOS = 3
+"""Poses can be found of so many videos or more: two tell no focal length."""
 
 _PICTURES = frozenset(("png", "jpg", "jpeg", "jpe", "jp2", "tif", "tiff", "bmp", "webp", "ppm", "pgm", "pnm", "tga"))
 _VIDEOS = frozenset((

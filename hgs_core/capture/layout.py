@@ -25,10 +25,10 @@ from hgs_core.capture.matching import Matched, match_footage
 from hgs_core.capture.picture_sequence import PictureSequence
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.straighten import StraightView
-from hgs_core.capture.sync import OwnTime, Sync, read_sync, times_of_cameras
+from hgs_core.capture.sync import CameraTimes, OwnTime, Sync, read_sync, times_of_cameras
 from hgs_core.capture.video import VideoReader, announced_length
 
-__all__ = ["CAMERA_FORMATS", "Outline", "calibration", "load", "outline"]
+__all__ = ["CAMERA_FORMATS", "Outline", "calibration", "clock_of_videos", "load", "outline"]
 
 CAMERA_FORMATS: tuple[CameraFormat, ...] = (
     PANOPTIC_SPORTS, LLFF, NERFSTUDIO, IMMERSIVE, EASYMOCAP, CALIBRATION_TOML, COLMAP, OPENCV_FILES,
@@ -55,8 +55,12 @@ def calibration(capture: Path) -> Iterator[tuple[CameraFormat, Path]]:
             yield camera_format, file
 
 
-def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | None) -> Recording:
+def load(
+    capture: Path, camera_format: CameraFormat, file: Path, masks: Path | None, found: Path | None = None
+) -> Recording:
     """Read a capture with cameras of one format; `masks` replaces its own folder of masks.
+
+    `found` is a folder with a sync.json that counts where the capture has none.
 
     Raises:
         InputError: a file is missing, unreadable, damaged or inconsistent. Damage inside a video or in later pictures
@@ -70,7 +74,9 @@ def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | N
         for calibrated, name, reader in zip(rig.cameras, matched.names, readers, strict=True)
     ]
     sync = read_sync(capture)
-    clock, timing, said = _clock(capture, rig, matched, readers, sync)
+    if found is not None and sync.file is None:
+        sync = read_sync(found)
+    clock, times = _clock(capture, rig, matched, readers, sync)
     pictures = [None if one.video else [path.stem for path in one.files] for one in matched.footage]
     given = find_masks(
         [masks] if masks else [capture / name for name in _MASK_FOLDERS],
@@ -87,9 +93,24 @@ def load(capture: Path, camera_format: CameraFormat, file: Path, masks: Path | N
         clock,
         given,
         [pair for reader in readers for pair in reader.files],
-        [*rig.files, *timing],
-        (*rig.notes, *matched.notes, *said),
+        [*rig.files, *times.files, *([sync.file] if sync.file else [])],
+        (*rig.notes, *matched.notes, *times.notes, *clock.notes),
+        () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
     )
+
+
+def clock_of_videos(folder: Path, videos: Sequence[VideoReader], found: Path | None = None) -> tuple[Clock, bool]:
+    """Return the clock of videos without poses, called as their files, and whether anything says when they began.
+
+    Raises:
+        InputError: what says it is damaged, or they have no moment in common.
+    """
+    sync = read_sync(folder)
+    if found is not None and sync.file is None:
+        sync = read_sync(found)
+    own = [_own_time(video.path.stem, video.path.stem, video) for video in videos]
+    times = times_of_cameras(folder, videos[0].path.parent, own, sync)
+    return common_clock(folder, times.cameras), times.told
 
 
 def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
@@ -116,17 +137,17 @@ def _reader(name: str, footage: Footage) -> VideoReader | PictureSequence:
 
 def _clock(
     capture: Path, rig: Rig, matched: Matched, readers: Sequence[VideoReader | PictureSequence], sync: Sync
-) -> tuple[Clock, list[Path], list[str]]:
-    """Return the clock, the files that it is from, and what to say of it."""
+) -> tuple[Clock, CameraTimes]:
+    """Return the clock and what it is made of."""
     if matched.kind == "photographs":
         count = len(readers)
         one = Clock(np.zeros(1), np.zeros((count, 1), np.int64), np.zeros((count, 1)))
-        return one, [], []
+        return one, CameraTimes([])
     rate = sync.rate or rig.rate or _ASSUMED_RATE
     own, assumed = [], False
     for calibrated, name, footage, reader in zip(rig.cameras, matched.names, matched.footage, readers, strict=True):
         if isinstance(reader, VideoReader):
-            times = OwnTime(name, footage.name, reader.seconds, reader.frame_rate, reader.resolution, reader.timecode)
+            times = _own_time(name, footage.name, reader)
         elif calibrated.stamps and rig.stamps_in_seconds and len(calibrated.stamps) == len(reader):
             stamps = np.array(calibrated.stamps)
             times = OwnTime(name, footage.name, stamps, 1 / float(np.median(np.diff(stamps))))
@@ -135,10 +156,14 @@ def _clock(
             times = OwnTime(name, footage.name, np.array(numbers, np.float64) / rate, rate)
             assumed |= sync.rate is None and rig.rate is None
         own.append(times)
-    cameras, tables, notes = times_of_cameras(capture, matched.folder, own, sync)
-    if assumed and not tables:
-        notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
-    clock = common_clock(capture, cameras)
+    found = times_of_cameras(capture, matched.folder, own, sync)
+    if assumed and not found.files:
+        found.notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
+    clock = common_clock(capture, found.cameras)
     if len(clock.times) == 1 and max(len(reader) for reader in readers) > 1:
         raise InputError(capture, "only one moment is seen by all cameras", "check their time stamps, or sync.json")
-    return clock, [*tables, *([sync.file] if sync.file else [])], [*notes, *clock.notes]
+    return clock, found
+
+
+def _own_time(name: str, other_name: str, video: VideoReader) -> OwnTime:
+    return OwnTime(name, other_name, video.seconds, video.frame_rate, video.resolution, video.timecode)

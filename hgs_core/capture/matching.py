@@ -48,7 +48,7 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
         return own
     places = find_places(capture)
     if not places:
-        what = f"there are cameras ({rig.files[0].relative_to(capture)}) but no videos and no folders of pictures"
+        what = f"there are cameras ({_file(rig.files[0], capture)}) but no videos and no folders of pictures"
         raise InputError(capture, what, "put each camera's video beside them, called like the camera")
     found = [(rank, place, match) for place in places for rank, match in _matches(capture, rig.cameras, place)]
     if not found:
@@ -165,7 +165,7 @@ def _number(name: str) -> int | None:
 
 def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputError:
     """Return the error that lists both sides: the cameras, and the footage that comes nearest."""
-    file = rig.files[0].relative_to(capture)
+    file = _file(rig.files[0], capture)
     if not all(camera.names for camera in rig.cameras):
         nearest = min(places, key=lambda p: (p.kind == "photographs", abs(len(p.footage) - len(rig.cameras))))
         what = {"videos": "video", "folders": "folder of pictures"}.get(nearest.kind, "picture")
@@ -198,6 +198,10 @@ def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputErro
 
 def _listed(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMED]) + (f", ... ({len(names)} in all)" if len(names) > _MOST_NAMED else "")
+
+
+def _file(path: Path, capture: Path) -> Path:
+    return path.relative_to(capture) if path.is_relative_to(capture) else path
 
 
 def _shown(folder: Path, capture: Path) -> str:

@@ -12,7 +12,14 @@ from hgs_core.capture.layout import CAMERA_FORMATS, calibration, load
 __all__ = ["open_capture"]
 
 
-def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, cache_bytes: int = 1 << 30) -> Capture:
+def open_capture(
+    path: Path,
+    *,
+    masks: Path | None = None,
+    downscale: int = 1,
+    cache_bytes: int = 1 << 30,
+    found: Path | None = None,
+) -> Capture:
     """Open the capture in a folder, whatever its layout (docs/captures.md).
 
     Args:
@@ -20,6 +27,7 @@ def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, c
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
         downscale: pictures and masks are reduced by this whole factor.
         cache_bytes: at most so much of decoded pictures is kept.
+        found: a folder with cameras, or a sync.json, that count where the capture has none of its own.
 
     Raises:
         InputError: the folder is missing, empty, of no known layout, or its files are missing, damaged or inconsistent.
@@ -39,12 +47,14 @@ def open_capture(path: Path, *, masks: Path | None = None, downscale: int = 1, c
         raise InputError(path, problem, "give the folder of a capture")
     if downscale < 1:
         raise InputError("downscale", f"{downscale} is too small", "give 1 or more")
-    found = list(calibration(path))
-    if not found:
+    known = list(calibration(path))
+    if not known and found is not None:
+        known = list(calibration(found))[:1]
+    if not known:
         raise _unknown(path)
-    recording = load(path, *found[0], masks)
-    aside = ", ".join(str(file.relative_to(path)) for _, file in found[1:])
-    notes = (f"the cameras are those of {found[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
+    recording = load(path, *known[0], masks, found)
+    aside = ", ".join(str(file.relative_to(path)) for _, file in known[1:])
+    notes = (f"the cameras are those of {known[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
     return recording.capture(downscale=downscale, cache_bytes=cache_bytes, notes=notes)
 
 
@@ -58,4 +68,5 @@ def _unknown(path: Path) -> InputError:
     footage = min(places, key=lambda place: place.kind == "photographs")
     kind = {"videos": "videos", "folders": "folders of pictures"}.get(footage.kind, "pictures")
     problem = f"there are {len(footage.footage)} {kind} but no file of the cameras' poses"
-    return InputError(path, problem, f"put a calibration beside them, by COLMAP, say; known are {known}")
+    cure = "have hgs cameras find them" if footage.kind == "videos" else "put a calibration beside them, by COLMAP, say"
+    return InputError(path, problem, f"{cure}; known are {known}")

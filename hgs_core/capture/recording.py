@@ -43,6 +43,7 @@ class Recording:
     files: Sequence[tuple[Path, int]]  # the pictures' and their sizes in bytes
     described_by: Sequence[Path]  # files of poses and times, all of whose content counts
     notes: tuple[str, ...] = ()  # what was left out, for people
+    unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
 
     def capture(self, *, downscale: int, cache_bytes: int, notes: Sequence[str] = ()) -> Capture:
         """Return the capture with pictures and masks reduced by a whole factor, and with more notes.
@@ -75,6 +76,7 @@ class Recording:
             numbers=self.clock.frames,
             cache_bytes=cache_bytes,
             notes=said,
+            unaligned=self.unaligned,
         )
 
 

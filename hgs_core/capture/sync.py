@@ -6,7 +6,8 @@ The first of these that there is holds for all cameras. People and tools write `
     {"frames": {"cam04": 0.5}}              the same, in frames of that camera
     {"rate": 25}                            frames per second of pictures in folders, which have no time stamps
 
-Cameras that it does not name began at 0. `timestamps.csv`, in the capture's folder or beside the footage, has a row
+`by` and `confidence`, which `hgs sync` adds for people, change nothing. Cameras that are not named began at 0.
+`timestamps.csv`, in the capture's folder or beside the footage, has a row
 with camera and time for each frame, as caliscope writes it.
 """
 
@@ -17,7 +18,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -28,9 +29,19 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.clock import CameraTime
 
-__all__ = ["SYNC_FILE", "TIMESTAMPS_FILE", "Sync", "read_sync", "timecode_seconds", "times_of_cameras"]
+__all__ = [
+    "SYNC_FILE",
+    "TIMESTAMPS_FILE",
+    "CameraTimes",
+    "OwnTime",
+    "Sync",
+    "read_sync",
+    "timecode_seconds",
+    "times_of_cameras",
+]
 
 SYNC_FILE, TIMESTAMPS_FILE = "sync.json", "timestamps.csv"
+_KEYS = {"seconds", "frames", "rate", "by", "confidence"}
 _CAMERA_COLUMNS = ("cam_id", "camera", "cam", "port", "camera_id")
 _TIME_COLUMNS = ("frame_time", "time", "timestamp", "timestamp_s", "seconds")
 _EDITED = 1e-3  # seconds, in which containers tell where a recording begins
@@ -63,7 +74,7 @@ def read_sync(capture: Path) -> Sync:
         content: Any = json.loads(file.read_text("utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(file, f"unreadable ({error})", cure) from error
-    if not isinstance(content, dict) or not content or set(content) - {"seconds", "frames", "rate"}:
+    if not isinstance(content, dict) or not content or set(content) - _KEYS:
         raise InputError(file, f"has {list(content) if isinstance(content, dict) else content!r}", cure)
     if "seconds" in content and "frames" in content:
         raise InputError(file, "has both seconds and frames", "give one of them")
@@ -93,10 +104,18 @@ class OwnTime:
     timecode: str | None = None  # of the first frame
 
 
-def times_of_cameras(
-    capture: Path, folder: Path | None, cameras: Sequence[OwnTime], sync: Sync
-) -> tuple[list[CameraTime], list[Path], list[str]]:
-    """Return the cameras' times on one clock, the files beside the footage that they came from, and what to say.
+@dataclass(frozen=True)
+class CameraTimes:
+    """The cameras' times on one clock."""
+
+    cameras: list[CameraTime]
+    files: list[Path] = field(default_factory=list)  # beside the footage, that they came from
+    notes: list[str] = field(default_factory=list)  # what to say
+    told: bool = True  # whether anything says when the cameras began; else they are taken to have begun together
+
+
+def times_of_cameras(capture: Path, folder: Path | None, cameras: Sequence[OwnTime], sync: Sync) -> CameraTimes:
+    """Return the cameras' times on one clock.
 
     `folder` is where the footage lies.
 
@@ -104,16 +123,18 @@ def times_of_cameras(
         InputError: a file names no camera there is, or does not fit the footage.
     """
     if sync.starts is not None:
-        return _by_sync(cameras, sync), [], [f"{SYNC_FILE} says when each camera began"]
+        return CameraTimes(_by_sync(cameras, sync), notes=[f"{SYNC_FILE} says when each camera began"])
     table = next((f / TIMESTAMPS_FILE for f in (folder, capture) if f and (f / TIMESTAMPS_FILE).is_file()), None)
     if table is not None:
-        return _by_table(cameras, table), [table], [f"{TIMESTAMPS_FILE} says when each frame was taken"]
+        notes = [f"{TIMESTAMPS_FILE} says when each frame was taken"]
+        return CameraTimes(_by_table(cameras, table), [table], notes)
     if all(camera.timecode for camera in cameras):
         starts = [timecode_seconds(camera.timecode or "", camera.rate) for camera in cameras]
         if None not in starts and max(starts) - min(starts) > 1e-6:  # type: ignore[operator, type-var]
             notes = [f"the videos' time codes say when each camera began ({SYNC_FILE} can say otherwise)"]
             moved = zip(cameras, starts, strict=True)
-            return [_began(c, c.stamps - c.stamps[0] + (s or 0.0), c.resolution) for c, s in moved], [], notes
+            times = [_began(c, c.stamps - c.stamps[0] + (s or 0.0), c.resolution) for c, s in moved]
+            return CameraTimes(times, notes=notes)
     first = min(float(camera.stamps[0]) for camera in cameras)
     late = [
         f"{camera.name} by {float(camera.stamps[0]) - first:.3f} s"
@@ -122,7 +143,8 @@ def times_of_cameras(
     ]
     said = f"by their time stamps these begin later: {', '.join(late)} ({SYNC_FILE} can say otherwise)"
     tolerance = max(_EDITED, *(camera.resolution for camera in cameras))
-    return [_began(camera, camera.stamps, tolerance) for camera in cameras], [], [said] if late else []
+    times = [_began(camera, camera.stamps, tolerance) for camera in cameras]
+    return CameraTimes(times, notes=[said] if late else [], told=bool(late))
 
 
 def _by_sync(cameras: Sequence[OwnTime], sync: Sync) -> list[CameraTime]:

@@ -21,12 +21,18 @@ from hgs_core.points.matching import LONGEST_SIDE, moving_pixels
 from hgs_core.points.sfm import camera_pairs
 from hgs_core.scene.camera import Camera
 
-__all__ = ["find_offsets"]
+__all__ = ["FARTHEST", "FEWEST_FRAMES", "LEAST_AGREEMENT", "find_offsets"]
+
+FEWEST_FRAMES = 30
+"""Of fewer frames, offsets of several frames were told wrong."""
+
+FARTHEST = 15
+"""Frames that two cameras may be apart."""
+
+LEAST_AGREEMENT = 0.9
+"""Of what motion energy tells of a camera; with less, features know better."""
 
 _FRAMES = 300  # from the first, in which motion energy is measured
-_FEWEST_FRAMES = 30  # of fewer, offsets of several frames were told wrong
-_FARTHEST = 15  # frames that two cameras may be apart
-_LEAST_AGREEMENT = 0.9  # of what motion energy tells of a camera; with less, features know better
 _MOMENTS = 6
 _ROUNDS = 4
 _SETTLED = 0.2  # frames by which offsets may change still
@@ -43,16 +49,16 @@ def find_offsets(capture: Capture, progress: ProgressCallback) -> list[float | N
         InputError: a picture is missing or unreadable.
     """
     count, frames = len(capture.cameras), len(capture.times)
-    if frames < _FEWEST_FRAMES or count < 2:
+    if frames < FEWEST_FRAMES or count < 2:
         return [None] * count
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         measured = pool.map(
             lambda i: motion_energy(lambda frame: capture.frame(i, frame), min(frames, _FRAMES)), range(count)
         )
         energies = list(measured)
-        energy = energy_offsets(energies, _FARTHEST, _LEAST_AGREEMENT)
+        energy = energy_offsets(energies, FARTHEST, LEAST_AGREEMENT)
         progress(Progress("sync", 1, 1 + _ROUNDS))
-        start = [offset or 0.0 for offset in energy_offsets(energies, _FARTHEST)]  # near enough to begin with
+        start = [offset or 0.0 for offset in energy_offsets(energies, FARTHEST)]  # near enough to begin with
         features: list[float | None] = [None] * count
         for done in range(_ROUNDS):
             features, before = _by_features(capture, start, pool), start

@@ -19,6 +19,7 @@ _MAX_FINE_FEATURES = 8000
 _EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
 _MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default
 _MAX_RATIO = 0.8  # of the angles to the best and the second candidate, Lowe's test
+_MATCHED_ROWS = 512  # at once, so that many threads with thousands of features each need little memory
 _DESCRIPTOR_LENGTH = 512.0  # length of a descriptor stored in bytes
 
 
@@ -93,21 +94,28 @@ def mutual_matches(first: Features, second: Features) -> npt.NDArray[np.uint32]:
 def _matches(first: Features, second: Features, fundamental: npt.NDArray[np.float64] | None) -> npt.NDArray[np.uint32]:
     if min(len(first.xy), len(second.xy)) < 2:
         return np.zeros((0, 2), np.uint32)
-    # Whole numbers up to 128 * 255^2 < 2^24 are exact in float32: the result is the same for any number of threads.
-    likeness = first.descriptors @ second.descriptors.T
-    if fundamental is not None:
-        likeness[~_near_epipolar_lines(first.xy, second.xy, fundamental)] = 0.0
-    best = likeness.argmax(axis=1)
-    rows = np.arange(len(best))
-    top = likeness[rows, best]
-    mutual = np.zeros(len(rows), bool)  # of equals the first; argmax over columns would take ten times as long
-    favourites = np.flatnonzero(top == likeness.max(axis=0)[best])
+    best = np.zeros(len(first.xy), np.int64)
+    top, rivals = np.zeros((2, len(first.xy)), np.float32)
+    highest = np.zeros(len(second.xy), np.float32)  # likeness that any of the first has to each of the second
+    for start in range(0, len(first.xy), _MATCHED_ROWS):
+        rows = slice(start, start + _MATCHED_ROWS)
+        # Whole numbers up to 128 * 255^2 < 2^24 are exact in float32: the result is the same for any number of threads.
+        likeness = first.descriptors[rows] @ second.descriptors.T
+        if fundamental is not None:
+            likeness[~_near_epipolar_lines(first.xy[rows], second.xy, fundamental)] = 0.0
+        best[rows] = likeness.argmax(axis=1)
+        places = np.arange(len(likeness)), best[rows]
+        top[rows] = likeness[places]
+        np.maximum(highest, likeness.max(axis=0), out=highest)
+        likeness[places] = 0.0
+        rivals[rows] = likeness.max(axis=1)
+    mutual = np.zeros(len(best), bool)  # of equals the first
+    favourites = np.flatnonzero(top == highest[best])
     mutual[favourites[np.unique(best[favourites], return_index=True)[1]]] = True
-    likeness[rows, best] = 0.0
     angle = np.arccos(np.minimum(top / _DESCRIPTOR_LENGTH**2, 1.0))
-    rival = np.arccos(np.minimum(likeness.max(axis=1) / _DESCRIPTOR_LENGTH**2, 1.0))
+    rival = np.arccos(np.minimum(rivals / _DESCRIPTOR_LENGTH**2, 1.0))
     kept = mutual & (angle < _MAX_ANGLE) & (angle < _MAX_RATIO * rival)
-    return np.stack((rows[kept], best[kept]), axis=1).astype(np.uint32)
+    return np.stack((np.flatnonzero(kept), best[kept]), axis=1).astype(np.uint32)
 
 
 def _near_epipolar_lines(

@@ -30,6 +30,8 @@ class RunSpec:
     config: RunConfig
     masks: Path | None = None  # a folder of masks that replaces the capture's own
     without_capture: bool = False  # the scene was imported: `capture` is its file, and there are no pictures
+    found: Path | None = None  # a folder with cameras and a sync.json, where the capture's own could not be written
+    prepared: bool = True  # False: cameras, or when the videos began, are still to be found
 
     def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution.
@@ -40,8 +42,12 @@ class RunSpec:
         """
         if self.without_capture:
             raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
+        if not self.fingerprint:
+            raise InputError(self.capture, "the run has not found its cameras yet", "run hgs train to its end first")
         downscale = self.config.capture.downscale
-        capture = open_capture(self.capture, masks=self.masks, downscale=downscale, cache_bytes=cache_bytes)
+        capture = open_capture(
+            self.capture, masks=self.masks, downscale=downscale, cache_bytes=cache_bytes, found=self.found
+        )
         self.check_unchanged(capture)
         return capture
 
@@ -66,6 +72,7 @@ class RunFolder:
         self.path = path
         self.spec = path / "run.json"
         self.check = path / "check.json"
+        self.found = path / "found"  # cameras and sync.json, where the capture's folder cannot be written
         self.points = path / "points.npz"
         self.masks = path / "masks.npz"
         self.trained = path / "scene.npz"
@@ -86,6 +93,20 @@ class RunFolder:
         Raises:
             InputError: the folder holds another run or other files.
         """
+        if self.spec.exists():
+            there = self.read_spec()
+            fingerprint = spec.fingerprint if there.prepared else there.fingerprint
+            spec = dataclasses.replace(spec, fingerprint=fingerprint, found=there.found, prepared=there.prepared)
+            if there == spec:
+                return
+            if there.trusting(spec.config.capture.trust_poses) != spec:
+                raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
+        elif self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
+            raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
+        self.replace_spec(spec)
+
+    def replace_spec(self, spec: RunSpec) -> None:
+        """Write run.json, whatever it said."""
         value: dict[str, Any] = {
             "capture": str(spec.capture),
             "fingerprint": spec.fingerprint,
@@ -95,14 +116,10 @@ class RunFolder:
             value["masks"] = str(spec.masks)
         if spec.without_capture:
             value["without_capture"] = True
-        if self.spec.exists():
-            there = self.read_spec()
-            if there == spec:
-                return
-            if there.trusting(spec.config.capture.trust_poses) != spec:
-                raise InputError(self.path, "holds a run of another capture or config", "choose another --out")
-        elif self.path.exists() and (not self.path.is_dir() or any(self.path.iterdir())):
-            raise InputError(self.path, "exists and is not a run", "choose a new or empty folder for --out")
+        if spec.found is not None:
+            value["found"] = True
+        if not spec.prepared:
+            value["prepared"] = False
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 
     @contextmanager
@@ -137,7 +154,9 @@ class RunFolder:
             config = RunConfig.from_json(value["config"])
             masks = Path(value["masks"]) if "masks" in value else None
             without = bool(value.get("without_capture", False))
-            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without)
+            found = self.found if value.get("found", False) else None
+            prepared = bool(value.get("prepared", True))
+            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without, found, prepared)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except InputError as error:

@@ -19,6 +19,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
+from hgs_core.calibrate.uncalibrated import are_enough_videos, has_poses
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
@@ -30,7 +31,18 @@ if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
     from hgs_core.fit.loss import Decibels
 
-__all__ = ["STAGES", "Encoded", "check", "create_run", "encode", "encode_again", "initialise", "train", "train_scene"]
+__all__ = [
+    "STAGES",
+    "Encoded",
+    "check",
+    "create_run",
+    "encode",
+    "encode_again",
+    "initialise",
+    "prepare",
+    "train",
+    "train_scene",
+]
 
 _MIN_CAMERAS = 2
 _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
@@ -42,33 +54,46 @@ def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | Non
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
     `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged. Returns the
-    config of the run, which names the camera that is held out where `config` leaves the choice.
+    config of the run, which names the camera that is held out where `config` leaves the choice; that of videos without
+    poses is chosen when `prepare` has found them.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
     """
-    opened = open_capture(capture, masks=masks, downscale=config.capture.downscale)
-    config = _with_held_out(config, RunFolder(run), opened)
-    left = len(config.capture.training_cameras(opened))
-    if left < _MIN_CAMERAS:
-        raise InputError(
-            "config.capture.hold_out",
-            f"leaves {left} of {counted(len(opened.cameras), 'camera')} to train on",
-            f"keep at least {_MIN_CAMERAS}",
-        )
-    spec = RunSpec(capture.resolve(), opened.fingerprint(), config, masks and masks.resolve())
-    RunFolder(run).write_spec(spec)
+    folder = RunFolder(run)
+    found = folder.found if folder.found.is_dir() else None
+    if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
+        folder.write_spec(RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False))
+        return config
+    opened = open_capture(capture, masks=masks, downscale=config.capture.downscale, found=found)
+    config = _with_held_out(config, folder, opened)
+    _require_enough(config, opened)
+    prepared = not opened.unaligned or config.capture.sync == "none"
+    spec = RunSpec(
+        capture.resolve(), opened.fingerprint(), config, masks and masks.resolve(), found=found, prepared=prepared
+    )
+    folder.write_spec(spec)
     for note in opened.notes:
         log.warning("%s: %s", capture, note)
     return config
+
+
+def _require_enough(config: RunConfig, capture: Capture) -> None:
+    left = len(config.capture.training_cameras(capture))
+    if left < _MIN_CAMERAS:
+        raise InputError(
+            "config.capture.hold_out",
+            f"leaves {left} of {counted(len(capture.cameras), 'camera')} to train on",
+            f"keep at least {_MIN_CAMERAS}",
+        )
 
 
 def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> RunConfig:
     """Choose the camera to hold out, where that is asked for; a run that is there keeps its own."""
     if config.capture.hold_out != AUTO:
         return config
-    if folder.spec.exists():
-        return config.changed({"capture.hold_out": folder.read_spec().config.capture.hold_out})
+    if folder.spec.exists() and (there := folder.read_spec().config.capture.hold_out) != AUTO:
+        return config.changed({"capture.hold_out": there})
     chosen = with_held_out(config.capture, capture.cameras)
     for name in chosen.hold_out:
         log.warning(
@@ -77,8 +102,35 @@ def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> Ru
     return dataclasses.replace(config, capture=chosen)
 
 
+def prepare(run: Path, progress: ProgressCallback) -> None:
+    """Find out when the videos began and where the cameras stand, where the capture does not say.
+
+    Both are written beside the videos, sync.json and sparse/0, or below the run's folder where that cannot be done.
+
+    Raises:
+        InputError: the videos tell too little.
+    """
+    folder = RunFolder(run)
+    spec = folder.read_spec()
+    if spec.prepared:
+        return
+    from hgs_core.runs.preparation import prepared_capture
+
+    found = prepared_capture(spec, folder.found, progress)
+    spec = dataclasses.replace(spec, found=found, prepared=True)
+    opened = open_capture(spec.capture, masks=spec.masks, downscale=spec.config.capture.downscale, found=found)
+    config = _with_held_out(spec.config, folder, opened)
+    _require_enough(config, opened)
+    if not spec.fingerprint:
+        for note in opened.notes:
+            log.warning("%s: %s", spec.capture, note)
+    folder.replace_spec(dataclasses.replace(spec, fingerprint=opened.fingerprint(), config=config))
+
+
 def check(run: Path, progress: ProgressCallback) -> None:
     """Look for faults that training would be in vain with: check.json, which is kept if it is there.
+
+    The capture is prepared first.
 
     Raises:
         InputError: there is one, and the config does not trust the poses.
@@ -89,11 +141,12 @@ def check(run: Path, progress: ProgressCallback) -> None:
     folder = RunFolder(run)
     if folder.points.exists():
         return
+    prepare(run, progress)
     spec = folder.read_spec()
     if folder.check.exists():
         result = CaptureCheck.load(folder.check)
     else:
-        result = check_capture(spec.open_capture(cache_bytes=spec.config.capture.cache_bytes), progress)
+        result = check_capture(spec.open_capture(), progress)
         result.save(folder.check)
         for finding in result.findings:
             log.info("%s: %s", spec.capture, finding.sentence())
@@ -222,6 +275,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {
+    "prepare": prepare,
     "check": check,
     "initialise": initialise,
     "train": train,
@@ -242,7 +296,8 @@ def train_scene(
     """Train a capture and encode the scene; calling it again resumes from the last checkpoint, to the same bits.
 
     Args:
-        capture: folder of a multi-view capture (docs/captures.md).
+        capture: folder of a multi-view capture, or of three or more videos whose poses are to be found
+            (docs/captures.md).
         out: folder of the run: new, empty, or of an equal run to resume or to keep.
         config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.

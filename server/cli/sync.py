@@ -1,20 +1,21 @@
-"""`hgs sync CAPTURE`: by how much the videos of a capture are apart, told by what moves, into sync.json."""
+"""`hgs sync CAPTURE`: by how much the videos of a capture are apart, told by sound or by what moves, into sync.json."""
 
 from __future__ import annotations
 
 import argparse
-import json
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import ProgressCallback, StageStopped
+from hgs_core.capture.config import SYNC_BY
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
 if TYPE_CHECKING:
     from hgs_core.capture.capture import Capture
+    from hgs_core.check.starts import Starts
 
 __all__ = ["add_parser"]
 
@@ -25,39 +26,55 @@ def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
         "sync", help="find out by how much the videos are apart",
-        description="Find by what moves when each camera began, to parts of a frame, and write sync.json.",
+        description="Find by their sound or by what moves when each camera began, to parts of a frame, and write "
+        "sync.json.",
     )  # fmt: skip
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view video with poses")
+    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view video")
+    parser.add_argument(
+        "--by", choices=SYNC_BY[:-1], default=SYNC_BY[0],
+        help="the sound of the videos, which needs no poses; what moves, which does; or auto: the sound if it tells",
+    )  # fmt: skip
     parser.add_argument("--out", metavar="FILE", type=Path, help="where to write (default: CAPTURE/sync.json)")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
-    from hgs_core.capture.open import open_capture
     from hgs_core.capture.sync import SYNC_FILE
-    from hgs_core.check.synchronise import find_offsets
 
     out = options.out or options.capture / SYNC_FILE
     if out.exists():
         raise InputError(out, "is there already", "move it away to have the offsets found again")
-    capture = open_capture(options.capture)
-    _refuse_aligned(options.capture, capture)
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
-            offsets = find_offsets(capture, bars)
+            starts = _starts(options.capture, options.by, bars)
         except StageStopped:
             return 130
-    names = [camera.name for camera in capture.cameras]
-    told = {name: round(offset, 2) + 0.0 for name, offset in zip(names, offsets, strict=True) if offset is not None}
-    for name, offset in told.items():
-        print(f"{name} {offset:+.2f}")
-    untold = [name for name in names if name not in told]
-    if untold:
-        problem = f"too little that moves is seen by {', '.join(untold)}"
-        raise InputError(options.capture, problem, f"write the offsets to {SYNC_FILE} by hand (docs/captures.md)")
-    write_bytes(out, json.dumps({"frames": told}, indent=1).encode() + b"\n")
+    print("\n".join(starts.lines()))
+    starts.write(out)
     print(out)
     return 0
+
+
+def _starts(path: Path, by: str, progress: ProgressCallback) -> Starts:
+    from hgs_core.calibrate.uncalibrated import find_videos, has_poses
+    from hgs_core.capture.open import open_capture
+    from hgs_core.check.starts import starts_by_motion, starts_by_sound
+
+    if by == "audio" and path.is_dir() and not has_poses(path):
+        videos = find_videos(path)
+        return starts_by_sound(path, [video.stem for video in videos], videos, progress)
+    capture = open_capture(path)
+    _refuse_aligned(path, capture)
+    if by == "audio" and not capture.unaligned:
+        raise InputError(path, "its pictures are no videos and have no sound", "go by what moves: --by motion")
+    if by != "motion" and capture.unaligned:
+        try:
+            return starts_by_sound(path, [camera.name for camera in capture.cameras], capture.unaligned, progress)
+        except InputError as error:
+            if by == "audio":
+                raise
+            print(f"{error.problem}: what moves is asked", file=sys.stderr)
+    return starts_by_motion(capture, progress)
 
 
 def _refuse_aligned(path: Path, capture: Capture) -> None:
@@ -72,5 +89,5 @@ def _refuse_aligned(path: Path, capture: Capture) -> None:
             late = capture.moment(index, frame) - float(capture.times[frame])
             if capture.number(index, frame) != frame or abs(late) > _SAME_MOMENT:
                 problem = f"the time stamps of camera {camera.name} already say when it began"
-                cure = "remove them (docs/captures.md) to have the offsets found by what moves"
+                cure = "remove them (docs/captures.md) to have the offsets found again"
                 raise InputError(path, problem, cure)

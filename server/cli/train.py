@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hgs_core.base.errors import InputError
 from hgs_core.base.progress import StageStopped
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from hgs_core.check.findings import CaptureCheck
 
 __all__ = ["add_parser"]
-
-_FEWEST_CAMERAS = 3  # that poses are found of
 
 
 def add_parser(commands: Any) -> None:
@@ -42,18 +39,6 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.stages import train_scene
 
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
-        if _needs_cameras(options.capture):
-            from hgs_core.calibrate.find_cameras import COLMAP_FOLDER, find_cameras
-
-            try:
-                find_cameras(options.capture, progress=bars)
-            except StageStopped:
-                return 130
-            bars.close()
-            told = (
-                f"poses were found from the videos and written to {options.capture / COLMAP_FOLDER} (docs/cameras.md)"
-            )
-            print(told, file=sys.stderr)
 
         def show(check: CaptureCheck) -> None:
             bars.close()
@@ -67,13 +52,3 @@ def _run(options: argparse.Namespace) -> int:
             return 130
     print(options.out)
     return 0
-
-
-def _needs_cameras(folder: Path) -> bool:
-    """Return whether the folder has three or more videos, and no poses."""
-    from hgs_core.calibrate.uncalibrated import find_videos, has_poses
-
-    try:
-        return not has_poses(folder) and len(find_videos(folder)) >= _FEWEST_CAMERAS
-    except InputError:
-        return False  # opening the capture says why

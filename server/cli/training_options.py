@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.config import SYNC_BY
 from hgs_core.runs.config import PRESETS, RunConfig
 
 __all__ = ["add_masks_option", "add_training_options", "training_config"]
 
 
 def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto") -> None:
-    """Add --preset, --hold-out with its default, --trust-poses, --downscale and --set."""
+    """Add --preset, --hold-out with its default, --trust-poses, --sync, --downscale and --set."""
     parser.add_argument("--preset", choices=list(PRESETS), default="standard", help="how long and how fine to train")
     parser.add_argument(
         "--hold-out", metavar="A,B", default=hold_out,
@@ -27,6 +28,11 @@ def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto"
         action="store_true",
         help="train even where the check of the capture finds poses that do not fit",
     )
+    parser.add_argument(
+        "--sync", choices=SYNC_BY,
+        help="what tells when videos began that nothing is said of: their sound, what moves, whichever is sure (auto,"
+        " the default), or nothing (docs/captures.md)",
+    )  # fmt: skip
     parser.add_argument(
         "--downscale", metavar="N", type=int, help="reduce the pictures N times; big photographs train N^2 times faster"
     )
@@ -55,6 +61,8 @@ def training_config(options: argparse.Namespace) -> RunConfig:
     chosen["capture.hold_out"] = [] if hold_out == ["none"] else hold_out
     if options.trust_poses:
         chosen["capture.trust_poses"] = True
+    if options.sync is not None:
+        chosen["capture.sync"] = options.sync
     if options.downscale is not None:
         chosen["capture.downscale"] = options.downscale
     config = RunConfig.for_preset(options.preset, **chosen)

@@ -53,6 +53,19 @@ def test_a_capture_is_described_with_its_cameras_and_its_length(captures: Captur
     }  # fmt: skip
 
 
+def test_three_videos_without_poses_are_a_capture_too(captures: CaptureList, root: Path) -> None:
+    studio = REPOSITORY / "samples" / "studio"
+    for folder, numbers in (("three", (10, 2, 1)), ("two", (1, 2))):
+        (root / folder).mkdir()
+        for number in numbers:
+            shutil.copy(studio / f"cam{number:02}.mp4", root / folder / f"cam{number}.mp4")
+    (found,) = captures.describe()["captures"]
+    assert found == {
+        "capture": str(root / "three"), "name": "three", "layout": "videos without poses",
+        "cameras": ["cam1", "cam2", "cam10"], "frames": 60, "seconds": 2.0, "problem": None,
+    }  # fmt: skip
+
+
 def test_captures_come_by_name_from_as_deep_as_the_bound(captures: CaptureList, root: Path) -> None:
     for name in ("b", "a/two", "a/one", "a/b/c", "a/b/d/too_deep", ".hidden"):
         write_still(root / name, "1.png")

@@ -40,7 +40,9 @@ def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:
         find_videos(tmp_path / "gone")
 
 
-@pytest.mark.parametrize("names", [["poses_bounds.npy"], ["sparse/0/cameras.bin", "sparse/0/images.bin"], ["intri.yml"]])
+@pytest.mark.parametrize(
+    "names", [["poses_bounds.npy"], ["sparse/0/cameras.bin", "sparse/0/images.bin"], ["intri.yml"]]
+)
 def test_poses_that_are_there_are_seen(tmp_path: Path, names: list[str]) -> None:
     assert not has_poses(tmp_path)
     touch(tmp_path, *names)

@@ -54,3 +54,14 @@ def test_nobody_can_change_a_picture_that_others_share() -> None:
     cache.put(0, 0, shared)
     with pytest.raises(ValueError, match="read-only"):
         shared[0, 0] = 1
+
+
+def test_large_pictures_are_held_apart_from_what_comes_and_goes() -> None:
+    large = np.arange(700 * 600 * 3, dtype=np.uint32).astype(np.uint8).reshape(700, 600, 3)
+    cache = FrameCache(large.nbytes)
+    cache.put(0, 0, large)
+    held = cache.get(0, 0)
+    assert held is not None
+    np.testing.assert_array_equal(held, large)
+    assert not np.shares_memory(held, large)
+    assert not held.flags.writeable

@@ -20,7 +20,7 @@ from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.stages import STAGES, create_run, train_scene
 from hgs_core.scene.files import load_scene
 from tests.conftest import REPOSITORY
@@ -308,3 +308,18 @@ def test_machine_and_curves_are_kept_beside_the_run_and_not_published(finished: 
     published = load_manifest(finished / "scene" / "manifest.json").training
     assert not {"machine", "history", "profile"} & set(published)
     assert published["iterations"] == recorded["iterations"]
+
+
+def test_a_job_that_initialises_prepares_the_capture_first(
+    capture: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Jobs have no stage of their own for it: those of earlier versions go on."""
+
+    def refuse(spec: RunSpec, own: Path, progress: object) -> None:
+        raise InputError(spec.capture, "has no poses", "find them")
+
+    monkeypatch.setattr("hgs_core.runs.preparation.prepared_capture", refuse)
+    folder = RunFolder(tmp_path / "run")
+    folder.write_spec(RunSpec(capture, "", CONFIG, prepared=False))
+    with pytest.raises(InputError, match="has no poses"):
+        STAGES["initialise"](folder.path, silent)

@@ -73,28 +73,3 @@ def test_faults_are_not_hidden(run_stages: Callable[..., int]) -> None:
 
     with pytest.raises(ZeroDivisionError):
         run_stages(train=stage)
-
-
-def test_poses_are_found_first_where_videos_have_none(
-    run_stages: Callable[..., int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name in ("a.mp4", "b.mp4", "c.mp4"):
-        (tmp_path / name).touch()
-    order: list[str] = []
-    monkeypatch.setattr(
-        "hgs_core.calibrate.find_cameras.find_cameras", lambda folder, progress: order.append(f"cameras of {folder}")
-    )
-    assert run_stages(train=lambda folder, progress: order.append("train")) == 0
-    assert order == [f"cameras of {tmp_path}", "train"]
-    assert "poses were found from the videos" in capsys.readouterr().err
-
-
-def test_poses_that_are_there_are_used(
-    run_stages: Callable[..., int], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for name in ("a.mp4", "b.mp4", "c.mp4", "poses_bounds.npy"):
-        (tmp_path / name).touch()
-    asked: list[Path] = []
-    monkeypatch.setattr("hgs_core.calibrate.find_cameras.find_cameras", lambda folder, progress: asked.append(folder))
-    assert run_stages(train=lambda folder, progress: None) == 0
-    assert asked == []

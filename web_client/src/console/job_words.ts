@@ -4,7 +4,7 @@ import { isFinal, type Job } from "../protocol/api";
 
 /** The steps of a job, in order, and the stages of docs/protocol.md that each of them is. */
 export const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
-  { name: "Checking the capture", stages: ["initialise", "check"] },
+  { name: "Checking the capture", stages: ["initialise", "sync", "cameras", "check"] },
   { name: "Finding what moves", stages: ["masks"] },
   { name: "Placing points", stages: ["points"] },
   { name: "Training", stages: ["train"] },

@@ -1,0 +1,59 @@
+"""The sound of a video, on the clock of its frames."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.base.errors import InputError
+
+__all__ = ["SOUND_RATE", "read_sound"]
+
+SOUND_RATE = 16_000
+"""Samples per second: claps and voices lie below 8 kHz."""
+
+_LONGEST = 120.0  # seconds that are read: clocks of two phones drift by a few milliseconds over more
+
+
+def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
+    """Return the first two minutes of a video's sound [N], its channels' mean; None if it has no sound track.
+
+    Sample 0 belongs to the moment of the video's first frame: sound from before it is cut off, and silence stands for
+    what is missing.
+
+    Raises:
+        InputError: the file is missing or its sound is damaged.
+    """
+    import av
+
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.audio or not container.streams.video:
+                return None
+            stream, video = container.streams.audio[0], container.streams.video[0]
+            begin = float((video.start_time or 0) * (video.time_base or 0))
+            resampler = av.AudioResampler(format="flt", layout="mono", rate=SOUND_RATE)
+            parts: list[npt.NDArray[np.float32]] = []
+            first: float | None = None
+            samples = 0
+            for frame in container.decode(stream):
+                if first is None:
+                    first = float(frame.time or 0.0)
+                for part in resampler.resample(frame):
+                    parts.append(np.asarray(part.to_ndarray(), np.float32).reshape(-1))
+                    samples += len(parts[-1])
+                if samples > (_LONGEST + max(0.0, begin - first)) * SOUND_RATE:
+                    break
+    except (av.FFmpegError, OSError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(
+            path, f"the sound is unreadable ({reason})", "export it again, or use --sync motion"
+        ) from error
+    if first is None or samples == 0:
+        return None
+    sound = np.concatenate(parts)
+    lead = round((first - begin) * SOUND_RATE)
+    sound = np.pad(sound, (lead, 0)) if lead > 0 else sound[-lead:]
+    return np.asarray(sound[: round(_LONGEST * SOUND_RATE)], np.float32)
