@@ -22,9 +22,14 @@ OTHER = bytes(reversed(range(32)))
 
 # Written out rather than taken from the server's classes, which are tested against them.
 CLIENT: dict[str, dict[str, Any]] = {
-    "hello": {"type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "rate": 1},
+    "hello": {"type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "rate": 1},
+    "hello-of-version-1": {"type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "rate": 1},
+    "hello-of-a-weak-device": {
+        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "rate": 1, "splats": 100000,
+        "bytes_per_second": 250000,
+    },
     "hello-resuming": {
-        "type": "hello", "protocol": 1, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]],
+        "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]],
         "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
     },
     "credit": {"type": "credit", "bytes": 70000},
@@ -32,20 +37,25 @@ CLIENT: dict[str, dict[str, Any]] = {
     "seek-to-a-whole-second": {"type": "seek", "time": 3},
     "play": {"type": "play", "time": 0.125, "rate": 2},
     "pause": {"type": "pause", "time": 4.75},
+    "limits": {"type": "limits", "splats": 100000, "bytes_per_second": 250000, "measured": 180000},
+    "limits-lifted": {"type": "limits"},
     "ping": {"type": "ping", "id": 4294967296},
 }  # fmt: skip
 SERVER: dict[str, dict[str, Any]] = {
     "welcome": {
-        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": b'{"format": "hgs-scene"}',
+        "type": "welcome", "protocol": 2, "scene": "studio", "manifest": b'{"format": "hgs-scene"}',
         "manifest_id": ID, "remaining": 1 << 33,
     },
     "welcome-back": {
-        "type": "welcome", "protocol": 1, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
+        "type": "welcome", "protocol": 2, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
     },
-    "slice": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0},
+    "slice-base": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 0},
+    "slice": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 1},
+    "slice-of-version-1": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0},
     "missing": {"type": "missing", "id": OTHER},
     "pong": {"type": "pong", "id": 4294967296},
-    "end": {"type": "end", "bytes": 1234567},
+    "end": {"type": "end", "bytes": 1234567, "left_out": 7000},
+    "end-of-version-1": {"type": "end", "bytes": 1234567},
     "error": {"type": "error", "code": "malformed", "detail": "hello.credits is missing"},
 }  # fmt: skip
 REFUSED_BY_SERVER: dict[str, bytes] = {
@@ -59,6 +69,8 @@ REFUSED_BY_SERVER: dict[str, bytes] = {
     "seek-null": msgpack.packb({"type": "seek", "time": None}),
     "play-too-fast": msgpack.packb({"type": "play", "time": 0.0, "rate": 17.0}),
     "hello-short-id": msgpack.packb({"type": "hello", "protocol": 1, "credits": 1, "have": [b"short"]}),
+    "hello-too-slow": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "bytes_per_second": 4095}),
+    "limits-negative": msgpack.packb({"type": "limits", "splats": -1}),
     "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
     "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),
 }
@@ -99,7 +111,7 @@ def refused(cases: dict[str, bytes]) -> list[dict[str, str]]:
 def document() -> dict[str, Any]:
     frame = chunk_header(FRAME["id"], FRAME["offset"], FRAME["size"]) + FRAME["payload"]
     return {
-        "protocol": 1,
+        "protocol": 2,
         "client": packed(CLIENT),
         "server": packed(SERVER),
         "refused_by_server": refused(REFUSED_BY_SERVER),

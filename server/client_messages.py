@@ -14,10 +14,12 @@ from server.protocol import (
     MAX_MESSAGE_BYTES,
     MAX_PARTS,
     MAX_RATE,
-    PROTOCOL_VERSION,
+    MIN_RATE_LIMIT,
+    PROTOCOL_VERSIONS,
     ClientMessage,
     Credit,
     Hello,
+    Limits,
     Pause,
     Ping,
     Play,
@@ -55,6 +57,17 @@ def _malformed(detail: str) -> ProtocolError:
 
 def _uint(fields: Mapping[str, Any], name: str) -> int:
     return _unsigned(_required(fields, name), f"{fields['type']}.{name}:")
+
+
+def _optional_uint(fields: Mapping[str, Any], name: str) -> int | None:
+    return _uint(fields, name) if name in fields else None
+
+
+def _rate_limit(fields: Mapping[str, Any]) -> int | None:
+    limit = _optional_uint(fields, "bytes_per_second")
+    if limit is not None and limit < MIN_RATE_LIMIT:
+        raise _malformed(f"{fields['type']}.bytes_per_second: {limit} is less than {MIN_RATE_LIMIT}")
+    return limit
 
 
 def _unsigned(value: Any, name: str) -> int:
@@ -114,10 +127,9 @@ def _manifest_id(fields: Mapping[str, Any]) -> bytes | None:
 def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
-    if version != PROTOCOL_VERSION:
-        raise ProtocolError(
-            4001, "protocol-unsupported", f"protocol {version}; this server speaks {PROTOCOL_VERSION} alone"
-        )
+    if version not in PROTOCOL_VERSIONS:
+        known = " and ".join(map(str, PROTOCOL_VERSIONS))
+        raise ProtocolError(4001, "protocol-unsupported", f"protocol {version}; this server speaks {known} alone")
     return Hello(
         protocol=version,
         credits=_uint(fields, "credits"),
@@ -126,6 +138,8 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         manifest_id=_manifest_id(fields),
         time=_number(fields, "time") if "time" in fields else None,
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
+        splats=_optional_uint(fields, "splats"),
+        bytes_per_second=_rate_limit(fields),
     )
 
 
@@ -135,5 +149,8 @@ _READERS: dict[str, Callable[[Mapping[str, Any]], ClientMessage]] = {
     Seek.type: lambda fields: Seek(_number(fields, "time")),
     Play.type: lambda fields: Play(_number(fields, "time"), _rate(fields)),
     Pause.type: lambda fields: Pause(_number(fields, "time")),
+    Limits.type: lambda fields: Limits(
+        _optional_uint(fields, "splats"), _rate_limit(fields), _optional_uint(fields, "measured")
+    ),
     Ping.type: lambda fields: Ping(_uint(fields, "id")),
 }

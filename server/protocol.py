@@ -23,12 +23,15 @@ __all__ = [
     "MAX_PAYLOAD",
     "MAX_RATE",
     "MIN_PAYLOAD",
+    "MIN_RATE_LIMIT",
     "PROTOCOL_VERSION",
+    "PROTOCOL_VERSIONS",
     "ClientMessage",
     "Credit",
     "End",
     "Error",
     "Hello",
+    "Limits",
     "Missing",
     "Pause",
     "Ping",
@@ -43,7 +46,8 @@ __all__ = [
     "encode",
 ]
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
+PROTOCOL_VERSIONS = (1, 2)  # that this server speaks
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
 MAX_HAVE = 1 << 14  # chunk ids
@@ -51,6 +55,7 @@ MAX_PARTS = 1 << 10  # chunks that the client keeps in part
 MAX_BALANCE = 1 << 26  # bytes of credit
 MAX_RATE = 16.0  # scene seconds per second
 MAX_PAYLOAD = 1 << 16  # bytes in one chunk frame: a seek waits for at most one of them
+MIN_RATE_LIMIT = 1 << 12  # bytes per second
 MIN_PAYLOAD = 1 << 12  # smaller pieces would spend the line on headers
 DEFAULT_RATE = 1.0
 
@@ -82,6 +87,8 @@ class Hello:
     manifest_id: bytes | None = None  # SHA-256 of the manifest that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
+    splats: int | None = None  # of a picture, that the client can draw; None is any number
+    bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
 
 
 @dataclass(frozen=True)
@@ -118,6 +125,16 @@ class Pause:
 
 
 @dataclass(frozen=True)
+class Limits:
+    """What the client can take from now on, in place of what it has said before; None is no limit, or not known."""
+
+    type: ClassVar[str] = "limits"
+    splats: int | None = None  # of a picture
+    bytes_per_second: int | None = None  # of chunk frames
+    measured: int | None = None  # bytes per second that the line brings
+
+
+@dataclass(frozen=True)
 class Ping:
     """Answered at once by a `Pong` of the same id."""
 
@@ -139,12 +156,16 @@ class Welcome:
 
 @dataclass(frozen=True)
 class SliceSent:
-    """Every chunk of the slice `index`, [start, end] in seconds, has been sent, was in the have-list or is missing."""
+    """The chunks of the slice `index`, [start, end] in seconds, have been sent, were in the have-list or are missing.
+
+    Of layer 0 those of its base; of layer 1, or in version 1 of the protocol, all of them.
+    """
 
     type: ClassVar[str] = "slice"
     index: int
     start: float
     end: float
+    layer: int | None = None  # None in version 1
 
 
 @dataclass(frozen=True)
@@ -165,10 +186,11 @@ class Pong:
 
 @dataclass(frozen=True)
 class End:
-    """The client has the whole scene; `bytes` of chunks were sent on this connection."""
+    """The client has the scene but for what its limits leave out; `bytes` of chunks were sent on this connection."""
 
     type: ClassVar[str] = "end"
     bytes: int
+    left_out: int | None = None  # bytes; None in version 1
 
 
 @dataclass(frozen=True)
@@ -180,7 +202,7 @@ class Error:
     detail: str
 
 
-ClientMessage = Hello | Credit | Seek | Play | Pause | Ping
+ClientMessage = Hello | Credit | Seek | Play | Pause | Limits | Ping
 ServerMessage = Welcome | SliceSent | Missing | Pong | End | Error
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import Manifest
 from server.slice_queue import SliceQueue
 
@@ -17,10 +18,12 @@ __all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
 
 @dataclass(frozen=True)
 class Chunk:
-    """A chunk's id, the 32 bytes of its SHA-256, and its size in bytes."""
+    """What a manifest says of a chunk."""
 
-    id: bytes
-    size: int
+    id: bytes  # the 32 bytes of its SHA-256
+    size: int  # bytes
+    layer: int = 0  # 0 is the base of its list
+    splats: int = 0
 
 
 @dataclass(frozen=True)
@@ -30,6 +33,16 @@ class Slice:
     start: float
     end: float
     chunks: tuple[Chunk, ...]
+
+    @cached_property
+    def base(self) -> tuple[Chunk, ...]:
+        """What must be there before the slice is entered."""
+        return tuple(chunk for chunk in self.chunks if chunk.layer == 0)
+
+    @cached_property
+    def refinements(self) -> tuple[Chunk, ...]:
+        """What is added while the slice is shown."""
+        return tuple(chunk for chunk in self.chunks if chunk.layer > 0)
 
 
 @dataclass(frozen=True)
@@ -93,7 +106,10 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
     except (ValueError, RecursionError) as error:
         raise InputError(f"manifest of scene {scene_id}", f"is not JSON: {error}") from error
     described = Manifest.from_json(document, f"manifest of scene {scene_id}")
-    chunks = {entry.id: Chunk(bytes.fromhex(entry.id), entry.bytes) for entry in described.chunks}
+    chunks: dict[str, Chunk] = {}
+    for entries, part in ((described.static, STATIC_PART), *((piece.chunks, SLICE_PART) for piece in described.slices)):
+        for entry, layer in zip(entries, layers([entry.bytes for entry in entries], part), strict=True):
+            chunks[entry.id] = Chunk(bytes.fromhex(entry.id), entry.bytes, layer, entry.splats)
     return SceneIndex(
         scene_id=scene_id,
         title=described.title,

@@ -5,6 +5,7 @@ The order of what is sent and the credits are those of docs/protocol.md, section
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from dataclasses import dataclass
 from typing import assert_never
@@ -20,6 +21,7 @@ from server.protocol import (
     Credit,
     End,
     Hello,
+    Limits,
     Missing,
     Pause,
     Ping,
@@ -32,10 +34,12 @@ from server.protocol import (
     encode,
 )
 from server.scene_index import Chunk, SceneIndex
+from server.send_order import COMPLETE, Mark, SendOrder
 
 __all__ = ["MAX_UNSENT", "ChunkPart", "Playhead", "StreamSession"]
 
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
+PACE_SECONDS = 0.125  # of a limited rate that go at once
 
 
 @dataclass(frozen=True)
@@ -45,14 +49,6 @@ class ChunkPart:
     chunk: Chunk
     offset: int
     length: int
-
-
-@dataclass(frozen=True)
-class _Pick:
-    """A chunk to send, static or of the slice `index`."""
-
-    chunk: Chunk
-    index: int | None = None
 
 
 @dataclass
@@ -94,15 +90,12 @@ class StreamSession:
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
         self._balance = 0  # bytes of chunk frames that the client has room for
         self._sent_bytes = 0
-        self._have: set[bytes] = set()  # chunks that are not to be sent
+        self._version = PROTOCOL_VERSION  # that the client speaks
+        self._limits = Limits()
+        self._next_frame = -math.inf  # when the client takes more; seconds of the caller's clock
         self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
-        self._statics = deque(scene.static)
-        self._unmarked = scene.queue.copy()
-        self._urgent: deque[int] = deque()  # slices alive at the time of the last seek
-        self._sought = False  # after a seek statics and slices take turns
-        self._static_turn = True
-        self._begun: int | None = None  # the slice whose chunks are being sent
-        self._current: _Pick | None = None  # the chunk whose first part has been sent
+        self._order = SendOrder(scene)
+        self._current: Chunk | None = None  # the chunk whose first part has been sent
         self._playhead = Playhead(scene.start, scene.end, scene.start)
 
     @property
@@ -135,6 +128,8 @@ class StreamSession:
                 self._playhead.set(message.time, clock, message.rate)
             case Pause():
                 self._playhead.set(message.time, clock, 0.0)
+            case Limits():
+                self._limit(message)
             case Ping():
                 if len(self._outbox) >= MAX_UNSENT:
                     raise ProtocolError(4000, "flood", f"{MAX_UNSENT} answers wait to be read")
@@ -146,10 +141,14 @@ class StreamSession:
         """Return the next control message or chunk frame, or None when there is nothing to send or no credit for it."""
         if not self._greeted:
             return None
-        pick = self._current or self._choose(clock)
+        chunk = self._current or self._choose(clock)
         if self._outbox:
             return self._outbox.popleft()
-        return None if pick is None else self._part(pick)
+        return None if chunk is None or clock < self._next_frame else self._part(chunk, clock)
+
+    def wait(self, clock: float) -> float | None:
+        """Return after how many seconds `take` has more without a message of the client, None if it never has."""
+        return self._next_frame - clock if clock < self._next_frame else None
 
     def miss(self, part: ChunkPart) -> None:
         """Go on without the chunk of a frame that `take` has just returned, because it cannot be read."""
@@ -157,8 +156,8 @@ class StreamSession:
         self._balance += HEADER_BYTES + part.length
         self._sent_bytes -= part.length
         self._offsets.pop(chunk.id, None)
-        self._have.add(chunk.id)
-        if self._current is not None and self._current.chunk == chunk:
+        self._order.settle(chunk)
+        if self._current is not None and self._current == chunk:
             self._current = None
         self._outbox.append(encode(Missing(chunk.id)))
 
@@ -171,15 +170,18 @@ class StreamSession:
                 detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
                 raise ProtocolError(4000, "malformed", detail)
         self._greeted = True
+        self._version = hello.protocol
         self._grant(hello.credits)
-        self._have = {chunk for chunk in hello.have if chunk in sizes}
-        for chunk in self._have:
+        have = {chunk for chunk in hello.have if chunk in sizes}
+        for chunk in have:
             self._offsets.pop(chunk, None)
+        self._order = SendOrder(scene, have)
+        self._limit(Limits(hello.splats, hello.bytes_per_second))
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
-        kept = sum(sizes[chunk] for chunk in self._have) + sum(self._offsets.values())
+        kept = sum(sizes[chunk] for chunk in have) + sum(self._offsets.values())
         manifest = b"" if hello.manifest_id == scene.manifest_id else scene.manifest
         welcome = Welcome(
-            PROTOCOL_VERSION, scene.scene_id, manifest, scene.manifest_id, remaining=scene.chunk_bytes - kept
+            self._version, scene.scene_id, manifest, scene.manifest_id, remaining=scene.chunk_bytes - kept
         )
         self._outbox.append(encode(welcome))
 
@@ -188,71 +190,54 @@ class StreamSession:
             raise ProtocolError(4009, "credit-overflow", f"the balance would rise above {MAX_BALANCE} bytes")
         self._balance += amount
 
+    def _limit(self, limits: Limits) -> None:
+        if limits.splats != self._limits.splats:
+            self._order.limit(limits.splats)
+            self._ended = False
+        self._limits = limits
+
     def _seek(self, time: float, clock: float) -> None:
         self._playhead.set(time, clock)
-        self._sought = True
-        self._static_turn = True
-        self._current = self._begun = None
-        self._urgent = deque(self._scene.alive(self._playhead.time))
-        for index in self._urgent:
-            self._unmarked.add(index)
+        self._current = None
+        self._order.sought(self._playhead.time)
 
-    def _choose(self, clock: float) -> _Pick | None:
-        """Return what to send next; on the way, announce the slices that are found to be complete."""
-        static = self._next_static()
-        if static is not None and not self._sought:
-            return static
-        while (index := self._next_slice(clock)) is not None:
-            missing = next((chunk for chunk in self._scene.slices[index].chunks if chunk.id not in self._have), None)
-            if missing is not None:
-                if static is not None and self._static_turn and index not in self._urgent:
-                    return static
-                return _Pick(missing, index)
-            self._announce(index)
-        if static is None and not self._ended:
+    def _choose(self, clock: float) -> Chunk | None:
+        """Return what to send next; on the way, announce the slices that are found to be there."""
+        order = self._order
+        chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
+        while order.marks:
+            self._announce(order.marks.popleft())
+        if chunk is None and not self._ended:
             self._ended = True
-            self._outbox.append(encode(End(self._sent_bytes)))
-        return static
+            left_out = order.left_out if self._version > 1 else None
+            self._outbox.append(encode(End(self._sent_bytes, left_out)))
+        return chunk
 
-    def _next_static(self) -> _Pick | None:
-        while self._statics and self._statics[0].id in self._have:
-            self._statics.popleft()
-        return _Pick(self._statics[0]) if self._statics else None
+    def _announce(self, mark: Mark) -> None:
+        if self._version == 1 and mark.layer != COMPLETE:
+            return
+        piece = self._scene.slices[mark.index]
+        layer = mark.layer if self._version > 1 else None
+        self._outbox.append(encode(SliceSent(mark.index, piece.start, piece.end, layer)))
 
-    def _next_slice(self, clock: float) -> int | None:
-        if self._urgent:
-            return self._urgent[0]
-        if self._begun is not None:
-            return self._begun
-        return self._unmarked.next(self._playhead.at(clock))
-
-    def _announce(self, index: int) -> None:
-        complete = self._scene.slices[index]
-        self._outbox.append(encode(SliceSent(index, complete.start, complete.end)))
-        self._unmarked.discard(index)
-        if self._urgent and self._urgent[0] == index:
-            self._urgent.popleft()
-        if self._begun == index:
-            self._begun = None
-
-    def _part(self, pick: _Pick) -> ChunkPart | None:
+    def _part(self, chunk: Chunk, clock: float) -> ChunkPart | None:
         """Cut the next part of the chunk to the credit, and account for it."""
-        chunk = pick.chunk
         offset = self._offsets.get(chunk.id, 0)
         rest = chunk.size - offset
-        length = min(rest, MAX_PAYLOAD, self._balance - HEADER_BYTES)
+        pace = self._limits.bytes_per_second
+        most = MAX_PAYLOAD if pace is None else min(MAX_PAYLOAD, max(MIN_PAYLOAD, int(pace * PACE_SECONDS)))
+        length = min(rest, most, self._balance - HEADER_BYTES)
         if length < min(rest, MIN_PAYLOAD):
             return None
         self._balance -= HEADER_BYTES + length
         self._sent_bytes += length
-        self._static_turn = pick.index is not None
-        if pick.index is not None:
-            self._begun = pick.index
+        if pace is not None:
+            self._next_frame = max(self._next_frame, clock - PACE_SECONDS) + (HEADER_BYTES + length) / pace
         if length < rest:
             self._offsets[chunk.id] = offset + length
-            self._current = pick
+            self._current = chunk
         else:
             self._offsets.pop(chunk.id, None)
-            self._have.add(chunk.id)
+            self._order.settle(chunk)
             self._current = None
         return ChunkPart(chunk, offset, length)

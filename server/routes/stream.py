@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 import time
 from typing import NoReturn
@@ -95,7 +96,8 @@ async def _speak(
     while True:
         item = session.take(time.monotonic())
         if item is None:
-            await news.wait()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(news.wait(), session.wait(time.monotonic()))
             news.clear()
         elif isinstance(item, bytes):
             await socket.send_bytes(item)

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
+from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
 from jobs.artifacts import SceneEntry
@@ -43,11 +44,12 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
     """Return a function that builds a scene of static chunks of the given sizes and of slices."""
 
     def make(static: Sequence[int], slices: Sequence[SliceSpec]) -> SceneIndex:
-        def chunk(name: str, size: int) -> Chunk:
-            return Chunk(hashlib.sha256(chunk_bytes(name, size)).digest(), size)
+        def chunks(name: str, sizes: Sequence[int], part: int) -> tuple[Chunk, ...]:
+            names = [hashlib.sha256(chunk_bytes(f"{name} {k}", size)).digest() for k, size in enumerate(sizes)]
+            return tuple(map(Chunk, names, sizes, layers(sizes, part), sizes))  # as many splats as bytes
 
         pieces = tuple(
-            Slice(start, end, tuple(chunk(f"slice {i} chunk {k}", size) for k, size in enumerate(sizes)))
+            Slice(start, end, chunks(f"slice {i} chunk", sizes, SLICE_PART))
             for i, (start, end, sizes) in enumerate(slices)
         )
         return SceneIndex(
@@ -56,7 +58,7 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
             manifest=b'{"a": "manifest"}',
             start=min((s for s, _, _ in slices), default=0.0),
             end=max((e for _, e, _ in slices), default=0.0),
-            static=tuple(chunk(f"static {k}", size) for k, size in enumerate(static)),
+            static=chunks("static", static, STATIC_PART),
             slices=pieces,
             splats_static=0,
             splats_dynamic=0,

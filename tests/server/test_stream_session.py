@@ -17,6 +17,7 @@ from server.protocol import (
     MIN_PAYLOAD,
     Credit,
     Hello,
+    Limits,
     Pause,
     Ping,
     Play,
@@ -25,6 +26,7 @@ from server.protocol import (
     encode,
 )
 from server.scene_index import Chunk, SceneIndex
+from server.send_order import COMPLETE
 from server.stream_session import MAX_UNSENT, ChunkPart, Playhead, StreamSession
 
 MakeScene = Callable[..., SceneIndex]
@@ -42,7 +44,7 @@ def drain(session: StreamSession, clock: float = 0.0) -> list[Any]:
 
 def start(scene: SceneIndex, **fields: Any) -> StreamSession:
     session = StreamSession(scene)
-    session.receive(encode(Hello(**{"protocol": 1, "credits": WINDOW} | fields)), 0.0)
+    session.receive(encode(Hello(**{"protocol": 2, "credits": WINDOW} | fields)), 0.0)
     return session
 
 
@@ -50,8 +52,9 @@ def chunks_of(items: list[Any]) -> list[Chunk]:
     return [item.chunk for item in items if isinstance(item, ChunkPart)]
 
 
-def marks_of(items: list[Any]) -> list[int]:
-    return [item["index"] for item in items if isinstance(item, dict) and item["type"] == "slice"]
+def marks_of(items: list[Any], layer: int | None = COMPLETE) -> list[int]:
+    marks = [item for item in items if isinstance(item, dict) and item["type"] == "slice"]
+    return [mark["index"] for mark in marks if mark.get("layer") == layer]
 
 
 def step(session: StreamSession, frames: int, clock: float = 0.0) -> list[ChunkPart]:
@@ -73,7 +76,7 @@ def test_welcome_carries_the_manifest_and_what_remains(make_scene: MakeScene) ->
     scene = make_scene([10, 20], THREE_SLICES)
     welcome = drain(start(scene, have=frozenset({scene.static[1].id})))[0]
     assert welcome == {
-        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": scene.manifest,
+        "type": "welcome", "protocol": 2, "scene": "studio", "manifest": scene.manifest,
         "manifest_id": hashlib.sha256(scene.manifest).digest(), "remaining": 10_010,
     }  # fmt: skip
 
@@ -84,30 +87,32 @@ def test_manifest_that_the_client_keeps_is_not_sent_again(make_scene: MakeScene)
     assert drain(start(scene, manifest_id=bytes(32)))[0]["manifest"] == scene.manifest
 
 
-def test_statics_in_layer_order_then_slices_with_markers_then_end(make_scene: MakeScene) -> None:
+def test_bases_come_before_refinements_and_slices_are_marked_by_layer(make_scene: MakeScene) -> None:
     scene = make_scene([10, 20], THREE_SLICES)
     items = drain(start(scene))
-    assert chunks_of(items) == [*scene.static, *(chunk for piece in scene.slices for chunk in piece.chunks)]
-    assert marks_of(items) == [0, 1, 2]
-    assert items[5] == {"type": "slice", "index": 0, "start": 0.0, "end": 1.0}
+    assert [chunk.size for chunk in chunks_of(items)] == [10, 1000, 3000, 20, 2000, 4000]
+    assert marks_of(items, 0) == [0, 1, 2]
+    assert marks_of(items) == [1, 0, 2]
+    assert items[3] == {"type": "slice", "index": 0, "start": 0.0, "end": 1.0, "layer": 0}
+    assert items[-1] == {"type": "end", "bytes": 10_030, "left_out": 0}
+
+
+def test_client_of_version_1_is_told_of_whole_slices(make_scene: MakeScene) -> None:
+    items = drain(start(make_scene([10, 20], THREE_SLICES), protocol=1))
+    assert items[0]["protocol"] == 1
+    assert marks_of(items, None) == [1, 0, 2]
+    assert {"type": "slice", "index": 1, "start": 1.5, "end": 2.0} in items
     assert items[-1] == {"type": "end", "bytes": 10_030}
 
 
 def test_slices_begin_at_the_playhead_and_wrap_around(make_scene: MakeScene) -> None:
-    assert marks_of(drain(start(make_scene([10], THREE_SLICES), time=1.6))) == [1, 2, 0]
-
-
-def test_slices_that_the_playhead_has_passed_wait_for_the_next_turn(make_scene: MakeScene) -> None:
-    session = start(make_scene([], THREE_SLICES))
-    step(session, 1)
-    # Slice 0 has begun and is finished; the playhead is then in slice 2.
-    assert marks_of(drain(session, clock=2.6)) == [0, 2, 1]
+    assert marks_of(drain(start(make_scene([10], THREE_SLICES), time=1.6)), 0) == [1, 2, 0]
 
 
 def test_paused_playhead_passes_nothing(make_scene: MakeScene) -> None:
     session = start(make_scene([], THREE_SLICES))
     session.receive(encode(Pause(0.5)), 0.0)
-    assert marks_of(drain(session, clock=2.6)) == [0, 1, 2]
+    assert marks_of(drain(session, clock=2.6), 0) == [0, 1, 2]
 
 
 def test_play_moves_the_playhead_and_drops_nothing(make_scene: MakeScene) -> None:
@@ -116,17 +121,16 @@ def test_play_moves_the_playhead_and_drops_nothing(make_scene: MakeScene) -> Non
     first = step(session, 1)
     session.receive(encode(Play(2.5, 1.0)), 0.0)
     rest = drain(session)
-    assert marks_of(rest) == [0, 2, 1]
+    assert marks_of(rest, 0) == [2, 0, 1]
     assert len({part.chunk.id for part in [*first, *rest] if isinstance(part, ChunkPart)}) == len(scene.sizes)
 
 
-def test_seek_sends_what_is_alive_first_then_statics_and_slices_in_turn(make_scene: MakeScene) -> None:
+def test_seek_sends_what_is_alive_first(make_scene: MakeScene) -> None:
     scene = make_scene([10, 20, 30], [(0.0, 1.0, [1000]), (1.0, 2.0, [2000, 2100]), (2.0, 3.0, [3000])])
     session = start(scene)
-    step(session, 1)
+    step(session, 3)
     session.receive(encode(Seek(1.5)), 0.0)
-    order = [chunk.size for chunk in chunks_of(drain(session))]
-    assert order == [2000, 2100, 20, 3000, 30, 1000]
+    assert chunks_of(drain(session))[0].size == 2000
 
 
 def test_seek_resumes_a_chunk_that_was_sent_in_part(make_scene: MakeScene) -> None:
@@ -143,14 +147,15 @@ def test_seek_into_a_complete_slice_marks_it_again(make_scene: MakeScene) -> Non
     session = start(make_scene([10], THREE_SLICES))
     drain(session)
     session.receive(encode(Seek(0.5)), 0.0)
-    assert drain(session) == [{"type": "slice", "index": 0, "start": 0.0, "end": 1.0}]
+    again = {"type": "slice", "index": 0, "start": 0.0, "end": 1.0}
+    assert drain(session) == [again | {"layer": 0}, again | {"layer": 1}]
 
 
 def test_seek_is_clamped_to_the_scene(make_scene: MakeScene) -> None:
     session = start(make_scene([10], THREE_SLICES), credits=0)
     session.receive(encode(Seek(1e9)), 0.0)
     session.receive(encode(Credit(WINDOW)), 0.0)
-    assert marks_of(drain(session))[0] == 2
+    assert marks_of(drain(session), 0)[0] == 2
 
 
 def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
@@ -158,7 +163,7 @@ def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
     have = frozenset({scene.static[0].id, scene.slices[1].chunks[0].id, b"\0" * 32})
     items = drain(start(scene, have=have))
     assert not {chunk.id for chunk in chunks_of(items)} & have
-    assert marks_of(items) == [0, 1, 2]
+    assert sorted(marks_of(items)) == [0, 1, 2]
 
 
 def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -> None:
@@ -171,7 +176,7 @@ def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -
         (first, 70_000, 2 * MAX_PAYLOAD - 70_000),
         (scene.slices[0].chunks[0], 0, 3000),
     ]
-    assert items[-1] == {"type": "end", "bytes": 2 * MAX_PAYLOAD - 70_000 + 3000}
+    assert items[-1] == {"type": "end", "bytes": 2 * MAX_PAYLOAD - 70_000 + 3000, "left_out": 0}
 
 
 @pytest.mark.parametrize("offset", [10, 11, 1 << 40])
@@ -191,11 +196,11 @@ def test_chunk_that_cannot_be_read_costs_itself_alone(make_scene: MakeScene) -> 
             session.miss(item)
         else:
             items.append(msgpack.unpackb(item) if isinstance(item, bytes) else item)
-    assert items[2] == {"type": "missing", "id": scene.static[1].id}
-    assert items[3] == {"type": "missing", "id": scene.slices[0].chunks[0].id}
-    assert [chunk.size for chunk in chunks_of(items)] == [10, 2000, 3000]
-    assert marks_of(items) == [0, 1]
-    assert items[-1] == {"type": "end", "bytes": 5010}
+    assert items[2] == {"type": "missing", "id": scene.slices[0].chunks[0].id}
+    assert {"type": "missing", "id": scene.static[1].id} in items
+    assert [chunk.size for chunk in chunks_of(items)] == [10, 3000, 2000]
+    assert sorted(marks_of(items)) == [0, 1]
+    assert items[-1] == {"type": "end", "bytes": 5010, "left_out": 0}
     assert session.balance == WINDOW - 5010 - 3 * HEADER_BYTES
 
 
@@ -206,18 +211,18 @@ def test_chunk_that_breaks_off_is_not_gone_on_with(make_scene: MakeScene) -> Non
     session.miss(second)
     items = drain(session)
     assert [chunk.size for chunk in chunks_of(items)] == [20]
-    assert items[-1] == {"type": "end", "bytes": MAX_PAYLOAD + 20}
+    assert items[-1] == {"type": "end", "bytes": MAX_PAYLOAD + 20, "left_out": 0}
 
 
 def test_full_have_list_gets_markers_and_end_without_credit(make_scene: MakeScene) -> None:
     scene = make_scene([10, 20], THREE_SLICES)
     items = drain(start(scene, have=frozenset(scene.sizes), credits=0))
-    assert [item["type"] for item in items] == ["welcome", "slice", "slice", "slice", "end"]
+    assert [item["type"] for item in items] == ["welcome", *["slice"] * 6, "end"]
 
 
 def test_still_scene_ends_after_its_statics(make_scene: MakeScene) -> None:
     items = drain(start(make_scene([10], [])))
-    assert items[-1] == {"type": "end", "bytes": 10}
+    assert items[-1] == {"type": "end", "bytes": 10, "left_out": 0}
 
 
 def test_chunk_of_two_slices_is_sent_once(make_scene: MakeScene) -> None:
@@ -228,6 +233,31 @@ def test_chunk_of_two_slices_is_sent_once(make_scene: MakeScene) -> None:
     items = drain(start(twice))
     assert chunks_of(items) == [shared]
     assert marks_of(items) == [0, 1]
+
+
+def test_rate_limit_is_kept_from_frame_to_frame(make_scene: MakeScene) -> None:
+    session = start(make_scene([10_000_000], []), bytes_per_second=80_000)
+    clock, sent = 0.0, 0
+    while clock < 10.0:
+        item = session.take(clock)
+        sent += HEADER_BYTES + item.length if isinstance(item, ChunkPart) else 0
+        if item is None:
+            wait = session.wait(clock)
+            assert wait is not None
+            clock += wait
+    assert sent == pytest.approx(800_000, rel=0.03)
+    session.receive(encode(Limits()), clock)
+    assert len([session.take(clock) for _ in range(20)]) == 20
+
+
+def test_refinements_that_a_limit_of_splats_leaves_out_come_when_it_is_lifted(make_scene: MakeScene) -> None:
+    scene = make_scene([100, 200], [(0.0, 1.0, [100, 100, 100])])  # as many splats as bytes
+    session = start(scene, splats=320)
+    items = drain(session)
+    assert [chunk.size for chunk in chunks_of(items)] == [100, 100, 100]
+    assert items[-1] == {"type": "end", "bytes": 300, "left_out": 300}
+    session.receive(encode(Limits()), 0.0)
+    assert sorted(chunk.size for chunk in chunks_of(drain(session))) == [100, 200]
 
 
 def test_ping_is_answered_before_the_next_frame(make_scene: MakeScene) -> None:
@@ -275,7 +305,7 @@ def test_hello_comes_first(make_scene: MakeScene, first: Any) -> None:
 def test_hello_comes_once(make_scene: MakeScene) -> None:
     session = start(make_scene([10], []))
     with pytest.raises(ProtocolError, match="hello"):
-        session.receive(encode(Hello(1, 0)), 0.0)
+        session.receive(encode(Hello(2, 0)), 0.0)
 
 
 def test_playhead_wraps_as_a_looping_player_does() -> None:
@@ -330,7 +360,8 @@ def test_credits_are_never_exceeded_and_every_byte_comes_once(
             received[item.chunk.id] = item.offset + item.length
             assert received[item.chunk.id] <= item.chunk.size
         elif item is not None and (message := msgpack.unpackb(item))["type"] == "slice":
-            needed = [chunk for chunk in scene.slices[message["index"]].chunks if chunk.id not in told]
+            piece = scene.slices[message["index"]]
+            needed = [chunk for chunk in (piece.chunks if message["layer"] else piece.base) if chunk.id not in told]
             assert all(received[chunk.id] == chunk.size for chunk in needed)
         elif item is not None and message["type"] == "missing":
             assert message["id"] in lost - told

@@ -14,8 +14,8 @@ export function sliceAt(slices: readonly SliceEntry[], time: number): number {
   return slices.length === 0 ? -1 : Math.max(0, low - 1);
 }
 
-/** The ids of all chunks that hold splats alive in a slice. */
-export const chunksOf = (slice: SliceEntry): string[] => [...slice.chunks.map((chunk) => chunk.id), ...slice.needs];
+/** The ids of all chunks that hold splats alive in a slice; those of earlier slices come first. */
+export const chunksOf = (slice: SliceEntry): string[] => [...slice.needs, ...slice.chunks.map((chunk) => chunk.id)];
 
 /** The ids of all chunks that hold splats alive at any time from `from` until `until`, seconds. */
 export function chunksBetween(slices: readonly SliceEntry[], from: number, until: number): string[] {

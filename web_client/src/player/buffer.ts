@@ -1,17 +1,24 @@
 /** Which chunks are here, and which moments can be shown with them. */
 
+import { type Layered, layersOf } from "../codec/layers";
 import { chunksOf, sliceAt } from "../codec/slices";
-import type { Manifest, SliceEntry } from "../codec/types";
+import type { Manifest } from "../codec/types";
+
+/** Before playing goes on that would soon wait again, so much is to be here, seconds of playing. */
+const REBUFFER = 1.5;
+/** Nobody knows how fast the line will be then, seconds. */
+const FORESEEN = 10;
+/** The line is trusted to bring so much of what it has brought before. */
+const TRUST = 0.8;
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
   readonly #away = new Set<string>(); // of those, what cannot be drawn now
   readonly #lost = new Set<string>();
-  readonly #chunks: number; // of the whole scene
+  readonly #layers: ReadonlyMap<string, Layered>; // of all chunks
 
   constructor(readonly manifest: Manifest) {
-    const all = [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)];
-    this.#chunks = new Set(all.map((chunk) => chunk.id)).size;
+    this.#layers = layersOf(manifest);
   }
 
   /** Note that a chunk can be drawn from now on. */
@@ -45,26 +52,47 @@ export class SceneBuffer {
 
   /** True if every dynamic splat alive at `time` is here, or cannot be had. */
   ready(time: number): boolean {
-    const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
-    return slice === undefined || this.#complete(slice);
+    return this.#here(this.#shownAt(time), true);
+  }
+
+  /** True if the base layers of all that is shown at `time` are here: what is missing refines the picture. */
+  playable(time: number): boolean {
+    return this.#here([...this.#statics, ...this.#shownAt(time)], false);
+  }
+
+  /** Whether playing from `time` on, at `rate`, is likely not to wait soon for what comes at so many bytes per second. */
+  lasts(time: number, rate: number, bytesPerSecond: number): boolean {
+    const { slices } = this.manifest;
+    const lacking = new Set<string>();
+    let bytes = 0;
+    for (const slice of slices.slice(Math.max(0, sliceAt(slices, time)))) {
+      const wait = (slice.start - time) / rate;
+      if (wait > FORESEEN) break;
+      for (const id of chunksOf(slice)) {
+        if (!lacking.has(id) && !this.#here([id], false)) bytes += this.#layers.get(id)?.chunk.bytes ?? 0;
+        lacking.add(id);
+      }
+      if (bytes > TRUST * bytesPerSecond * Math.max(0, wait)) return wait >= REBUFFER;
+    }
+    return true;
   }
 
   get staticComplete(): boolean {
-    return this.manifest.static.every((chunk) => this.#settled(chunk.id));
+    return this.#here(this.#statics, true);
   }
 
   /** True if the whole scene is here, or was: what has made room since can be fetched. */
   get complete(): boolean {
-    return this.#arrived.size === this.#chunks;
+    return this.#arrived.size === this.#layers.size;
   }
 
-  /** The stretches of time that are ready, as disjoint [start, end] in order. */
+  /** The stretches of time that can be played, as disjoint [start, end] in order. */
   ranges(): [number, number][] {
     const { slices, start, end } = this.manifest;
     if (slices.length === 0) return [[start, end]];
     const ranges: [number, number][] = [];
     for (const [i, slice] of slices.entries()) {
-      if (!this.#complete(slice)) continue;
+      if (!this.#here(chunksOf(slice), false)) continue;
       const until = slices[i + 1]?.start ?? end;
       const last = ranges.at(-1);
       if (last && last[1] >= slice.start) last[1] = until;
@@ -73,11 +101,18 @@ export class SceneBuffer {
     return ranges;
   }
 
-  #complete(slice: SliceEntry): boolean {
-    return chunksOf(slice).every((id) => this.#settled(id));
+  #shownAt(time: number): string[] {
+    const slice = this.manifest.slices[sliceAt(this.manifest.slices, time)];
+    return slice ? chunksOf(slice) : [];
   }
 
-  #settled(id: string): boolean {
-    return (this.#arrived.has(id) && !this.#away.has(id)) || this.#lost.has(id);
+  get #statics(): string[] {
+    return this.manifest.static.map((chunk) => chunk.id);
+  }
+
+  /** Whether none of the chunks, or none of the base layers among them, is still to come. */
+  #here(ids: readonly string[], all: boolean): boolean {
+    const here = (id: string) => (this.#arrived.has(id) && !this.#away.has(id)) || this.#lost.has(id);
+    return ids.every((id) => here(id) || (!all && this.#layers.get(id)?.layer !== 0));
   }
 }

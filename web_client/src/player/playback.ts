@@ -7,10 +7,12 @@ import type { PlayerClock } from "./clock";
 export class Playback {
   #stalled = false; // as the source knows
 
+  /** @param bytesPerSecond what the line brings. */
   constructor(
     readonly clock: PlayerClock,
     readonly buffer: SceneBuffer,
     readonly source: SceneSource,
+    readonly bytesPerSecond: () => number = () => 0,
   ) {
     source.playheadAt(clock.time);
   }
@@ -48,13 +50,18 @@ export class Playback {
 
   /** Advance to `now` (seconds of any steady clock) and return the scene's time. */
   tick(now: number): number {
-    const time = this.clock.tick(now, (moment) => this.buffer.ready(moment));
+    const { clock, buffer } = this;
+    const waiting = clock.stalled; // one that has begun to wait does so until it need not soon wait again
+    const time = clock.tick(
+      now,
+      (moment) => buffer.playable(moment) && (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond())),
+    );
     this.source.playheadAt(time);
     // The source's playhead runs ahead while this one waits.
-    if (this.clock.stalled !== this.#stalled) {
-      this.#stalled = this.clock.stalled;
+    if (clock.stalled !== this.#stalled) {
+      this.#stalled = clock.stalled;
       if (this.#stalled) this.source.pause(time);
-      else if (this.clock.playing) this.source.play(time, this.clock.rate);
+      else if (clock.playing) this.source.play(time, clock.rate);
     }
     return time;
   }

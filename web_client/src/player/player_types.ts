@@ -28,7 +28,7 @@ export interface PlayerStats {
   readonly stream: SourceState;
   readonly bytes: number;
   readonly bytesTotal: number;
-  /** Bytes per second over the last second. */
+  /** Bytes per second that the line brings; 0 when nothing has come for two seconds. */
   readonly lineRate: number;
   /** Chunks decoded. */
   readonly chunks: number;

@@ -52,7 +52,7 @@ export class Residency {
     readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
   ) {
     this.#pool = new RowPool(rows);
-    for (const chunk of manifest.slices.flatMap((slice) => slice.chunks)) this.#chunks.set(chunk.id, chunk);
+    for (const { chunks } of manifest.slices) for (const chunk of chunks) this.#chunks.set(chunk.id, chunk);
   }
 
   /** Whether the chunk is of those that come and go. */

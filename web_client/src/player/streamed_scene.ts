@@ -9,11 +9,11 @@ import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import type { SplatSink } from "../renderer/splat_drawer";
 import type { OpenSource, SceneSource, SourceState } from "../source/scene_source";
+import { Throughput } from "../source/throughput";
 import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
-import { LineRate } from "./line_rate";
 import { drawnTime, type Moment, momentOf, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
@@ -65,7 +65,7 @@ export class StreamedScene {
   readonly #worker: SceneWorker;
   readonly #source: SceneSource;
   readonly #chunks: SceneChunks;
-  readonly #line = new LineRate();
+  readonly #line = new Throughput();
   #manifest: Manifest | null = null;
   #playback: Playback | null = null; // from the manifest on
   #state: SourceState = "connecting";
@@ -146,7 +146,7 @@ export class StreamedScene {
     return this.#pictureTime;
   }
 
-  /** Bytes per second over the last second before `now`, milliseconds. */
+  /** Bytes per second at `now`, milliseconds. */
   lineRate(now: number): number {
     return this.#line.rate(now);
   }
@@ -219,7 +219,7 @@ export class StreamedScene {
     if (!moving) return momentOf(buffer.manifest, now);
     const lead = this.orders.lead / 1000;
     const next = clock.after(lead);
-    const time = buffer.ready(next) ? next : now;
+    const time = buffer.playable(next) ? next : now;
     const until = time + clock.rate * Math.max(SHORTEST_USE, 2 * lead);
     return momentOf(buffer.manifest, time, Math.min(now, time), until);
   }
@@ -233,7 +233,7 @@ export class StreamedScene {
       const clock = new PlayerClock(manifest.start, manifest.end);
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
-      this.#playback = new Playback(clock, buffer, this.#source);
+      this.#playback = new Playback(clock, buffer, this.#source, () => this.#line.rate(performance.now()));
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();

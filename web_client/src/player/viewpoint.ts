@@ -1,7 +1,7 @@
 /** From where a picture is seen: a capture camera as it is, or an orbit that began there; and the canvas's size. */
 
 import type { CameraMotion } from "../camera/gestures";
-import { LimitedOrbit } from "../camera/limited_orbit";
+import type { LimitedOrbit } from "../camera/limited_orbit";
 import { MotionLoop } from "../camera/motion_loop";
 import { OrbitCamera } from "../camera/orbit";
 import { fitted, type Intrinsics, resized, unproject } from "../camera/pinhole";
@@ -45,7 +45,8 @@ export interface Viewing {
 export class Viewpoint implements CameraMotion {
   #start: StartCamera | null = null;
   #orbit: OrbitCamera | null = null;
-  #limited: LimitedOrbit | null = null; // the same, within the captured space
+  #limited: Promise<LimitedOrbit | null> | null = null; // the same, within the captured space; from the first move on
+  #moved: LimitedOrbit | null = null; // once it is there
   readonly #motion: MotionLoop;
   #manifest: Manifest | null = null;
   #width = 1; // backing pixels
@@ -95,10 +96,10 @@ export class Viewpoint implements CameraMotion {
   look(name: string | null): void {
     if (!this.#manifest) return;
     this.#start = startCamera(this.#manifest, name);
-    const { center, up, capturedSpace } = this.#manifest;
+    const { center, up } = this.#manifest;
     this.#motion.stop();
     this.#orbit = new OrbitCamera(this.#start.pose, center, up);
-    this.#limited = new LimitedOrbit(this.#orbit, center, capturedSpace);
+    this.#limited = this.#moved = null;
     this.events.changed();
   }
 
@@ -146,11 +147,12 @@ export class Viewpoint implements CameraMotion {
   }
 
   release(): void {
-    const limited = this.#limited;
-    if (!limited?.beyond || this.#motion.running) return;
-    this.#run((seconds) => {
-      limited.springBack(calm() ? Number.POSITIVE_INFINITY : seconds);
-      return limited.beyond;
+    this.#within((limited) => {
+      if (!limited?.beyond || this.#motion.running) return;
+      this.#run((seconds) => {
+        limited.springBack(calm() ? Number.POSITIVE_INFINITY : seconds);
+        return limited.beyond;
+      });
     });
   }
 
@@ -183,8 +185,33 @@ export class Viewpoint implements CameraMotion {
 
   #move(change: (orbit: OrbitCamera) => void): void {
     this.#motion.stop();
-    this.#limited?.move(change);
-    this.events.changed();
+    this.#within((limited, orbit) => {
+      if (limited) limited.move(change);
+      else change(orbit);
+      this.events.changed();
+    });
+  }
+
+  /**
+   * Do something with the orbit and what keeps it within the captured space: at once if that is here, else when it has come,
+   * and with the orbit alone if it cannot be had. Most visitors never move the camera.
+   */
+  #within(then: (limited: LimitedOrbit | null, orbit: OrbitCamera) => void): void {
+    const orbit = this.#orbit;
+    if (!orbit || !this.#manifest) return;
+    if (this.#moved) {
+      then(this.#moved, orbit);
+      return;
+    }
+    const { center, capturedSpace } = this.#manifest;
+    this.#limited ??= import("../camera/limited_orbit")
+      .then(({ LimitedOrbit }) => new LimitedOrbit(orbit, center, capturedSpace))
+      .catch(() => null);
+    void this.#limited.then((limited) => {
+      if (orbit !== this.#orbit) return; // it has begun anew
+      this.#moved = limited;
+      then(limited, orbit);
+    });
   }
 
   #run(step: (seconds: number) => boolean): void {

@@ -1,8 +1,8 @@
-/** The messages of docs/protocol.md, version 1: one encoder, one decoder, and the chunk frame. */
+/** The messages of docs/protocol.md, version 2: one encoder, one decoder, and the chunk frame. */
 
 import { pack, unpack } from "./msgpack";
 
-export const PROTOCOL = 1;
+export const PROTOCOL = 2;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
 /** Most entries of a hello's lists. */
@@ -22,11 +22,15 @@ export type ClientMessage =
       manifest_id?: Uint8Array;
       time?: number;
       rate: number;
+      splats?: number;
+      bytes_per_second?: number;
     }
   | { type: "credit"; bytes: number }
   | { type: "seek"; time: number }
   | { type: "play"; time: number; rate: number }
   | { type: "pause"; time: number }
+  /** What can be taken from now on; what is left out has no limit, or is not known. */
+  | { type: "limits"; splats?: number; bytes_per_second?: number; measured?: number }
   | { type: "ping"; id: number };
 
 export type ServerMessage =
@@ -41,9 +45,10 @@ export type ServerMessage =
     }
   /** The server cannot give the chunk. */
   | { type: "missing"; id: Uint8Array }
-  | { type: "slice"; index: number; start: number; end: number }
+  /** Of layer 0, the base of a slice has been sent; of layer 1, all of it. */
+  | { type: "slice"; index: number; start: number; end: number; layer: number }
   | { type: "pong"; id: number }
-  | { type: "end"; bytes: number }
+  | { type: "end"; bytes: number; left_out: number }
   | { type: "error"; code: string; detail: string };
 
 /** A piece of a chunk; the payload is a view into the message. */

@@ -1,74 +1,71 @@
-/** Which chunks a playhead needs first, for a source that asks for each by itself. */
+/** Which chunks a playhead needs first (docs/protocol.md, "Order"), for a source that asks for each by itself. */
 
+import { type Layered, layersOf } from "../codec/layers";
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { ChunkEntry, Manifest } from "../codec/types";
 import type { Playhead } from "./scene_source";
 
-/** Slices are to be here so long before they are shown, seconds: a line is not always as fast as it was. */
-const MARGIN = 2;
+/** Seconds of playing for which base layers and then refinements come, in turn. */
+const NEAR = 8;
+const AHEAD = [2, NEAR, Number.POSITIVE_INFINITY];
+/** About as many bytes of a refinement are on their way when it is of use: it comes before its slice is over, or waits. */
+const UNDER_WAY = 1 << 16;
 
-/** The chunks without which there is no picture at a time: the first static one, and those of the slice that is shown. */
-export function chunksOfPicture({ static: stills, slices }: Manifest, time: number): ReadonlySet<string> {
-  const slice = slices[sliceAt(slices, time)];
-  return new Set([...stills.slice(0, 1).map((chunk) => chunk.id), ...(slice ? chunksOf(slice) : [])]);
-}
+export class ChunkOrder {
+  /** Every chunk by its id. */
+  readonly chunks: ReadonlyMap<string, Layered>;
 
-/** A slice and its dynamic chunks that are not here. */
-interface Stretch {
-  readonly chunks: ChunkEntry[];
-  readonly bytes: number;
-  /** Seconds until it is shown; infinite while the scene stands. */
-  readonly due: number;
-}
+  constructor(readonly manifest: Manifest) {
+    this.chunks = layersOf(manifest);
+  }
 
-/**
- * The chunks that are not here, in the order in which they should come.
- *
- * The first static chunk and then the slice at the playhead make a picture. The slices that follow come in turn with the
- * other static chunks, or later if the line brings them in time all the same.
- *
- * @param bytesPerSecond what the line brings.
- * @param here whether a chunk is here, or cannot be had.
- */
-export function* chunkOrder(
-  manifest: Manifest,
-  { time, rate }: Playhead,
-  bytesPerSecond: number,
-  here: (id: string) => boolean,
-): Generator<ChunkEntry> {
-  const stills = manifest.static.filter((chunk) => !here(chunk.id));
-  if (stills[0]?.id === manifest.static[0]?.id) yield* stills.splice(0, 1);
-  let coming = 0; // bytes
-  const still = () => stills[0]?.bytes ?? 0;
-  for (const { chunks, bytes, due } of stretches(manifest, time ?? manifest.start, rate, here)) {
-    while (stills.length > 0 && (coming + still() + bytes) / bytesPerSecond < due - MARGIN) {
-      coming += still();
-      yield* stills.splice(0, 1);
+  /** The chunks without which there is no picture at a time: the base layers of what stands and of the slice shown then. */
+  picture(time: number): ChunkEntry[] {
+    const { static: stills, slices } = this.manifest;
+    const slice = slices[sliceAt(slices, time)];
+    return inTurn(this.#of(stills.map(toId), true), slice ? this.#of(chunksOf(slice), true) : []);
+  }
+
+  /**
+   * The chunks that are not here, in the order in which they should come.
+   *
+   * @param bytesPerSecond what the line brings; 0 if that is not known.
+   * @param here whether a chunk is here, or cannot be had.
+   */
+  *missing({ time: at, rate }: Playhead, bytesPerSecond: number, here: (id: string) => boolean): Generator<ChunkEntry> {
+    const { static: stills, slices, start, end } = this.manifest;
+    const time = at ?? start;
+    const asked = new Set<string>();
+    const take = (chunks: readonly ChunkEntry[]) =>
+      chunks.filter(({ id }) => !here(id) && !asked.has(id) && asked.add(id));
+    yield* take(this.picture(time));
+    const first = Math.max(0, sliceAt(slices, time));
+    const around = [...slices.slice(first), ...slices.slice(0, first)];
+    const soonest = bytesPerSecond > 0 ? time + (rate * UNDER_WAY) / bytesPerSecond : time;
+    for (const ahead of AHEAD) {
+      const reach = time + ahead * (rate || 1);
+      const near = around.filter((slice, i) => slice.start + (first + i < slices.length ? 0 : end - start) <= reach);
+      yield* take(near.flatMap((slice) => this.#of(chunksOf(slice), true)));
+      if (ahead <= NEAR && near[0]?.end <= soonest) near.shift();
+      const moving = take(near.flatMap((slice) => this.#of(chunksOf(slice), false)));
+      if (ahead <= NEAR) moving.sort((a, b) => this.#layer(a.id) - this.#layer(b.id));
+      yield* inTurn(take(this.#of(stills.map(toId), false)), moving);
     }
-    yield* chunks;
-    coming += bytes + still();
-    yield* stills.splice(0, 1);
   }
-  yield* stills;
+
+  /** Those of the chunks that are of the base, or those that are not. */
+  #of(ids: readonly string[], base: boolean): ChunkEntry[] {
+    return ids.flatMap((id) => ((this.#layer(id) === 0) === base ? (this.chunks.get(id)?.chunk ?? []) : []));
+  }
+
+  #layer(id: string): number {
+    return this.chunks.get(id)?.layer ?? 0;
+  }
 }
 
-/** The slices from the playhead on, around the end, with what is missing of each and of none before. */
-function* stretches(
-  { slices, start, end }: Manifest,
-  time: number,
-  rate: number,
-  here: (id: string) => boolean,
-): Generator<Stretch> {
-  const entries = new Map(slices.flatMap((slice) => slice.chunks.map((chunk) => [chunk.id, chunk] as const)));
-  const first = sliceAt(slices, time);
-  const asked = new Set<string>();
-  for (let i = 0; i < slices.length; i++) {
-    const slice = slices[(first + i) % slices.length];
-    const ids = chunksOf(slice).filter((id) => !here(id) && !asked.has(id));
-    for (const id of ids) asked.add(id);
-    const chunks = ids.flatMap((id) => entries.get(id) ?? []);
-    const wait = slice.start - time + (first + i < slices.length ? 0 : end - start);
-    const due = i === 0 ? 0 : rate > 0 ? wait / rate : Number.POSITIVE_INFINITY;
-    yield { chunks, bytes: chunks.reduce((sum, chunk) => sum + chunk.bytes, 0), due };
-  }
-}
+const toId = ({ id }: ChunkEntry): string => id;
+
+const inTurn = (some: readonly ChunkEntry[], others: readonly ChunkEntry[]): ChunkEntry[] => [
+  ...some.flatMap((chunk, i) => [chunk, ...others.slice(i, i + 1)]),
+  ...others.slice(some.length),
+];

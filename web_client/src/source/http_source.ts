@@ -4,8 +4,8 @@
  */
 
 import { parseManifest } from "../codec/manifest";
-import type { ChunkEntry, Manifest } from "../codec/types";
-import { chunkOrder, chunksOfPicture } from "./chunk_order";
+import type { ChunkEntry } from "../codec/types";
+import { ChunkOrder } from "./chunk_order";
 import { download, LengthError, StatusError } from "./download";
 import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
@@ -27,7 +27,7 @@ export class HttpSource implements SceneSource {
   readonly #refusals = new Map<string, number>();
   readonly #throughput = new Throughput();
   #url: string; // of the manifest
-  #manifest: Manifest | null = null;
+  #order: ChunkOrder | null = null; // from the manifest on
   #playhead: Playhead;
   #undecoded = 0; // bytes
   #failures = 0; // since something has come
@@ -81,15 +81,14 @@ export class HttpSource implements SceneSource {
     signal: AbortSignal,
     cache: "reload" | "default" = "reload",
   ): Promise<Uint8Array<ArrayBuffer>> {
-    const entry = this.#entries().find((chunk) => chunk.id === id);
-    return (await download(this.#chunkUrl(id), signal, cache, entry?.bytes)).bytes;
+    return (await download(this.#chunkUrl(id), signal, cache, this.#order?.chunks.get(id)?.chunk.bytes)).bytes;
   }
 
   wake(): void {
     const waiting = this.#retry !== undefined;
     clearTimeout(this.#retry);
     this.#retry = undefined;
-    if (this.#manifest) this.#fetchMore();
+    if (this.#order) this.#fetchMore();
     else if (waiting) void this.#fetchManifest();
   }
 
@@ -111,7 +110,7 @@ export class HttpSource implements SceneSource {
       this.events.state("open");
       this.events.manifest(bytes.slice());
       if (signal.aborted) return; // the player cannot read it
-      this.#manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
+      this.#order = new ChunkOrder(parseManifest(JSON.parse(new TextDecoder().decode(bytes))));
       this.#fetchMore();
     } catch (error) {
       if (signal.aborted) return;
@@ -137,13 +136,13 @@ export class HttpSource implements SceneSource {
    * then a few share it.
    */
   #next(): ChunkEntry[] {
-    if (!this.#manifest || this.#abort.signal.aborted) return [];
-    const { bytesPerSecond } = this.#throughput;
-    const first = chunksOfPicture(this.#manifest, this.#playhead.time ?? this.#manifest.start);
-    const order = chunkOrder(this.#manifest, this.#playhead, bytesPerSecond, (id) => this.#settled.has(id));
+    const order = this.#order;
+    if (!order || this.#abort.signal.aborted) return [];
+    const picture = order.picture(this.#playhead.time ?? order.manifest.start);
+    const rate = this.#throughput.rate(performance.now());
     const chunks: ChunkEntry[] = [];
-    for (const chunk of order) {
-      if (chunks.length === PARALLEL || (first.has(chunks[0]?.id) && !first.has(chunk.id))) break;
+    for (const chunk of order.missing(this.#playhead, rate, (id) => this.#settled.has(id))) {
+      if (chunks.length === PARALLEL || (picture.includes(chunks[0]) && !picture.includes(chunk))) break;
       chunks.push(chunk);
     }
     return chunks;
@@ -153,12 +152,11 @@ export class HttpSource implements SceneSource {
     const { id } = chunk;
     const abort = new AbortController();
     this.#fetching.set(id, abort);
-    const begun = performance.now();
     try {
       const cache = this.#refusals.has(id) ? "reload" : "default"; // what was wrong may lie in a cache
       const { bytes } = await download(this.#chunkUrl(id), abort.signal, cache, chunk.bytes);
       if (abort.signal.aborted) return;
-      this.#throughput.arrived(bytes.length, begun, performance.now());
+      this.#throughput.count(bytes.length, performance.now());
       this.#settled.add(id);
       if (this.#failures > 0) this.events.state("open");
       this.#failures = 0;
@@ -195,11 +193,6 @@ export class HttpSource implements SceneSource {
       this.#retry = undefined;
       again();
     }, longest * Math.random());
-  }
-
-  #entries(): ChunkEntry[] {
-    const manifest = this.#manifest;
-    return manifest ? [...manifest.static, ...manifest.slices.flatMap((slice) => slice.chunks)] : [];
   }
 
   #chunkUrl(id: string): string {

@@ -22,6 +22,7 @@ import { PlayheadMessages } from "../protocol/playhead_messages";
 import { fetchChunk } from "./fetch_chunk";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
+import { Throughput } from "./throughput";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
@@ -34,10 +35,15 @@ const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
 /** Closed with one of these, or with 4000 and above, the server would refuse again. */
 const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
 const HELLO_TIMEOUT = 4008;
+/** The server is told how fast the line is so often at most, ms, and when it has changed by so much. */
+const TELL = 1000;
+const CHANGE = 1.2;
 
 export class SceneStream implements SceneSource {
   readonly #have = new Set<string>();
   readonly #partial = new PartialChunks();
+  readonly #line = new Throughput();
+  #told = { at: Number.NEGATIVE_INFINITY, rate: 0 };
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
   #connection: Connection | null = null;
   #manifestId: Uint8Array | null = null;
@@ -117,6 +123,7 @@ export class SceneStream implements SceneSource {
   #greet(credits: number): void {
     this.#moves.clear();
     const { time, rate } = this.#playhead;
+    this.#told.rate = 0; // another connection, another server
     this.#send({
       type: "hello",
       protocol: PROTOCOL,
@@ -218,6 +225,7 @@ export class SceneStream implements SceneSource {
     const frame = decodeChunkFrame(message);
     const chunk = this.#partial.add(frame);
     this.events.progress(frame.payload.length);
+    this.#measure(message.length);
     if (chunk && !this.#have.has(frame.id)) {
       this.#have.add(frame.id);
       this.#failures = 0; // it moves: the next retry comes soon again
@@ -226,6 +234,17 @@ export class SceneStream implements SceneSource {
       this.events.chunk(frame.id, chunk);
     }
     this.#grant();
+  }
+
+  /** Tell the server how fast the line is: what would come too late can then be left for later. */
+  #measure(bytes: number): void {
+    const now = performance.now();
+    this.#line.count(bytes, now);
+    const rate = Math.round(this.#line.rate(now));
+    const change = rate / this.#told.rate; // infinite at first
+    if (rate === 0 || now - this.#told.at < TELL || (change < CHANGE && change > 1 / CHANGE)) return;
+    this.#told = { at: now, rate };
+    this.#send({ type: "limits", measured: rate });
   }
 
   /** Give credit back in portions, but not to a decoder that cannot keep up. */

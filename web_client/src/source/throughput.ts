@@ -1,23 +1,35 @@
-/** How fast downloads come that run side by side. */
+/** How fast the line brings bytes. */
 
-const KEPT = 8; // downloads
-const FIRST_GUESS = 250_000; // bytes per second, until one has come
+const SAMPLE = 100; // ms, at least
+/** A line that has brought nothing for so long, ms, was not asked for anything, or is broken. */
+const IDLE = 2000;
+/** Means that halve what was so long ago, ms: the lower one counts, so that falls are noticed soon and rises believed late. */
+const HALVES = [500, 3000];
 
 export class Throughput {
-  readonly #last: { readonly bytes: number; readonly begun: number; readonly ended: number }[] = [];
+  readonly #means = HALVES.map((half) => ({ half, sum: 0, weight: 0 }));
+  #since = Number.NEGATIVE_INFINITY; // ms
+  #bytes = 0;
 
-  /** A download has come; from when to when, milliseconds. */
-  arrived(bytes: number, begun: number, ended: number): void {
-    this.#last.push({ bytes, begun, ended });
-    if (this.#last.length > KEPT) this.#last.shift();
+  /** Note bytes that arrived at `now`, milliseconds. */
+  count(bytes: number, now: number): void {
+    const passed = now - this.#since;
+    this.#bytes += bytes;
+    if (passed < SAMPLE) return;
+    if (passed < IDLE) {
+      for (const mean of this.#means) {
+        const kept = 0.5 ** (passed / mean.half);
+        mean.sum = kept * mean.sum + ((1 - kept) * this.#bytes) / passed;
+        mean.weight = kept * mean.weight + 1 - kept;
+      }
+    }
+    this.#since = now;
+    this.#bytes = 0;
   }
 
-  /** Of the last downloads together. */
-  get bytesPerSecond(): number {
-    if (this.#last.length === 0) return FIRST_GUESS;
-    const begun = Math.min(...this.#last.map((download) => download.begun));
-    const ended = Math.max(...this.#last.map((download) => download.ended));
-    const bytes = this.#last.reduce((sum, download) => sum + download.bytes, 0);
-    return (1000 * bytes) / Math.max(1, ended - begun);
+  /** Bytes per second at `now`, milliseconds; 0 while that is not known, and when nothing has come for long. */
+  rate(now: number): number {
+    if (now - this.#since > IDLE) return 0;
+    return Math.min(...this.#means.map(({ sum, weight }) => (weight > 0 ? (1000 * sum) / weight : 0)));
   }
 }

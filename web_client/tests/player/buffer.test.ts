@@ -60,6 +60,41 @@ describe("SceneBuffer", () => {
     expect(buffer.lost).toBe(1);
   });
 
+  it("can be played once the base layers are here", () => {
+    const layered = manifest({ slices: [slice(0, 2, ["a", "b", "c"])], static: ["s", "t"].map((id) => entry(id)) });
+    const buffer = new SceneBuffer(layered);
+    buffer.arrived("a");
+    expect(buffer.playable(1)).toBe(false);
+    buffer.arrived("s");
+    expect(buffer.playable(1)).toBe(true);
+    expect(buffer.ready(1)).toBe(false);
+    expect(buffer.ranges()).toEqual([[0, 2]]);
+  });
+
+  describe("while it waits", () => {
+    const seconds = Array.from({ length: 20 }, (_, k) => slice(k, k + 1, [`a${k}`, `b${k}`]));
+    const buffer = new SceneBuffer(manifest({ end: 20, slices: seconds })); // a base of 100 bytes per second
+
+    it("goes on where the line brings base layers as fast as they are shown", () => {
+      expect(buffer.lasts(0, 1, 1e6)).toBe(false); // nothing is here
+      buffer.arrived("a0");
+      expect(buffer.lasts(0, 1, 130)).toBe(true);
+      expect(buffer.lasts(0, 2, 130)).toBe(false);
+      expect(buffer.lasts(0, 1, 90)).toBe(false);
+    });
+
+    it("goes on when there is enough for a while", () => {
+      buffer.arrived("a1");
+      expect(buffer.lasts(0, 1, 0)).toBe(true);
+      expect(buffer.lasts(0.6, 1, 0)).toBe(false);
+    });
+
+    it("goes on when nothing is missing any more", () => {
+      buffer.arrived("a19");
+      expect(buffer.lasts(19.5, 1, 0)).toBe(true);
+    });
+  });
+
   it("is always ready in a still scene", () => {
     const buffer = new SceneBuffer(manifest({ static: [entry("s")] }));
     expect(buffer.ready(1)).toBe(true);

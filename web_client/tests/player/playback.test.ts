@@ -49,6 +49,24 @@ it("tells the server once when it waits, and once when it goes on", () => {
   expect(told.mock.calls.map(([kind]) => kind)).toEqual(["pause", "play"]);
 });
 
+it("does not go on for a moment after it has waited", () => {
+  const slices = Array.from({ length: 4 }, (_, k) => slice(k, k + 1, [`${k}`]));
+  const buffer = new SceneBuffer(manifest({ end: 4, slices }));
+  let line = 0;
+  playback = new Playback(new PlayerClock(0, 4), buffer, stream, () => line);
+  playback.play();
+  playback.tick(0);
+  buffer.arrived("0");
+  playback.tick(0.1);
+  expect(playback.moving).toBe(false);
+  line = 1000; // the rest will come in time
+  playback.tick(0.2);
+  expect(playback.moving).toBe(true);
+  line = 0; // once it moves it goes on as long as it can
+  for (let now = 0.3; now < 1; now += 0.1) playback.tick(now);
+  expect(playback.clock.time).toBeGreaterThan(0.5);
+});
+
 it("stands while the page is hidden, if it played", () => {
   playback.pageHidden(true);
   expect(told).not.toHaveBeenCalled();

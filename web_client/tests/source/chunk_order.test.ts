@@ -1,58 +1,77 @@
-import { expect, it } from "vitest";
-import { chunkOrder, chunksOfPicture } from "../../src/source/chunk_order";
+import { describe, expect, it } from "vitest";
+import { ChunkOrder } from "../../src/source/chunk_order";
 import { entry, manifest, slice } from "../scene";
 
-// Every chunk has 100 bytes, every slice is shown for ten seconds.
+// Every chunk has 100 bytes. Of each slice the first chunk is the base; of what stands, s0 is.
 const scene = manifest({
-  end: 40,
+  end: 10,
   static: ["s0", "s1", "s2", "s3"].map((id) => entry(id)),
-  slices: [slice(0, 10, ["a"]), slice(10, 20, ["b"], ["a"]), slice(20, 30, ["c"]), slice(30, 40, ["d"])],
+  slices: Array.from({ length: 10 }, (_, k) => slice(k, k + 1, [`a${k}`, `b${k}`, `c${k}`])),
 });
 
-/** @param rate of the playhead at `time`; the line brings `line` bytes per second. */
-function order({ time = 0, rate = 1, line = 1e9, here = [] as string[], of = scene } = {}): string {
-  return [...chunkOrder(of, { time, rate }, line, (id) => here.includes(id))].map((chunk) => chunk.id).join(" ");
+/** The first of the order for a playhead at `time`, on a line of `line` bytes per second. */
+function order({ time = 0 as number | null, rate = 1, line = 0, here = [] as string[], of = scene, count = 8 } = {}) {
+  const missing = new ChunkOrder(of).missing({ time, rate }, line, (id) => here.includes(id));
+  return [...missing]
+    .slice(0, count)
+    .map((chunk) => chunk.id)
+    .join(" ");
 }
 
-it("begins with the first static chunk and the slice at the playhead", () => {
-  expect(order()).toMatch(/^s0 a /);
-  expect(order({ time: 35 })).toMatch(/^s0 d /);
-  expect(order({ time: 25, here: ["s0"] })).toMatch(/^c /);
-});
+const bases = ["s0", "a0", "a1", "a2"];
 
-it("brings what a slice needs of the ones before it", () => {
-  expect(order({ time: 15 })).toMatch(/^s0 b a /);
-  expect(order({ time: 15, here: ["a"] })).not.toContain("a");
-});
+describe("the order of chunks", () => {
+  it("begins with the room and what moves in it, and the bases of the next seconds", () => {
+    expect(order({ count: 4 })).toBe("s0 a0 a1 a2");
+    expect(order({ time: null, count: 2 })).toBe("s0 a0");
+    expect(order({ time: 5.5, here: ["s0"], count: 3 })).toBe("a5 a6 a7");
+  });
 
-it("brings static chunks first where the line brings the slices in time all the same", () => {
-  expect(order()).toBe("s0 a s1 s2 s3 b c d");
-});
+  it("brings what stands and what moves of a picture in turn", () => {
+    const rich = manifest({
+      static: [...["s0", "s1"].map((id) => entry(id)), { ...entry("s2"), bytes: 600 }],
+      slices: [slice(0, 2, ["a", "b", "c", "d", "e", "f", "g", "h"])],
+    });
+    expect(order({ of: rich, count: 5 })).toBe("s0 a s1 b c");
+  });
 
-it("brings slices and static chunks in turn where the line is slow", () => {
-  expect(order({ line: 10 })).toBe("s0 a s1 b s2 c s3 d");
-});
+  it("refines the slices that come soon layer by layer, and what stands in turn", () => {
+    expect(order({ here: bases })).toBe("s1 b0 s2 b1 s3 b2 c0 c1");
+  });
 
-it("brings static chunks first while the scene stands", () => {
-  expect(order({ rate: 0, line: 10 })).toBe("s0 a s1 s2 s3 b c d");
-});
+  it("goes further ahead once the next seconds are complete", () => {
+    const here = [...bases, "s1", "s2", "s3", "b0", "b1", "b2", "c0", "c1", "c2"];
+    expect(order({ here })).toBe("a3 a4 a5 a6 a7 a8 b3 b4");
+  });
 
-it("goes on around the end", () => {
-  expect(order({ time: 25 })).toBe("s0 c s1 s2 s3 d a b");
-});
+  it("goes further ahead where the scene plays faster", () => {
+    expect(order({ rate: 2, count: 6 })).toBe("s0 a0 a1 a2 a3 a4");
+  });
 
-it("asks for every chunk once, and for none that is here", () => {
-  const needs = [slice(0, 20, ["a"]), slice(20, 40, ["b"], ["a"])];
-  expect(order({ of: { ...scene, slices: needs }, here: ["s1"] })).toBe("s0 a s2 s3 b");
-  expect(order({ here: ["s0", "s1", "s2", "s3", "a", "b", "c", "d"] })).toBe("");
-});
+  it("needs the beginning near the end", () => {
+    expect(order({ time: 9.5, count: 4 })).toBe("s0 a9 a0 a1");
+  });
 
-it("takes a scene that has not begun for one at its start", () => {
-  const first = chunkOrder(scene, { time: null, rate: 1 }, 1e9, (id) => id === "s0").next();
-  expect(first.value?.id).toBe("a");
-});
+  it("leaves a refinement for later that would come when its slice is over", () => {
+    const here = ["s0", "s1", "s2", "s3", "a0", "a1", "a2"];
+    expect(order({ time: 0.5, line: 100_000, here, count: 2 })).toBe("b1 b2"); // 64 KiB take 0.65 s
+    expect(order({ time: 0.5, line: 1e6, here, count: 2 })).toBe("b0 b1");
+    expect(order({ time: 0.5, rate: 0, line: 100_000, here, count: 1 })).toBe("b0");
+  });
 
-it("knows what makes a picture: the first static chunk and the slice that is shown, with its needs", () => {
-  expect([...chunksOfPicture(scene, 15)].sort()).toEqual(["a", "b", "s0"]);
-  expect([...chunksOfPicture({ ...scene, static: [], slices: [] }, 15)]).toEqual([]);
+  it("brings what a slice needs of the ones before it", () => {
+    const of = manifest({ slices: [slice(0, 1, ["a", "b"]), slice(1, 2, ["c", "d"], ["a", "b"])] });
+    expect(order({ of, time: 1.5 })).toBe("a c b d");
+  });
+
+  it("asks for every chunk once, and for none that is here", () => {
+    const all = order({ count: 100 }).split(" ");
+    expect(all.length).toBe(34);
+    expect(new Set(all).size).toBe(34);
+    expect(order({ here: all })).toBe("");
+  });
+
+  it("knows a still scene", () => {
+    expect(order({ of: manifest({ static: [entry("a"), entry("b")] }) })).toBe("a b");
+  });
 });

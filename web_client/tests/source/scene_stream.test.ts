@@ -37,7 +37,7 @@ class FakeSocket implements Socket {
   welcome(manifest = "{}", id = 7): void {
     const bytes = new TextEncoder().encode(manifest);
     const manifest_id = new Uint8Array(32).fill(id);
-    this.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
+    this.receive(encode({ type: "welcome", protocol: 2, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
   }
 
   types(): unknown[] {
@@ -103,7 +103,7 @@ describe("SceneStream", () => {
   it("says hello with what it has, its credit and its playhead", () => {
     const { socket } = connect();
     socket.open();
-    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 1, have: [], time: 0.5, rate: 1 });
+    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 2, have: [], time: 0.5, rate: 1 });
     expect(socket.sent[0].credits).toBeGreaterThanOrEqual(4144);
     expect(socket.binaryType).toBe("arraybuffer");
   });
@@ -379,6 +379,23 @@ describe("SceneStream", () => {
     sockets[1].open();
     sockets[1].welcome('{"a": 1}', 8);
     expect(events.failed).toHaveBeenCalledExactlyOnceWith("scene-changed", expect.any(String));
+  });
+
+  it("tells the server how fast the line is, but not all the time", () => {
+    const { socket } = connect();
+    socket.open();
+    const told = () => socket.sent.filter(({ type }) => type === "limits").map(({ measured }) => measured as number);
+    const run = (frames: number, bytes: number) => {
+      for (let k = 0; k < frames; k++) {
+        vi.advanceTimersByTime(50);
+        socket.frame(k.toString(16).padStart(4, `${bytes}`).repeat(16), 0, 100_000, new Uint8Array(bytes - 48));
+      }
+    };
+    run(60, 500);
+    expect(told()).toEqual([10_000]);
+    run(60, 100);
+    expect(told().at(-1)).toBeLessThan(4000);
+    expect(told().length).toBeLessThan(5);
   });
 
   it("keeps the last seek for the hello if it is not connected yet", () => {

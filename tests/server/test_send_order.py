@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator
+from itertools import islice
+
+from server.scene_index import Chunk, SceneIndex
+from server.send_order import COMPLETE, Mark, SendOrder
+
+MakeScene = Callable[..., SceneIndex]
+# Of each of ten seconds a base and two refinements, whose sizes tell which they are.
+TEN = [(float(k), k + 1.0, [400 + k, 300 + k, 200 + k]) for k in range(10)]
+
+
+def sizes(order: SendOrder, time: float = 0.0, rate: float = 1.0, measured: float | None = None) -> Iterator[int]:
+    """Take chunk after chunk while the playhead stands where it is."""
+    while (chunk := order.next(time, rate, measured)) is not None:
+        order.settle(chunk)
+        yield chunk.size
+
+
+def first(order: SendOrder, count: int, *playhead: float) -> list[int]:
+    return list(islice(sizes(order, *playhead), count))
+
+
+def test_room_and_what_moves_come_together(make_scene: MakeScene) -> None:
+    scene = make_scene([50, 50, 50, 450], [(0.0, 1.0, [300, 300, 300, 900])])
+    assert first(SendOrder(scene), 5) == [50, 300, 50, 300, 50]
+
+
+def test_bases_of_the_next_seconds_come_before_refinements(make_scene: MakeScene) -> None:
+    assert first(SendOrder(make_scene([10], TEN)), 4) == [10, 400, 401, 402]
+
+
+def test_refinements_are_spread_over_the_slices_that_come_soon(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10], TEN))
+    first(order, 4)
+    assert first(order, 6) == [300, 301, 302, 200, 201, 202]
+
+
+def test_refinements_of_what_stands_and_of_what_moves_take_turns(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10, 11, 12], TEN))
+    first(order, 4)
+    assert first(order, 6) == [11, 300, 12, 301, 302, 200]
+
+
+def test_bases_go_further_ahead_once_the_next_seconds_are_complete(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10], TEN))
+    first(order, 10)
+    assert first(order, 6) == [403, 404, 405, 406, 407, 408]
+    assert first(order, 6) == [303, 304, 305, 306, 307, 308]
+
+
+def test_faster_playhead_needs_more_of_the_scene(make_scene: MakeScene) -> None:
+    assert first(SendOrder(make_scene([], TEN)), 6, 0.0, 2.0) == [400, 401, 402, 403, 404, 300]
+
+
+def test_playhead_near_the_end_needs_the_beginning(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([], TEN))
+    assert first(order, 6, 9.5) == [409, 400, 401, 309, 300, 301]
+
+
+def test_refinement_that_would_come_when_its_slice_is_over_waits(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([], TEN))
+    first(order, 3, 0.5)
+    # 64 KiB take 0.65 s of this line.
+    assert first(order, 1, 0.5, 1.0, 100_000.0) == [301]
+    assert first(order, 1, 0.5, 0.0, 100_000.0) == [300]  # nothing passes while the playhead stands
+
+
+def test_every_chunk_comes_once_and_every_slice_is_marked_by_layer(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20, 30], TEN)
+    order = SendOrder(scene)
+    assert sorted(sizes(order)) == sorted(chunk.size for chunk in chunks_of(scene))
+    assert sorted((mark.layer, mark.index) for mark in order.marks) == [
+        (k, i) for k in (0, COMPLETE) for i in range(10)
+    ]
+
+
+def test_slice_that_was_sought_is_marked_again(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10], TEN))
+    assert list(sizes(order))
+    order.marks.clear()
+    order.sought(4.5)
+    assert order.next(4.5, 1.0) is None
+    assert list(order.marks) == [Mark(4, 0), Mark(4, COMPLETE)]
+
+
+def test_base_of_a_later_slice_is_that_of_the_chunks_it_needs(make_scene: MakeScene) -> None:
+    scene = make_scene([], [(0.0, 1.0, [400, 300, 200]), (1.0, 2.0, [100])])
+    one, two = scene.slices
+    order = SendOrder(
+        dataclasses.replace(scene, slices=(one, dataclasses.replace(two, chunks=(*one.chunks, *two.chunks))))
+    )
+    assert first(order, 3, 1.5) == [400, 100, 300]
+
+
+def test_limit_of_splats_leaves_out_what_no_picture_has_room_for(make_scene: MakeScene) -> None:
+    scene = make_scene([100, 100, 100, 100], [(0.0, 1.0, [100, 100, 100]), (1.0, 2.0, [100])])  # splats as bytes
+    order = SendOrder(scene)
+    order.limit(400)
+    assert sorted(sizes(order)) == [100] * 5  # two static ones, two of the slice with most, and the other's base
+    assert order.left_out == 300
+    order.limit(10)  # bases always come
+    assert order.left_out == 300
+    order.limit(None)
+    assert list(sizes(order)) == [100] * 3
+
+
+def chunks_of(scene: SceneIndex) -> list[Chunk]:
+    return [*scene.static, *(chunk for piece in scene.slices for chunk in piece.chunks)]
