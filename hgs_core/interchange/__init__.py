@@ -1,9 +1,9 @@
 """Scenes in the formats of others: 3DGS and STGS point clouds, .splat, .splatv, SPZ and GLB (docs/interchange.md)."""
 
 from hgs_core.interchange.changes import Action, Change
-from hgs_core.interchange.exporting import export_scene
+from hgs_core.interchange.exporting import export_scene, export_sequence
 from hgs_core.interchange.formats import IMPORTED
 from hgs_core.interchange.importing import import_scene
 from hgs_core.interchange.moment import scene_at
 
-__all__ = ["IMPORTED", "Action", "Change", "export_scene", "import_scene", "scene_at"]
+__all__ = ["IMPORTED", "Action", "Change", "export_scene", "export_sequence", "import_scene", "scene_at"]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Action", "Change", "Written", "nonzero"]
+__all__ = ["Action", "Change", "Written", "most_of_any", "nonzero"]
 
 
 class Action(StrEnum):
@@ -76,3 +76,13 @@ class Written:
 def nonzero(changes: Iterable[Change]) -> tuple[Change, ...]:
     """Return the changes that met any splat, or the whole."""
     return tuple(change for change in changes if change.count != 0)
+
+
+def most_of_any(changes: Iterable[Change]) -> tuple[Change, ...]:
+    """Return, of the changes of several files, of each kind the one that met the most splats."""
+    most: dict[tuple[Action, str, str], Change] = {}
+    for change in changes:
+        kind = (change.action, change.what, change.reason)
+        if kind not in most or (change.count or 0) > (most[kind].count or 0):
+            most[kind] = change
+    return tuple(most.values())

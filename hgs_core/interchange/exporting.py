@@ -8,14 +8,17 @@ from pathlib import Path
 from hgs_core.base.arrays import Floats
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import ProgressCallback
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.cubic import as_cubics
 from hgs_core.interchange.formats import format_of
 from hgs_core.interchange.moment import scene_at
+from hgs_core.interchange.ply_file import PLY
+from hgs_core.interchange.ply_sequence import write_sequence
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
-__all__ = ["export_scene"]
+__all__ = ["export_scene", "export_sequence"]
 
 BLACK = (0.0, 0.0, 0.0)
 
@@ -45,12 +48,7 @@ def export_scene(
             "--spz-version", f"{version} is none of {path.suffix}", "leave it out, or give 2 to 4 for .spz"
         )
     moving = scene.dynamic_splats > 0
-    changes: list[Change] = []
-    if scene.antialiased and not target.says_antialiased:
-        reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
-        changes.append(Change.whole(Action.LEFT_OUT, "antialiasing", reason))
-    if scene.background != BLACK:
-        changes.append(Change.whole(Action.LEFT_OUT, "background", "the format has none"))
+    changes = _unsaid(scene, target.says_antialiased)
     if target.write_still is None and time is not None:
         raise InputError("--time", f"is not for {path.suffix}, which holds all times", "leave it out, or export .splat")
     if time is not None and not scene.start <= time <= scene.end:
@@ -68,6 +66,29 @@ def export_scene(
         more = [] if time is None else _lost_in_a_moment(scene, splats, time)
     write_bytes(path, written.data)
     return nonzero((*changes, *more, *written.changes))
+
+
+def export_sequence(
+    scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback
+) -> tuple[Change, ...]:
+    """Write a scene that moves as a folder of .ply files, one for each frame; returns what they lack of it.
+
+    Raises:
+        InputError: see `write_sequence`.
+    """
+    changes = write_sequence(scene, folder, frame_rate, progress)
+    return nonzero((*_unsaid(scene, PLY.says_antialiased), *changes))
+
+
+def _unsaid(scene: HybridScene[Floats], says_antialiased: bool) -> list[Change]:
+    """Return what of how a scene is drawn a format cannot say."""
+    changes: list[Change] = []
+    if scene.antialiased and not says_antialiased:
+        reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
+        changes.append(Change.whole(Action.LEFT_OUT, "antialiasing", reason))
+    if scene.background != BLACK:
+        changes.append(Change.whole(Action.LEFT_OUT, "background", "the format has none"))
+    return changes
 
 
 def _as_cubics(scene: HybridScene[Floats], number: int | None) -> tuple[DynamicSplats[Floats], list[Change]]:

@@ -22,7 +22,7 @@ class ReadSplats:
     """The splats of a file as they stand there, maybe not finite."""
 
     static: StaticSplats[Floats]
-    dynamic: DynamicSplats[Floats] = field(default_factory=DynamicSplats.empty)
+    dynamic: tuple[DynamicSplats[Floats], ...] = ()  # one set for each equal share of the time
     lasts: bool = False  # whether the file holds a stretch of time
     antialiased: bool = False  # whether the file says that the splats are drawn so
     changes: tuple[Change, ...] = ()  # what was left out or changed in reading

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import TypeVar
 
@@ -14,10 +17,14 @@ from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.formats import format_of
+from hgs_core.interchange.ply_sequence import read_sequence
 from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 
-__all__ = ["Imported", "import_scene"]
+__all__ = ["USUAL_DURATION", "USUAL_FRAME_RATE", "Imported", "import_scene"]
+
+USUAL_DURATION = 50 / 30  # seconds that a 4D file lasts
+USUAL_FRAME_RATE = 30.0  # of a sequence of still files
 
 LARGEST_LOGIT = 13.82  # an opacity of 1 - 1e-6
 LARGEST_LOG_SCALE = 30.0
@@ -41,41 +48,49 @@ class Imported:
     changes: tuple[Change, ...]  # what was left out or changed of them
 
 
-def import_scene(path: Path, duration: float) -> Imported:
+def import_scene(path: Path, duration: float = USUAL_DURATION, frame_rate: float = USUAL_FRAME_RATE) -> Imported:
     """Read a file of splats; a 4D one lasts `duration` seconds, a still one no time.
+
+    A folder is a sequence of still ones, `frame_rate` for each second.
 
     Splats with non-finite values are dropped, and counted.
 
     Raises:
         InputError: an unknown suffix, or the file is missing, damaged, or holds no splat that can be seen.
     """
-    read = format_of(path, lambda one: one.read is not None).read
-    assert read is not None
-    found = read(path)
-    static, dynamic, changes = found.static, found.dynamic, list(found.changes)
-    total = len(static) + len(dynamic)
+    if path.is_dir():
+        found = read_sequence(path)
+        duration = len(found.dynamic) / frame_rate
+    else:
+        read = format_of(path, lambda one: one.read is not None).read
+        assert read is not None
+        found = read(path)
+    changes = list(found.changes)
+    sets = found.dynamic or (DynamicSplats.empty(),)
+    total = len(found.static) + sum(map(len, sets))
     if total == 0:
         raise InputError(path, "holds no splats", "give a file with at least one")
-    static, lost = _finite(static)
-    dynamic, lost_moving = _finite(dynamic)
-    for words in dict.fromkeys((*lost, *lost_moving)):
-        count = lost.get(words, 0) + lost_moving.get(words, 0)
+    lost: Counter[str] = Counter()
+    static = _finite(found.static, lost)
+    sets = tuple(_finite(dynamic, lost) for dynamic in sets)
+    for words, count in lost.items():
         changes.append(Change(Action.LEFT_OUT, "splats", count, total, f"{words} is no finite number"))
-    changes += _limits(static, dynamic)
-    static, dynamic = _drawable(static), _drawable(dynamic)
-    if not any((opacities_of(splats.opacity_logits) >= LEAST_OPACITY).any() for splats in (static, dynamic)):
+    changes += _limits([static, *sets])
+    static, sets = _drawable(static), tuple(map(_drawable, sets))
+    logits = np.concatenate([static.opacity_logits, *(dynamic.opacity_logits for dynamic in sets)])
+    if not (opacities_of(logits) >= LEAST_OPACITY).any():
         told = "; ".join(map(str, nonzero(changes)))
         raise InputError(path, "holds no splat that can be seen" + (f": {told}" if told else ""), "export it again")
-    segment = Segment(0.0, duration if found.lasts else 0.0, dynamic)
-    scene = HybridScene(static, (segment,), antialiased=found.antialiased)
+    ends = np.linspace(0.0, duration if found.lasts else 0.0, len(sets) + 1).tolist()
+    segments = tuple(Segment(*between, dynamic) for between, dynamic in zip(pairwise(ends), sets, strict=True))
+    scene = HybridScene(static, segments, antialiased=found.antialiased)
     return Imported(scene, total, nonzero(changes))
 
 
-def _limits(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> list[Change]:
+def _limits(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Change]:
     """Return what `_drawable` changes."""
     logits, scales, rgb = (
-        np.concatenate([getattr(static, name), getattr(dynamic, name)])
-        for name in ("opacity_logits", "log_scales", "rgb")
+        np.concatenate([getattr(splats, name) for splats in sets]) for name in ("opacity_logits", "log_scales", "rgb")
     )
     return [
         Change.where(Action.LIMITED, "opacity", np.abs(logits) > LARGEST_LOGIT, "to 0.000001 to 0.999999"),
@@ -97,13 +112,12 @@ def _drawable(splats: S) -> S:
     )
 
 
-def _finite(splats: S) -> tuple[S, dict[str, int]]:
-    """Return the splats that are finite, and how many of the others each attribute was the first to fail.
+def _finite(splats: S, lost: Counter[str]) -> S:
+    """Return the splats that are finite; count in `lost` which attribute of the others was the first to fail.
 
     No thickness, and opacities of 0 and 1, count as finite.
     """
     good = np.ones(len(splats), np.bool_)
-    lost: dict[str, int] = {}
     for name, array in splats.items():
         valid = np.isfinite(array)
         if name == "log_scales":
@@ -112,6 +126,6 @@ def _finite(splats: S) -> tuple[S, dict[str, int]]:
             valid |= np.isinf(array)
         failed = good & ~valid.reshape(len(splats), -1).all(axis=1) if len(splats) else good
         if failed.any():
-            lost[_WORDS[name]] = int(failed.sum())
+            lost[_WORDS[name]] += int(failed.sum())
         good &= ~failed
-    return splats.take(good), lost
+    return splats.take(good)

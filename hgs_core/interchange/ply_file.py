@@ -16,7 +16,7 @@ def _read(path: Path) -> ReadSplats:
     table, changes = read_ply(path)
     if is_spacetime(table):
         static, dynamic, more = spacetime_splats(path, table)
-        return ReadSplats(static, dynamic, lasts=True, changes=(*changes, *more))
+        return ReadSplats(static, (dynamic,), lasts=True, changes=(*changes, *more))
     static, more = gaussian_splats(path, table)
     return ReadSplats(static, changes=(*changes, *more))
 

@@ -17,7 +17,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.codec import load_manifest
 from hgs_core.interchange.changes import Action, Change, nonzero
-from hgs_core.interchange.importing import Imported, import_scene
+from hgs_core.interchange.importing import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
+from hgs_core.interchange.ply_sequence import frame_files
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
@@ -46,30 +47,42 @@ def import_run(
     run: Path,
     progress: ProgressCallback,
     *,
-    duration: float,
+    duration: float | None = None,
+    frame_rate: float | None = None,
     capture: Path | None,
     config: RunConfig,
     antialiased: bool,
 ) -> ImportedRun:
     """Make a run folder of a file of splats and encode it; returns what was left out or changed.
 
-    `duration` is how long a 4D file lasts, seconds. With a `capture`, the pictures the splats were made of, the loss of
-    encoding is measured on its cameras that `config` does not hold out, and the run can be evaluated; without, views
-    are made up around the splats. `antialiased` says that the splats are to be drawn so, if the file cannot.
+    `duration` is how long a 4D file lasts, seconds; `frame_rate` how many files of a folder a second has. With a
+    `capture`, the pictures the splats were made of, the loss of encoding is measured on its cameras that `config` does
+    not hold out, and the run can be evaluated; without, views are made up around the splats. `antialiased` says that
+    the splats are to be drawn so, if the file cannot.
 
     Raises:
         InputError: the file, the capture or the config are unusable, `run` holds something else, or no splat is left.
             A folder that was not there before is gone then.
     """
-    if not duration > 0:
-        raise InputError("--duration", f"{duration} is not positive", "give the seconds that the scene lasts")
-    imported = import_scene(file, duration)
+    if duration is None:
+        duration = USUAL_DURATION
+    elif not duration > 0 or file.is_dir():
+        problem = "is not for a folder of frames" if file.is_dir() else f"{duration} is not positive"
+        raise InputError(
+            "--duration", problem, "give --fps" if file.is_dir() else "give the seconds that the scene lasts"
+        )
+    if frame_rate is None:
+        frame_rate = USUAL_FRAME_RATE
+    elif not frame_rate > 0 or not file.is_dir():
+        problem = f"{frame_rate} is not positive" if file.is_dir() else "is for a folder of frames"
+        raise InputError("--fps", problem, "give frames for each second" if file.is_dir() else "give --duration")
+    imported = import_scene(file, duration, frame_rate)
     config = config.changed({"train.antialiased": imported.scene.antialiased or antialiased})
     fresh = not run.exists()
     if capture is None:
         if config.capture.hold_out:
             raise InputError("--hold-out", "needs the capture's cameras", "name the capture with --capture")
-        fingerprint = hashlib.sha256(file.read_bytes()).hexdigest()
+        fingerprint = _fingerprint(file)
         RunFolder(run).write_spec(RunSpec(file.resolve(), fingerprint, config, without_capture=True))
     else:
         create_run(run, capture, config)
@@ -90,6 +103,14 @@ def import_run(
     encoded = len(imported.scene.static) + imported.scene.dynamic_splats
     missed = Change(Action.LEFT_OUT, "splats", encoded - kept, encoded, "no picture misses them")
     return ImportedRun(imported.splats, kept, nonzero((*imported.changes, missed)))
+
+
+def _fingerprint(file: Path) -> str:
+    """Return the SHA-256 of a file, or of all frames of a folder."""
+    found = hashlib.sha256()
+    for part in frame_files(file) if file.is_dir() else [file]:
+        found.update(part.read_bytes())
+    return found.hexdigest()
 
 
 def _write(folder: RunFolder, file: Path, imported: Imported) -> None:

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.folder import MANIFEST
 from hgs_core.interchange.changes import Change
-from hgs_core.interchange.exporting import export_scene
+from hgs_core.interchange.exporting import export_scene, export_sequence
+from hgs_core.interchange.ply_sequence import is_sequence
 from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.camera import Camera
@@ -27,11 +29,33 @@ class Source:
 
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
+    frame_rate: float  # of the capture, frames per second
 
     def export(
-        self, path: Path, *, time: float | None = None, segment: int | None = None, version: int | None = None
+        self,
+        path: Path,
+        *,
+        time: float | None = None,
+        segment: int | None = None,
+        version: int | None = None,
+        frame_rate: float | None = None,
+        progress: ProgressCallback = silent,
     ) -> tuple[Change, ...]:
-        """Write the scene to a file; see `export_scene`."""
+        """Write the scene to a file (see `export_scene`), or to a folder of frames (`export_sequence`), by default at
+        the capture's rate.
+
+        Raises:
+            InputError: an option is not for what is written, or cannot be.
+        """
+        if is_sequence(path):
+            for option, value in (("--time", time), ("--segment", segment), ("--spz-version", version)):
+                if value is not None:
+                    raise InputError(
+                        option, "is not for a folder of frames", f"leave it out, or export {path.name}.ply"
+                    )
+            return export_sequence(self.scene, path, self.frame_rate if frame_rate is None else frame_rate, progress)
+        if frame_rate is not None:
+            raise InputError("--fps", f"is for a folder of frames, not for {path.suffix}", "leave it out")
         return export_scene(self.scene, path, cameras=self.cameras, time=time, segment=segment, version=version)
 
 
@@ -48,4 +72,4 @@ def open_source(path: Path) -> Source:
         if not folder.trained.is_file() or not folder.manifest.is_file():
             raise InputError(path, "is neither a finished run nor a scene folder", "give what hgs train has finished")
         manifest, scene = load_manifest(folder.manifest), trained_scene(folder)
-    return Source(scene, manifest.cameras)
+    return Source(scene, manifest.cameras, manifest.frame_rate)

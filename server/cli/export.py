@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from server.cli.json_output import JsonOutput
+from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
 
@@ -17,11 +18,18 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "export",
         help="write a scene in another format",
-        description="Write a scene as .ply (3DGS, or STGS where it moves), .splat, .splatv, .spz or .glb.",
+        description="Write a scene as .ply (3DGS, or STGS where it moves), .splat, .splatv, .spz, .glb or .ply frames.",
     )
     parser.add_argument("source", metavar="RUN|SCENE", type=Path, help="folder of a run, or of an encoded scene")
-    parser.add_argument("--to", metavar="FILE", type=Path, required=True, help="the file; its suffix tells the format")
+    parser.add_argument(
+        "--to",
+        metavar="FILE|FOLDER",
+        type=Path,
+        required=True,
+        help="the file; its suffix tells the format. Without: a folder of frames",
+    )
     parser.add_argument("--time", metavar="S", type=float, help="write the scene as it stands at this second")
+    parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: the capture's)")
     parser.add_argument("--segment", metavar="N", type=int, help="which segment of several a 4D file holds, from 0")
     parser.add_argument("--spz-version", metavar="N", type=int, help="of .spz: 2, 3 (default) or 4")
     parser.add_argument("--json", metavar="FILE", help="write what the file lacks as JSON; -: in place of text")
@@ -33,7 +41,11 @@ def _run(options: argparse.Namespace) -> int:
 
     output = JsonOutput(options.json)
     source = open_source(options.source)
-    changes = source.export(options.to, time=options.time, segment=options.segment, version=options.spz_version)
+    with ProgressBars() as bars:
+        changes = source.export(
+            options.to, time=options.time, segment=options.segment, version=options.spz_version,
+            frame_rate=options.fps, progress=bars,
+        )  # fmt: skip
     for change in changes:
         print(f"{options.to}: {change}", file=sys.stderr)
     output.show({"file": str(options.to), "changes": [change.to_json() for change in changes]}, str(options.to))

@@ -20,18 +20,19 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "import",
         help="make a run of a file of splats",
-        description="Make a run of a .ply (3DGS or STGS), .splat, .spz or .glb file and encode it.",
+        description="Make a run of a .ply (3DGS or STGS), .splat, .spz or .glb file, or of .ply frames, and encode it.",
     )
-    parser.add_argument("file", metavar="FILE", type=Path, help="the file; its suffix tells the format")
+    parser.add_argument(
+        "file", metavar="FILE|FOLDER", type=Path, help="the file; its suffix tells the format. A folder: .ply frames"
+    )
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="new folder of the run")
     parser.add_argument(
         "--capture", metavar="FOLDER", type=Path,
         help="what the splats were made of, in the same world: encoding is measured on it, and the run can be scored",
     )  # fmt: skip
     parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras that encoding must not look at")
-    parser.add_argument(
-        "--duration", metavar="S", type=float, default=50 / 30, help="seconds that a 4D file lasts (default: 50 / 30)"
-    )
+    parser.add_argument("--duration", metavar="S", type=float, help="seconds that a 4D file lasts (default: 50 / 30)")
+    parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: 30)")
     parser.add_argument("--antialiased", action="store_true", help="the splats were trained to be drawn antialiased")
     parser.add_argument("--budget", choices=list(BUDGETS), default="default", help="what encoding may lose")
     parser.add_argument("--json", metavar="FILE", help="write what is left out or changed as JSON; -: in place of text")
@@ -46,8 +47,8 @@ def _run(options: argparse.Namespace) -> int:
 
     with ProgressBars() as bars:
         imported = import_run(
-            options.file, options.out, bars, duration=options.duration, capture=options.capture, config=config,
-            antialiased=options.antialiased,
+            options.file, options.out, bars, duration=options.duration, frame_rate=options.fps,
+            capture=options.capture, config=config, antialiased=options.antialiased,
         )  # fmt: skip
     for change in imported.changes:
         print(f"{options.file}: {change}", file=sys.stderr)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.interchange.changes import Action, Change, nonzero
+from hgs_core.interchange.changes import Action, Change, most_of_any, nonzero
 
 
 def test_a_splat_of_which_several_numbers_changed_counts_once() -> None:
@@ -46,3 +46,9 @@ def test_the_plain_form_has_the_action_as_a_word() -> None:
     found = Change(Action.LEFT_OUT, "splats", 3, 80, "they are never seen").to_json()
     assert found == {"action": "left out", "what": "splats", "count": 3, "of": 80, "reason": "they are never seen"}
     assert type(found["action"]) is str
+
+
+def test_of_several_files_each_kind_is_told_once_with_the_most_splats() -> None:
+    few, many = (Change(Action.LIMITED, "colour", count, 9, "to 0") for count in (2, 5))
+    whole = Change.whole(Action.LEFT_OUT, "animations", "none")
+    assert most_of_any([few, whole, many, whole]) == (many, whole)

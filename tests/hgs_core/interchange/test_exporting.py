@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.interchange import import_scene
+from hgs_core.base.progress import silent
+from hgs_core.interchange import export_sequence, import_scene
 from hgs_core.scene import HybridScene, Segment, StaticSplats
 from tests.hgs_core.interchange.scenes import CAMERA, axes_of, counted, export, plain_but
 
@@ -159,3 +160,10 @@ def test_a_version_is_chosen_of_spz_and_of_nothing_else(tmp_path: Path) -> None:
     for name, version in (("x.spz", 5), ("x.glb", 3)):
         with pytest.raises(InputError, match=rf"--spz-version: {version} is none of {name[1:]}; leave it out"):
             export(plain_but(), tmp_path / name, version=version)
+
+
+def test_frames_lack_what_their_format_cannot_say(scene: HybridScene[np.ndarray], tmp_path: Path) -> None:
+    drawn = dataclasses.replace(scene, antialiased=True, background=(1.0, 0.0, 0.0))
+    changes = export_sequence(drawn, tmp_path / "frames", 1.0, silent)
+    assert [change.what for change in changes][:2] == ["antialiasing", "background"]
+    assert all(change.count != 0 for change in changes)

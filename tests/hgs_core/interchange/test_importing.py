@@ -10,11 +10,12 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.importing import import_scene
+from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.spacetime_ply import spacetime_ply
 from hgs_core.interchange.splat_file import splat_file
 from hgs_core.interchange.spz_file import spz_file
-from hgs_core.scene import HybridScene
-from tests.hgs_core.interchange.scenes import Write, counted, gaussian_ply_of, plain, plain_but
+from hgs_core.scene import DynamicSplats, HybridScene, Segment
+from tests.hgs_core.interchange.scenes import Write, counted, export, gaussian_ply_of, plain, plain_but, statics
 
 
 def test_a_still_file_lasts_no_time_and_a_moving_one_as_long_as_asked(
@@ -102,3 +103,15 @@ def test_a_missing_file_is_named(tmp_path: Path, name: str) -> None:
 def test_a_format_that_cannot_be_read_is_refused(written: Write) -> None:
     with pytest.raises(InputError, match=r"has the suffix '\.splatv'; give one of \.ply, \.splat, \.spz"):
         import_scene(written("x.splatv", b""), 1.0)
+
+
+def test_frames_are_shown_one_after_another_each_for_its_time(tmp_path: Path) -> None:
+    parts = [statics(3, seed) for seed in range(4)]
+    for number, part in enumerate(parts):
+        export(HybridScene(part, (Segment(0.0, 0.0, DynamicSplats.empty()),)), tmp_path / f"f{number}.ply")
+    found = import_scene(tmp_path, frame_rate=8.0)
+    assert [part.start for part in found.scene.segments] == [0, 0.125, 0.25, 0.375]
+    assert found.scene.end == 0.5
+    assert (len(found.scene.static), found.splats) == (0, 12)
+    for seconds, part in ((0.0, 0), (0.12, 0), (0.13, 1), (0.5, 3)):
+        np.testing.assert_allclose(scene_at(found.scene, seconds).means, parts[part].means, atol=1e-6)

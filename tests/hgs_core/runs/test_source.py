@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress
 from hgs_core.codec import encode_scene, load_manifest
 from hgs_core.interchange import import_scene
 from hgs_core.runs.config import RunConfig
@@ -75,3 +77,29 @@ def test_a_source_exports_the_moment_that_is_asked_for(run: Path, tmp_path: Path
     assert len(exported) == len(source.scene.static) + len(moving)
     for place in places:
         assert np.abs(exported.means - place).max(axis=1).min() < 1e-5
+
+
+def test_a_folder_gets_frames_at_the_captures_rate_or_at_the_one_asked_for(run: Path, tmp_path: Path) -> None:
+    source = open_source(run)
+    told: list[Progress] = []
+    source.export(tmp_path / "all", progress=told.append)
+    source.export(tmp_path / "few", frame_rate=4.0)
+    assert [len(list((tmp_path / name).iterdir())) for name in ("all", "few")] == [31, 5]
+    assert told[-1].total == 31
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "problem"),
+    [
+        ("frames", {"time": 0.5}, "--time: is not for a folder of frames; leave it out, or export frames.ply"),
+        ("frames", {"segment": 0}, "--segment: is not for a folder of frames"),
+        ("frames", {"version": 3}, "--spz-version: is not for a folder of frames"),
+        ("x.ply", {"frame_rate": 3.0}, "--fps: is for a folder of frames, not for .ply; leave it out"),
+    ],
+)
+def test_options_of_something_else_are_refused(
+    run: Path, tmp_path: Path, name: str, options: dict[str, Any], problem: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        open_source(run).export(tmp_path / name, **options)
+    assert str(caught.value).startswith(problem)

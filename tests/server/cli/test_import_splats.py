@@ -61,7 +61,11 @@ def test_cameras_cannot_be_held_out_without_a_capture(
 
 @pytest.mark.parametrize(
     ("more", "problem"),
-    [([], "x.ply: cannot be read"), (["--duration", "0"], "--duration: 0.0 is not positive")],
+    [
+        ([], "x.ply: cannot be read"),
+        (["--duration", "0"], "--duration: 0.0 is not positive"),
+        (["--fps", "30"], "--fps: is for a folder of frames; give --duration"),
+    ],
 )
 def test_bad_input_is_one_line_and_leaves_no_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], more: list[str], problem: str
@@ -97,3 +101,17 @@ def test_splats_that_were_trained_antialiased_are_drawn_so(splats: Path, tmp_pat
     out = tmp_path / "run"
     assert main(["import", str(splats), "--out", str(out), "--duration", "0.03", "--antialiased"]) == 0
     assert load_manifest(out / "scene").antialiased is True
+
+
+def test_frames_that_were_exported_play_again(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    frames, back = tmp_path / "frames", tmp_path / "back"
+    assert main(["export", str(run), "--to", str(frames), "--fps", "20"]) == 0
+    count = len(list(frames.iterdir()))
+    assert main(["import", str(frames), "--out", str(back), "--fps", "20"]) == 0
+    manifest = load_manifest(back / "scene")
+    assert len(manifest.segments) == count > 2
+    assert manifest.end == pytest.approx(count / 20)
+    assert "export" in capsys.readouterr().err  # the bar
+    for option, value in (("--duration", "2"), ("--fps", "0")):
+        assert main(["import", str(frames), "--out", str(tmp_path / "no"), option, value]) == 2
+        assert f"hgs: {option}: " in capsys.readouterr().err
