@@ -32,6 +32,8 @@ class EncodeViews:
     capture: Capture | None = None  # to train further with
     moving: Callable[[int, int], Tensor] | None = None  # the mask [H, W] bool of a trained camera and a frame, if known
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
+    photographed: bool = False  # `trained` took pictures: they tell from where the scene may be looked at
+    up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
 
     def moment(self, camera: int, frame: int) -> float:
         """Return the second that a camera's picture of a frame shows."""

@@ -13,6 +13,7 @@ from hgs_core.fit.views import EncodeViews, views_around
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.kept_views import KeptViews
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state
@@ -31,11 +32,13 @@ def trained_scene(folder: RunFolder) -> HybridScene[Floats]:
 
 
 def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -> EncodeViews:
-    """Return the views of a run: its capture's, or those around a scene that was imported without one.
+    """Return the views of a run: its capture's, those an edited one took over, or those around an imported scene.
 
     Raises:
         InputError: the capture is gone or has changed, the run's points are missing, or its masks are unreadable.
     """
+    if spec.edited:
+        return KeptViews.load(folder.views).of(scene)
     if spec.without_capture:
         return views_around(scene, spec.capture.stem)
     capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
@@ -50,6 +53,7 @@ def views_of_run(folder: RunFolder, spec: RunSpec, scene: HybridScene[Floats]) -
         lambda i, frame: target_picture(capture, i, frame, cameras[i]),
         capture,
         None if masks is None else lambda i, frame: torch.from_numpy(masks.mask(i, frame)),
+        photographed=True,
     )
 
 

@@ -29,17 +29,22 @@ class RunSpec:
     fingerprint: str  # of the capture when the run was created
     config: RunConfig
     masks: Path | None = None  # a folder of masks that replaces the capture's own
-    without_capture: bool = False  # the scene was imported: `capture` is its file, and there are no pictures
+    without_capture: bool = False  # imported or edited: `capture` is the scene's source, without pictures
     found: Path | None = None  # a folder with cameras and a sync.json, where the capture's own could not be written
     prepared: bool = True  # False: cameras, or when the videos began, are still to be found
+    edited: bool = False  # then without a capture
 
     def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution.
 
         Raises:
             InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
-                run was imported without a capture.
+                run was imported without a capture, or edited.
         """
+        if self.edited:
+            raise InputError(
+                self.capture, "was edited, so that no pictures show the scene as it is now", "score that run itself"
+            )
         if self.without_capture:
             raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
         if not self.fingerprint:
@@ -75,6 +80,7 @@ class RunFolder:
         self.found = path / "found"  # cameras and sync.json, where the capture's folder cannot be written
         self.points = path / "points.npz"
         self.masks = path / "masks.npz"
+        self.views = path / "views.json"  # of an edited scene
         self.trained = path / "scene.npz"
         self.train_summary = path / "train.json"
         self.scene = path / "scene"
@@ -120,6 +126,8 @@ class RunFolder:
             value["found"] = True
         if not spec.prepared:
             value["prepared"] = False
+        if spec.edited:
+            value["edited"] = True
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 
     @contextmanager
@@ -156,7 +164,9 @@ class RunFolder:
             without = bool(value.get("without_capture", False))
             found = self.found if value.get("found", False) else None
             prepared = bool(value.get("prepared", True))
-            return RunSpec(Path(value["capture"]), str(value["fingerprint"]), config, masks, without, found, prepared)
+            edited = bool(value.get("edited", False))
+            capture, fingerprint = Path(value["capture"]), str(value["fingerprint"])
+            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except InputError as error:

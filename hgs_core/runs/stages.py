@@ -265,7 +265,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     manifest = encode_scene(
         found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
         settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
-        trained=list(views.trained.values()) if views.capture else (),
+        trained=list(views.trained.values()) if views.photographed else (), up=views.up,
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
     settings = found.settings

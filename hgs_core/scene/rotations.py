@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles
 
-__all__ = ["matrices", "quaternions_of", "unit_quaternions", "units_and_norms"]
+__all__ = ["matrices", "product", "quaternions_of", "unit_quaternions", "units_and_norms"]
 
 SHORTEST = 1e-12  # |q|^2 < 1e-24
 
@@ -26,6 +26,21 @@ def units_and_norms(quaternions: NDArray[np.floating[Any]]) -> tuple[Doubles, Do
 def unit_quaternions(quaternions: NDArray[np.floating[Any]]) -> Doubles:
     """Return quaternions [N, 4] at unit length, in float64."""
     return units_and_norms(quaternions)[0]
+
+
+def product(a: Doubles, b: Doubles) -> Doubles:
+    """Return the Hamilton product of quaternions [..., 4], w first."""
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
 
 
 def matrices(quats: Doubles) -> Doubles:

@@ -17,6 +17,7 @@ from server.cli import (
     bench,
     cameras,
     check,
+    edit,
     encode,
     evaluate,
     export,
@@ -43,8 +44,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
-        train, check, cameras, sync, masks, encode, evaluate, report, publish, import_splats, export, serve, worker,
-        submit, bench, ablate,
+        train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
+        worker, submit, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)

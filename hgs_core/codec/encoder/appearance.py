@@ -7,9 +7,10 @@ import numpy as np
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.choose import choose, neighbours
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.rotations import product, turn_between, vector_to_quats
+from hgs_core.codec.encoder.rotations import turn_between, vector_to_quats
 from hgs_core.codec.encoder.steps import TURN_AGAINST_SCALE, Steps, screen_deviations
 from hgs_core.codec.format.quantise import uneased
+from hgs_core.scene.rotations import product
 
 __all__ = ["appearance_numbers", "rotation_numbers", "turning_cost"]
 

@@ -56,6 +56,7 @@ def encode_scene(
     closer: Sequence[Camera] = (),
     trained: Sequence[Camera] = (),
     metres_per_unit: float | None = None,
+    up: tuple[float, float, float] | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
@@ -64,6 +65,7 @@ def encode_scene(
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
     names the former. `trained` are the cameras whose pictures made the scene: they tell the manifest's captured space,
     which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known.
+    `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -89,6 +91,7 @@ def encode_scene(
     moving = [np.asarray(s.dynamic.motion, np.float64)[:, 0] for s in scene.segments if len(s.dynamic)]
     points = np.concatenate(moving) if moving else np.asarray(scene.static.means, np.float64)
     view = find_viewpoint(cameras, points)
+    up = view.up if up is None else up
     seen_by = (*cameras, *closer)
     static = _static_chunks(scene, seen_by, utility, settings)
     coded = list(static)
@@ -104,7 +107,7 @@ def encode_scene(
         end=scene.end,
         frame_rate=1 / interval,
         background=scene.background,
-        up=view.up,
+        up=up,
         center=view.center,
         extent=view.extent,
         cameras=tuple(cameras),
@@ -114,7 +117,7 @@ def encode_scene(
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=scene.antialiased,
-        captured_space=find_captured_space(trained, view.center, view.up) if trained else None,
+        captured_space=find_captured_space(trained, view.center, up) if trained else None,
         metres_per_unit=metres_per_unit,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )

@@ -11,12 +11,13 @@ from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import rotation_numbers, turning_cost
 from hgs_core.codec.encoder.choose import EXCHANGE, choose, neighbours
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.rotations import canonical, product, turn_between, vector_to_quats
+from hgs_core.codec.encoder.rotations import canonical, turn_between, vector_to_quats
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.format.attributes import MOTION_ORDERS
 from hgs_core.codec.format.quantise import float32_below
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.polynomials import polynomial_fit, powers
+from hgs_core.scene.rotations import product
 
 __all__ = ["CHECKED_MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
 

@@ -15,7 +15,6 @@ from hgs_core.codec.encoder.encode_dynamic import dynamic_numbers
 from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
 from hgs_core.codec.encoder.motion import highest_order
 from hgs_core.codec.encoder.prepare import Prepared, prepare_dynamic, prepare_static
-from hgs_core.codec.encoder.rotations import product
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.shown import frame_interval, shown_segments
 from hgs_core.codec.encoder.steps import Steps
@@ -23,6 +22,7 @@ from hgs_core.codec.encoder.utility import Utility
 from hgs_core.codec.format.attributes import MOTION_ORDERS, Kind
 from hgs_core.codec.format.decode import arrays_of, dynamic_splats, logits, rows_of, static_splats
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.rotations import product
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
 __all__ = ["Quantised", "decoded_arrays", "quantised_scene"]

@@ -7,26 +7,11 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
-from hgs_core.scene.rotations import matrices
+from hgs_core.scene.rotations import matrices, product
 
-__all__ = ["canonical", "product", "shape_error", "turn_between", "vector_to_quats"]
+__all__ = ["canonical", "shape_error", "turn_between", "vector_to_quats"]
 
 Doubles = NDArray[np.float64]
-
-
-def product(a: Doubles, b: Doubles) -> Doubles:
-    """Return the Hamilton product of quaternions [..., 4], w first."""
-    aw, ax, ay, az = np.moveaxis(a, -1, 0)
-    bw, bx, by, bz = np.moveaxis(b, -1, 0)
-    return np.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        axis=-1,
-    )
 
 
 def vector_to_quats(vector: Doubles) -> Doubles:

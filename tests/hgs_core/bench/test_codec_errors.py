@@ -9,9 +9,9 @@ import pytest
 
 from hgs_core.bench.codec_errors import coded_errors, spz_errors
 from hgs_core.codec import EncodeSettings, SetUtility, Utility
-from hgs_core.codec.encoder.rotations import product
 from hgs_core.interchange.spz_file import spz_file
 from hgs_core.scene import StaticSplats
+from hgs_core.scene.rotations import product
 from tests.synthetic import ring_of_cameras
 
 COUNT = 2000

@@ -36,3 +36,9 @@ def test_another_file_is_unreadable(run: RunFolder, text: str) -> None:
     run.spec.write_bytes(text.encode(errors="surrogatepass"))
     with pytest.raises(InputError, match=r"run\.json"):
         run.read_spec()
+
+
+def test_it_knows_that_it_was_edited(tmp_path: Path) -> None:
+    spec = RunSpec(tmp_path, "", RunConfig(), without_capture=True, edited=True)
+    RunFolder(tmp_path / "edited").write_spec(spec)
+    assert RunFolder(tmp_path / "edited").read_spec() == spec

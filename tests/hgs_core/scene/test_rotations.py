@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from hgs_core.scene.rotations import matrices, quaternions_of, unit_quaternions, units_and_norms
+from hgs_core.scene.rotations import matrices, product, quaternions_of, unit_quaternions, units_and_norms
 
 
 def test_quaternions_get_unit_length_and_those_of_no_length_are_the_identity() -> None:
@@ -28,3 +28,8 @@ def test_quaternions_are_found_again_from_their_matrices_with_w_at_least_zero() 
     assert (found[:, 0] >= 0).all()
     np.testing.assert_allclose(np.abs((found * quats).sum(axis=1)), 1, atol=1e-12)
     np.testing.assert_allclose(matrices(found), matrices(quats), atol=1e-12)
+
+
+def test_a_product_turns_by_the_second_then_the_first() -> None:
+    a, b = (unit_quaternions(np.random.default_rng(seed).normal(size=(50, 4))) for seed in (0, 1))
+    np.testing.assert_allclose(matrices(product(a, b)), matrices(a) @ matrices(b), atol=1e-12)

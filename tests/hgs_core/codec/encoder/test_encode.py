@@ -109,3 +109,11 @@ def test_a_clock_that_does_not_run_is_refused(tmp_path: Path, cameras: list[Came
 def test_no_cameras_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="cameras: there are none"):
         encode(scene(), tmp_path, [])
+
+
+def test_up_is_what_somebody_chose_or_else_what_the_cameras_tell(tmp_path: Path, cameras: list[Camera]) -> None:
+    given = HybridScene(statics(10, 0), (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    told = encode(given, tmp_path, cameras, times=np.zeros(1))
+    assert encode(given, tmp_path, cameras, times=np.zeros(1), up=(0.0, 0.6, 0.8)).up == (0.0, 0.6, 0.8)
+    mean = -np.mean([camera.world_to_camera[1, :3] for camera in cameras], axis=0)
+    assert told.up == pytest.approx(mean / np.linalg.norm(mean))
