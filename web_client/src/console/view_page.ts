@@ -35,6 +35,7 @@ export function showViewPage(root: HTMLElement, scene: string): void {
     home: "/",
     reload: () => location.reload(),
     link: (shared) => sharedLink(location.href, shared),
+    crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
   const host = element("div", { class: "player-host" });

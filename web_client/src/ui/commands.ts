@@ -4,10 +4,12 @@ import { FlyMode } from "../camera/fly_mode";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { obey } from "./key_bindings";
+import { LatePart } from "./late_part";
 import { Message } from "./message";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
 import { playerKeys } from "./player_keys";
+import type { PageTool, WholePage } from "./player_view_options";
 import type { SharedView } from "./shared_view";
 
 /** The player's view, as far as commands reach it. */
@@ -25,6 +27,8 @@ export interface CommandSurroundings {
   readonly keys: EventTarget;
   /** The address that opens on what is shared; left out where the page has none. */
   readonly link?: (shared: SharedView) => string;
+  /** Loads the tool that crops the scene; left out where the page has none. */
+  readonly crop?: WholePage["crop"];
   toggleFullscreen(): void;
   /** Say what went wrong. */
   fail(text: string): void;
@@ -39,6 +43,9 @@ export class Commands {
 
   constructor(player: HgsPlayer, surroundings: CommandSurroundings) {
     const { bookmarks, keep, root, place, button, keys, link = null, fail, marked, toggleFullscreen } = surroundings;
+    const cropping =
+      surroundings.crop && new LatePart<PageTool>(async () => surroundings.crop!(player, root), fail, player.disposed);
+    const toggleCrop = cropping ? () => cropping.use((tool) => tool.toggle()) : null;
     const message = new Message(player.disposed);
     const say = (text: string) => message.say(text);
     this.fly = new FlyMode(keys, player.camera, player.disposed);
@@ -47,7 +54,7 @@ export class Commands {
       this.#panels.update();
       root.classList.toggle("flying", this.fly.active);
     };
-    const actions = new PlayerActions(player, { fly: this.fly, bookmarks, keep, say, fail, changed, link });
+    const actions = new PlayerActions(player, { fly: this.fly, bookmarks, keep, say, fail, changed, link, toggleCrop });
     const bindings = playerKeys(player, actions, {
       toggleFullscreen,
       toggleStatistics: () => this.#panels.toggleStatistics(),

@@ -35,6 +35,8 @@ export interface ActionSurroundings {
   changed(): void;
   /** The address that opens on what is shared; null where the page has none. */
   readonly link: ((shared: SharedView) => string) | null;
+  /** Draw a box to crop the scene to, or be done with it; null where the page has no such tool. */
+  readonly toggleCrop: (() => void) | null;
 }
 
 export class PlayerActions {

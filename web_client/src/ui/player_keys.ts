@@ -96,6 +96,8 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
   if (actions.surroundings.link) {
     rest.splice(1, 0, { keys: ["c"], does: "Copy a link to this picture", action: () => void actions.copyLink() });
   }
+  const { toggleCrop } = actions.surroundings;
+  if (toggleCrop) rest.splice(1, 0, { keys: ["v"], does: "Crop the scene, or be done with it", action: toggleCrop });
   return [
     { name: "Playing", bindings: playing },
     { name: "Repeating and bookmarks", bindings: marking },

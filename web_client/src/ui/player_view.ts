@@ -190,6 +190,7 @@ export class PlayerView {
       button: this.#settings,
       keys: this.#keys,
       link: page?.link,
+      crop: page?.crop,
       toggleFullscreen: () => this.toggleFullscreen(),
       fail: (text) => this.fail(text),
       marked: () => this.#transport?.timeline.mark(),

@@ -1,7 +1,13 @@
 /** What a player with controls is made from. */
 
+import type { HgsPlayer } from "../player/hgs_player";
 import type { HgsPlayerOptions } from "../player/hgs_player_events";
 import type { SharedView } from "./shared_view";
+
+/** Something of a page's own over the picture. */
+export interface PageTool {
+  toggle(): void;
+}
 
 /** What a page that is a player alone adds. */
 export interface WholePage {
@@ -13,6 +19,8 @@ export interface WholePage {
   link?(shared: SharedView): string;
   /** The bookmarks have changed, seconds; the page may keep them in its address. */
   keep?(bookmarks: readonly number[]): void;
+  /** Loads the tool that crops the scene, inside all of the player, `root`; left out where there is none. */
+  crop?(player: HgsPlayer, root: HTMLElement): Promise<PageTool>;
 }
 
 export interface PlayerViewOptions extends HgsPlayerOptions {

@@ -60,6 +60,7 @@ export class SettingsMenu {
     this.#clear = command("Clear the repeated stretch (X)", () => actions.clearLoop());
     const { moves } = actions;
     const link = actions.surroundings.link !== null;
+    const { toggleCrop } = actions.surroundings;
     this.node.append(
       row("Quality", this.#quality),
       ...(camera.names.length > 0 ? [row("Camera", this.#camera)] : []),
@@ -83,6 +84,7 @@ export class SettingsMenu {
         : []),
       group(
         ...(link ? [command("Copy link (C)", () => this.#close(() => actions.copyLink()))] : []),
+        ...(toggleCrop ? [command("Crop (V)", () => this.#close(toggleCrop))] : []),
         command("Save picture (P)", () => this.#close(() => actions.savePicture())),
         command("Keys and gestures (?)", () => this.#close(() => view.showHelp())),
       ),

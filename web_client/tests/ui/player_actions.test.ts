@@ -37,6 +37,7 @@ describe("a scene from 1 to 11 seconds", () => {
       fail,
       changed: () => {},
       link: ({ time }) => `https://a.example/?t=${time}`,
+      toggleCrop: null,
     });
   });
 

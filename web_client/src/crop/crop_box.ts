@@ -1,0 +1,155 @@
+/** A box in the world that stands upright in a scene: its faces, its corners, and how `hgs edit` is told of it. */
+
+import {
+  add,
+  cross,
+  dot,
+  fromRows,
+  length,
+  type Mat3,
+  normalise,
+  rotateAbout,
+  row,
+  scale,
+  subtract,
+  type Vec3,
+} from "../camera/vector";
+
+export interface CropBox {
+  /** World units. */
+  readonly center: Vec3;
+  /** Whole sides along its own axes: width, height, depth; above 0. */
+  readonly size: Vec3;
+  /** Its axes in the world, as rows: to the right, downwards, and away. */
+  readonly axes: Mat3;
+}
+
+/** An axis of the box and the end of it at which a face lies. */
+export interface Face {
+  readonly axis: 0 | 1 | 2;
+  readonly end: 1 | -1;
+}
+
+export const FACES: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
+  { axis, end: 1 as const },
+  { axis, end: -1 as const },
+]);
+
+/** The smallest side, as a share of the largest: a face cannot be drawn through the other. */
+const THINNEST = 0.01;
+
+/** A box of equal sides that stands upright and looks the way that somebody looks. */
+export function uprightBox(center: Vec3, side: number, up: Vec3, ahead: Vec3): CropBox {
+  const down = scale(normalise(up), -1);
+  const across = cross(down, normalise(ahead));
+  const some = Math.abs(down[0]) < 0.9 ? ([1, 0, 0] as const) : ([0, 0, 1] as const); // who looks up or down looks nowhere
+  const right = normalise(length(across) > 1e-6 ? across : cross(down, some));
+  return { center, size: [side, side, side], axes: fromRows(right, down, cross(right, down)) };
+}
+
+export const outwards = (box: CropBox, { axis, end }: Face): Vec3 => scale(row(box.axes, axis), end);
+
+export const middleOf = (box: CropBox, face: Face): Vec3 =>
+  add(box.center, scale(outwards(box, face), box.size[face.axis] / 2));
+
+/** The eight corners: bit i of a corner's number tells at which end of axis i it is. */
+export function corners(box: CropBox): Vec3[] {
+  return Array.from({ length: 8 }, (_, number) => {
+    let corner = box.center;
+    for (const axis of [0, 1, 2] as const) {
+      const end = (number >> axis) & 1 ? 0.5 : -0.5;
+      corner = add(corner, scale(row(box.axes, axis), end * box.size[axis]));
+    }
+    return corner;
+  });
+}
+
+/** The twelve edges as pairs of corners, each with the two faces that meet there. */
+export const EDGES: readonly { readonly ends: readonly [number, number]; readonly faces: readonly [Face, Face] }[] = (
+  [0, 1, 2] as const
+).flatMap((along) => {
+  const [a, b] = ([0, 1, 2] as const).filter((axis) => axis !== along) as [0 | 1 | 2, 0 | 1 | 2];
+  return [0, 1, 2, 3].map((k) => {
+    const [i, j] = [k & 1, k >> 1];
+    const from = (i << a) | (j << b);
+    const faces = [
+      { axis: a, end: i ? 1 : -1 },
+      { axis: b, end: j ? 1 : -1 },
+    ] as const;
+    return { ends: [from, from | (1 << along)] as const, faces };
+  });
+});
+
+/** Whether an eye sees the outside of a face. */
+export const faces = (box: CropBox, face: Face, eye: Vec3): boolean =>
+  dot(subtract(eye, middleOf(box, face)), outwards(box, face)) > 0;
+
+/** How nearly a face's direction points at the eye before its handle cannot be dragged: the sine of the angle. */
+const END_ON = 0.16;
+
+/** Whether a face is seen so straight that moving it in or out would not show. */
+export function seenEndOn(box: CropBox, face: Face, eye: Vec3): boolean {
+  const ray = normalise(subtract(eye, middleOf(box, face)));
+  return length(cross(ray, outwards(box, face))) < END_ON;
+}
+
+/** The box with one face moved outwards; the opposite one stays. */
+export function withFaceMoved(box: CropBox, face: Face, by: number): CropBox {
+  const smallest = THINNEST * Math.max(...box.size);
+  const moved = Math.max(by, smallest - box.size[face.axis]);
+  const size = box.size.map((side, axis) => (axis === face.axis ? side + moved : side)) as unknown as Vec3;
+  return { ...box, size, center: add(box.center, scale(outwards(box, face), moved / 2)) };
+}
+
+/** The box turned about its upright axis, radians, counter-clockwise seen from above. */
+export function turned(box: CropBox, angle: number): CropBox {
+  const up = scale(row(box.axes, 1), -1);
+  const [x, y, z] = ([0, 1, 2] as const).map((axis) => rotateAbout(row(box.axes, axis), up, angle)) as [
+    Vec3,
+    Vec3,
+    Vec3,
+  ];
+  return { ...box, axes: fromRows(x, y, z) };
+}
+
+/** The unit quaternion w, x, y, z, with w at least 0, that takes the box's axes to the world's: its axes are columns. */
+export function quaternionOf({ axes }: CropBox): readonly [number, number, number, number] {
+  const at = (column: 0 | 1 | 2, line: 0 | 1 | 2) => axes[3 * column + line] as number;
+  const squares = [
+    1 + at(0, 0) + at(1, 1) + at(2, 2),
+    1 + at(0, 0) - at(1, 1) - at(2, 2),
+    1 - at(0, 0) + at(1, 1) - at(2, 2),
+    1 - at(0, 0) - at(1, 1) + at(2, 2),
+  ];
+  const most = squares.indexOf(Math.max(...squares)); // the largest part, by which the others are told
+  const [wx, wy, wz] = [at(1, 2) - at(2, 1), at(2, 0) - at(0, 2), at(0, 1) - at(1, 0)];
+  const [xy, xz, yz] = [at(0, 1) + at(1, 0), at(0, 2) + at(2, 0), at(1, 2) + at(2, 1)];
+  const rows = [
+    [squares[0], wx, wy, wz],
+    [wx, squares[1], xy, xz],
+    [wy, xy, squares[2], yz],
+    [wz, xz, yz, squares[3]],
+  ] as [number, number, number, number][];
+  const found = rows[most] as [number, number, number, number];
+  const size = Math.hypot(...found) * (found[0] < 0 ? -1 : 1);
+  return found.map((part) => part / size) as unknown as [number, number, number, number];
+}
+
+/** What `hgs edit` is to do. */
+export interface CropWish {
+  readonly box: CropBox;
+  /** Whether what is outside is kept. */
+  readonly inverse: boolean;
+  /** Seconds of the scene's clock; null for all of it. */
+  readonly trim: readonly [number, number] | null;
+}
+
+/** The command line that crops a run so. */
+export function commandFor({ box, inverse, trim }: CropWish): string {
+  const precise = (value: number) => String(Number(value.toPrecision(5)));
+  const numbers = [...box.center, ...box.size, ...quaternionOf(box)].map(precise);
+  const options = [`--box=${numbers.join(",")}`];
+  if (inverse) options.push("--inverse");
+  if (trim) options.push(`--trim=${trim.map((time) => String(Number(time.toFixed(3)))).join(",")}`);
+  return `hgs edit RUN --out NEW ${options.join(" ")}`;
+}

@@ -1,0 +1,137 @@
+/** The numbers of a box, what is kept of it, and the command line for it. */
+
+import { element, icon, setText } from "../ui/element";
+import { formatTime } from "../ui/format";
+import { CLOSE } from "../ui/icons";
+import type { CropBox, CropWish } from "./crop_box";
+import { commandFor } from "./crop_box";
+
+const SIDES = ["Width", "Height", "Depth"] as const;
+const PLACES = ["X", "Y", "Z"] as const;
+
+export interface CropPanelEvents {
+  /** A number of the box was typed. */
+  changed(box: CropBox): void;
+  inverted(inverse: boolean): void;
+  /** Back to the first box. */
+  reset(): void;
+  close(): void;
+}
+
+export class CropPanel {
+  readonly node: HTMLElement;
+  readonly #size = SIDES.map((name) => number(name));
+  readonly #center = PLACES.map((name) => number(name));
+  readonly #kept: readonly HTMLButtonElement[];
+  readonly #command = element("code", { class: "crop-command", tabindex: 0 });
+  readonly #trim = element("p", { class: "crop-note", hidden: true });
+  readonly #copy = element("button", { type: "button", class: "crop-copy" }, "Copy the command");
+  readonly #numbers = element(
+    "details",
+    { class: "crop-numbers" },
+    element("summary", {}, "Numbers and command"),
+    element("div", { class: "crop-fields" }, ...this.#size.map(({ label }) => label)),
+    element("div", { class: "crop-fields" }, ...this.#center.map(({ label }) => label)),
+    this.#command,
+  );
+  #box: CropBox | null = null;
+
+  constructor(events: CropPanelEvents) {
+    const close = element("button", {
+      type: "button",
+      class: "round",
+      title: "Close (V)",
+      "aria-label": "Close",
+      onclick: () => events.close(),
+    });
+    close.append(icon(CLOSE));
+    this.#kept = [false, true].map((inverse) =>
+      element(
+        "button",
+        { type: "button", class: "crop-choice", onclick: () => events.inverted(inverse) },
+        inverse ? "Keep outside" : "Keep inside",
+      ),
+    );
+    const reset = element("button", { type: "button", class: "crop-reset", onclick: () => events.reset() }, "Reset");
+    this.#copy.addEventListener("click", () => void this.#copyCommand());
+    for (const [fields, name] of [
+      [this.#size, "size"],
+      [this.#center, "center"],
+    ] as const) {
+      fields.forEach(({ input }, axis) => {
+        input.addEventListener("change", () => this.#typed(name, axis, input, events));
+      });
+    }
+    this.node = element(
+      "section",
+      { class: "crop-panel", "aria-label": "Crop" },
+      element("header", { class: "crop-head" }, element("h2", {}, "Crop"), reset, close),
+      element("div", { class: "crop-choices", role: "group", "aria-label": "What is kept" }, ...this.#kept),
+      this.#numbers,
+      this.#trim,
+      this.#copy,
+    );
+    this.node.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") events.close();
+      if (event.target instanceof HTMLInputElement || event.key === "Escape") event.stopPropagation();
+    });
+  }
+
+  /** Whether numbers are put away. */
+  set compact(compact: boolean) {
+    this.#numbers.open = !compact;
+  }
+
+  /** Show what is drawn; `start` is the scene's, seconds. */
+  show(wish: CropWish, start: number): void {
+    this.#box = wish.box;
+    const root = this.node.getRootNode() as ShadowRoot;
+    for (const [fields, values] of [
+      [this.#size, wish.box.size],
+      [this.#center, wish.box.center],
+    ] as const) {
+      fields.forEach(({ input }, axis) => {
+        if (root.activeElement !== input) input.value = String(Number((values[axis] as number).toPrecision(4)));
+      });
+    }
+    this.#kept.forEach((button, i) => {
+      button.setAttribute("aria-pressed", String(wish.inverse === (i === 1)));
+    });
+    this.#trim.hidden = wish.trim === null;
+    if (wish.trim) {
+      const [from, to] = wish.trim.map((time) => formatTime(time - start));
+      setText(this.#trim, `Trimmed to the repeated stretch, ${from} to ${to}`);
+    }
+    const command = commandFor(wish);
+    if (this.#command.textContent !== command) setText(this.#copy, "Copy the command");
+    setText(this.#command, command);
+  }
+
+  #typed(name: "size" | "center", axis: number, input: HTMLInputElement, events: CropPanelEvents): void {
+    const box = this.#box;
+    const value = input.valueAsNumber;
+    if (!box) return;
+    if (!Number.isFinite(value) || (name === "size" && value <= 0)) {
+      input.value = String(Number((box[name][axis] as number).toPrecision(4)));
+      return;
+    }
+    events.changed({ ...box, [name]: box[name].map((given, i) => (i === axis ? value : given)) });
+  }
+
+  async #copyCommand(): Promise<void> {
+    try {
+      await navigator.clipboard.writeText(this.#command.textContent ?? "");
+      setText(this.#copy, "Copied");
+    } catch {
+      // As on http without a certificate: the text is marked, so that a key copies it.
+      getSelection()?.selectAllChildren(this.#command);
+      this.#command.focus();
+      setText(this.#copy, "Marked: copy it with Ctrl + C");
+    }
+  }
+}
+
+function number(name: string): { readonly label: HTMLElement; readonly input: HTMLInputElement } {
+  const input = element("input", { type: "number", step: "any", inputmode: "decimal" });
+  return { label: element("label", { class: "crop-field" }, element("span", {}, name), input), input };
+}

@@ -1,0 +1,142 @@
+/** Drawing a box around what is to be kept of a scene, over its picture; `hgs edit` crops to it. */
+
+import { project } from "../camera/pinhole";
+import { row } from "../camera/vector";
+import type { HgsPlayer } from "../player/hgs_player";
+import { adoptStyle } from "../ui/player_style";
+import css from "./crop.css?inline";
+import { type CropBox, uprightBox } from "./crop_box";
+import { dragged, type Handle } from "./crop_drag";
+import { CropDrawing } from "./crop_drawing";
+import { CropPanel } from "./crop_panel";
+import { cropViewOf, type Pixel } from "./crop_view";
+
+/** Side of the first box, as a share of the smaller side of the picture where it stands. */
+const FIRST_SIDE = 0.36;
+
+/** CSS pixels of a player below which the panel covers no more of the picture than it must. */
+const NARROW = 620;
+
+export class CropTool {
+  readonly #drawing: CropDrawing;
+  readonly #panel: CropPanel;
+  #box: CropBox | null = null;
+  #inverse = false;
+  #frame = 0; // 0 while none is asked for
+
+  /** @param root all of the player, in its shadow root. */
+  constructor(
+    readonly player: HgsPlayer,
+    readonly root: HTMLElement,
+  ) {
+    adoptStyle(root.getRootNode() as ShadowRoot, css);
+    const signal = player.disposed;
+    this.#drawing = new CropDrawing((handle, event, group) => this.#grab(handle, event, group), signal);
+    this.#panel = new CropPanel({
+      changed: (box) => this.#change(box),
+      inverted: (inverse) => {
+        this.#inverse = inverse;
+        this.#draw();
+      },
+      reset: () => this.#change(this.#firstBox()),
+      close: () => this.toggle(),
+    });
+    player.addEventListener("loadstart", () => this.#forget(), { signal });
+    for (const type of ["viewchange", "timeupdate"] as const) {
+      player.addEventListener(type, () => this.#drawSoon(), { signal });
+    }
+    const sizes = new ResizeObserver(() => this.#drawSoon());
+    sizes.observe(root);
+    signal.addEventListener("abort", () => sizes.disconnect());
+  }
+
+  /** Whether the box is shown. */
+  get active(): boolean {
+    return this.#panel.node.isConnected;
+  }
+
+  toggle(): void {
+    if (this.active) {
+      this.#drawing.node.remove();
+      this.#panel.node.remove();
+      this.root.querySelector<HTMLElement>(".stage")?.focus({ preventScroll: true });
+      return;
+    }
+    this.#box ??= this.#firstBox();
+    if (!this.#box) return;
+    this.root.querySelector(".stage")?.after(this.#drawing.node);
+    this.root.append(this.#panel.node);
+    this.#panel.compact = this.root.clientWidth < NARROW;
+    this.#draw();
+  }
+
+  /** In the middle of what the cameras look at, all of it in the picture; null without a scene. */
+  #firstBox(): CropBox | null {
+    const { manifest } = this.player;
+    const view = this.#view();
+    if (!manifest || !view) return null;
+    const { center, extent, up } = manifest;
+    const { width, height, fx, near } = view.camera;
+    const depth = project(center, view.pose, view.camera)[2];
+    const side = (FIRST_SIDE * Math.min(width, height) * (depth > near ? depth : extent)) / fx;
+    return uprightBox(center, side, up, row(view.pose.rotation, 2));
+  }
+
+  /** Another scene has another world. */
+  #forget(): void {
+    if (this.active) this.toggle();
+    this.#box = null;
+  }
+
+  #change(box: CropBox | null): void {
+    if (box) this.#box = box;
+    this.#draw();
+  }
+
+  #grab(handle: Handle, event: PointerEvent, group: SVGElement): void {
+    const view = this.#view();
+    const box = this.#box;
+    if (!view || !box || event.button !== 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    group.setPointerCapture(event.pointerId);
+    group.classList.add("crop-held");
+    const { left, top } = this.root.getBoundingClientRect();
+    const at = ({ clientX, clientY }: PointerEvent): Pixel => [clientX - left, clientY - top];
+    const from = at(event);
+    const held = new AbortController();
+    const { signal } = held;
+    group.addEventListener(
+      "pointermove",
+      (moved) => this.#change(dragged(handle, box, from, at(moved as PointerEvent), view)),
+      { signal },
+    );
+    const release = () => {
+      held.abort();
+      group.classList.remove("crop-held");
+    };
+    for (const type of ["pointerup", "pointercancel", "lostpointercapture"]) {
+      group.addEventListener(type, release, { signal });
+    }
+  }
+
+  #view() {
+    return cropViewOf(this.player, this.root.getBoundingClientRect());
+  }
+
+  #drawSoon(): void {
+    if (!this.active || this.#frame) return;
+    this.#frame = requestAnimationFrame(() => {
+      this.#frame = 0;
+      this.#draw();
+    });
+  }
+
+  #draw(): void {
+    const view = this.#view();
+    if (!this.active || !view || !this.#box) return;
+    this.#drawing.show(this.#box, this.#inverse, view);
+    const wish = { box: this.#box, inverse: this.#inverse, trim: this.player.loopRange };
+    this.#panel.show(wish, this.player.start);
+  }
+}
