@@ -23,7 +23,7 @@ from jobs.training_queue import enqueue, workflow_id
 if TYPE_CHECKING:
     from hgs_core.runs.config import RunConfig
 
-__all__ = ["MAX_TITLE", "JobClient", "JobConflictError", "JobRequest"]
+__all__ = ["MAX_TITLE", "JobClient", "JobConflictError", "JobRequest", "readable_id"]
 
 MAX_TITLE = 200  # characters
 _MAX_PATH = 4096  # characters, as Linux
@@ -85,7 +85,7 @@ class JobClient:
         capture = request.capture.expanduser().resolve()
         require_storable("capture", str(capture), _MAX_PATH)  # a symbolic link may lead to any name
         title = request.title.strip() or _one_line(capture.name)[:MAX_TITLE]
-        job_id = _new_id(title)
+        job_id = readable_id(title, "job")
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
         try:
@@ -175,7 +175,7 @@ def _one_line(text: str) -> str:
     return "".join(" " if unicodedata.category(one) in ("Cc", "Zl", "Zp") else one for one in text)
 
 
-def _new_id(title: str) -> str:
-    """Return a readable, unique id that is safe in URLs and file names, such as "studio-1f9c03ab"."""
+def readable_id(title: str, otherwise: str) -> str:
+    """Return a unique id that is safe in URLs and file names, such as "studio-1f9c03ab", or that of `otherwise`."""
     slug = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:40].strip("-")
-    return f"{slug or 'job'}-{secrets.token_hex(4)}"
+    return f"{slug or otherwise}-{secrets.token_hex(4)}"

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import asyncio
+import dataclasses
+import logging
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI
+from starlette.concurrency import run_in_threadpool
 from starlette.middleware.cors import CORSMiddleware
 
 from jobs.artifacts import ArtifactStore
@@ -15,20 +19,28 @@ from jobs.home import Home
 from server.allowed_hosts import AllowedHosts, HostCheck
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
-from server.problems import install_problem_handlers
+from server.problems import ProblemError, install_problem_handlers
+from server.routes import capture_checks, chunks, health, job_runs, jobs, scenes, stream, upload_files
 from server.routes import captures as capture_routes
-from server.routes import chunks, health, job_runs, jobs, scenes, stream
+from server.routes import uploads as upload_routes
 from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
+from server.uploads.limits import UploadLimits
+from server.uploads.uploads import Uploads
 from server.viewer import VIEWER, viewer_router
 
 __all__ = ["create_app"]
+
+SWEEP_SECONDS = 600.0  # between two looks for uploads that nobody goes on with
+
+log = logging.getLogger("hgs.server")
 
 
 def create_app(
     home: Home,
     *,
     captures: CaptureFolders | None = None,
+    uploads: UploadLimits | None = None,
     origins: Iterable[str] = (),
     hosts: AllowedHosts | None = None,
     job_client: Jobs | None = None,
@@ -37,24 +49,32 @@ def create_app(
 ) -> FastAPI:
     """Return the application that serves `home`; creates the home and its tables where they are missing.
 
-    `captures` are the folders that jobs may read, `origins` the pages of other hosts that may read scenes and chunks
-    (`*` for all), `hosts` the names that the server answers to, by default localhost alone. The queue, the store and
-    the folder of the built viewer can be replaced, as tests do.
+    `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
+    hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
+    localhost alone. The queue, the store and the folder of the built viewer can be replaced, as tests do.
     """
     store = artifacts or ArtifactStore(home.store_url)
+    received = Uploads(home.folder / "uploads", uploads)
     service = Service(
         home=home,
         jobs=job_client or JobClient(home),
         artifacts=store,
         chunks=ChunkCache(store.chunk),
-        captures=captures or CaptureFolders.configured(home.folder),
+        captures=dataclasses.replace(
+            captures or CaptureFolders.configured(home.folder), uploaded=received.captures.resolve()
+        ),
+        uploads=received,
         origins=frozenset(origins),
     )
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        sweeping = asyncio.create_task(_sweep(received))
         yield
         service.stopping.set()
+        sweeping.cancel()
+        await service.capture_checks.close()
+        received.close()
         service.jobs.close()
 
     app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
@@ -71,7 +91,19 @@ def create_app(
         )
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
-    for module in (health, capture_routes, jobs, job_runs, scenes, chunks, stream):
+    for module in (
+        health, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, scenes, chunks, stream,
+    ):  # fmt: skip
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))
     return app
+
+
+async def _sweep(uploads: Uploads) -> None:
+    """Delete uploads that nobody goes on with, now and then."""
+    while True:
+        try:
+            await run_in_threadpool(uploads.sweep)
+        except (OSError, ProblemError) as error:
+            log.warning("uploads cannot be looked after: %s", error)
+        await asyncio.sleep(SWEEP_SECONDS)

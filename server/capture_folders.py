@@ -15,12 +15,16 @@ __all__ = ["CaptureFolders"]
 
 SETTING = "HGS_CAPTURES"
 
+_MOST_ENTRIES = 500_000  # of one capture that are looked at for links
+_DEEPEST = 6  # folders below a capture; its readers look into three, and into a few deeper ones by name
+
 
 @dataclass(frozen=True)
 class CaptureFolders:
     """The folders, absolute and with symbolic links resolved, in the order in which relative paths are looked up."""
 
     folders: tuple[Path, ...]
+    uploaded: Path | None = None  # where uploads become captures; looked up last
 
     @classmethod
     def configured(cls, home: Path, given: str = "", environment: Mapping[str, str] = os.environ) -> Self:
@@ -34,16 +38,26 @@ class CaptureFolders:
             listed = [home / "captures"] + ([samples] if samples.is_dir() else [])
         return cls(tuple(folder.expanduser().resolve() for folder in listed))
 
+    @property
+    def readable(self) -> tuple[Path, ...]:
+        """All folders that captures may lie in."""
+        return self.folders if self.uploaded is None else (*self.folders, self.uploaded)
+
+    def allows(self, path: Path) -> bool:
+        """Return whether a path without links lies in one of the folders."""
+        return any(path.is_relative_to(folder) for folder in self.readable)
+
     def locate(self, capture: str) -> Path:
         """Return the absolute path of a capture named by a client.
 
         Raises:
-            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
+            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too, or a symbolic link
+                inside the capture leads out of them.
             InputError: there is nothing at the path.
         """
         try:
-            candidates = [(folder / capture).resolve() for folder in self.folders]
-            inside = [path for path in candidates if any(path.is_relative_to(folder) for folder in self.folders)]
+            candidates = [(folder / capture).resolve() for folder in self.readable]
+            inside = [path for path in candidates if self.allows(path)]
             found = next((path for path in inside if path.is_dir()), None)
         except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, no text of the file system
             raise InputError("capture", f"{capture[:80]!r} is not a path") from error
@@ -56,4 +70,34 @@ class CaptureFolders:
             )
         if found is None:
             raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
+        self._require_inner_links(found)
         return found
+
+    def _require_inner_links(self, capture: Path) -> None:
+        """Refuse links that lead out: whoever may write into a capture must not read what else the server can."""
+        waiting, looked_at = [(capture, 0)], 0
+        while waiting:
+            folder, depth = waiting.pop()
+            for entry in _entries(folder):
+                looked_at += 1
+                if looked_at > _MOST_ENTRIES:
+                    raise InputError("capture", f"{capture.name!r} has more than {_MOST_ENTRIES:,} files and folders")
+                if entry.is_symlink() and not self.allows(Path(os.path.realpath(entry.path))):
+                    link = Path(entry.path).relative_to(capture)
+                    raise ProblemError(
+                        403,
+                        "capture-outside",
+                        f"capture {capture.name!r}: {str(link)!r} is a link that leads outside the folders that the "
+                        f"server may read; put the file itself there, or add its folder to {SETTING}",
+                        field="capture",
+                    )
+                if entry.is_dir() and depth < _DEEPEST:
+                    waiting.append((Path(entry.path), depth + 1))
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return list(entries)
+    except OSError:
+        return []  # opening the capture says why

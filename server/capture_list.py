@@ -18,6 +18,7 @@ from hgs_core.base.storable_text import is_storable
 from hgs_core.capture.cameras.rig import CameraFormat
 from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
 from hgs_core.capture.layout import calibration, outline
+from hgs_core.capture.open import open_capture
 from hgs_core.capture.video import announced_length
 from server.capture_folders import CaptureFolders
 from server.encodable import encodable
@@ -28,6 +29,7 @@ _DEEPEST = 3  # folders below one that the server may read
 _MOST_FOLDERS = 2000  # that one look goes into
 _MOST_CAPTURES = 300
 _MOST_FILES = 20_000  # of one folder; its name alone says what a capture is
+_UNREADABLE = "the capture cannot be read; the server's log says more"
 _LARGEST_TABLE = 64 << 20  # bytes of a JSON file that is read for its cameras
 
 log = logging.getLogger("hgs.server")
@@ -43,7 +45,7 @@ class _Folder:
 
 @dataclass(frozen=True)
 class _Capture:
-    """A folder with a file of cameras, or with videos whose poses a job can find."""
+    """A folder with a file of cameras, or with videos whose poses a job can find, or an upload with neither."""
 
     files: dict[str, tuple[int, int]]
     cameras: tuple[CameraFormat, Path] | None = None
@@ -83,24 +85,37 @@ class CaptureList:
         """Yield the captures in order; None last where a bound is met."""
         seen: set[Path] = set()
         for root in self.folders.folders:
-            waiting = [(root, 0)]
-            while waiting:
-                path, depth = waiting.pop()
-                if path in seen:
-                    continue
-                seen.add(path)
-                if len(seen) > _MOST_FOLDERS:
-                    yield "", path, None
-                    return
-                found = _look(path)
-                if found is None:
-                    continue
-                capture = _capture(path, found)
-                if capture is not None:
-                    yield path.relative_to(root).as_posix() if path != root else root.name, path, capture
-                elif depth < _DEEPEST:
-                    inside = (self._inside(path / name) for name in sorted(found.folders, reverse=True))
-                    waiting += [(below, depth + 1) for below in inside if below is not None]
+            yield from self._below(root, 0, root, seen)
+        uploaded = self.folders.uploaded
+        uploads = None if uploaded is None else _look(uploaded)
+        if uploaded is None or uploads is None:
+            return
+        for name in sorted(uploads.folders):
+            found = list(self._below(uploaded / name, 1, uploaded, seen))
+            yield from found or [(name, uploaded / name, _Capture({}))]
+
+    def _below(
+        self, start: Path, start_depth: int, root: Path, seen: set[Path]
+    ) -> Iterator[tuple[str, Path, _Capture | None]]:
+        """Yield the captures in a folder, the folder itself among them, by their paths below `root`."""
+        waiting = [(start, start_depth)]
+        while waiting:
+            path, depth = waiting.pop()
+            if path in seen:
+                continue
+            seen.add(path)
+            if len(seen) > _MOST_FOLDERS:
+                yield "", path, None
+                return
+            found = _look(path)
+            if found is None:
+                continue
+            capture = _capture(path, found)
+            if capture is not None:
+                yield path.relative_to(root).as_posix() if path != root else root.name, path, capture
+            elif depth < _DEEPEST:
+                inside = (self._inside(path / name) for name in sorted(found.folders, reverse=True))
+                waiting += [(below, depth + 1) for below in inside if below is not None]
 
     def _inside(self, path: Path) -> Path | None:
         """Return a folder as a job would name it, or None if a link leads out of what the server may read."""
@@ -108,8 +123,7 @@ class CaptureList:
             resolved = path.resolve()
         except (OSError, RuntimeError):
             return None
-        allowed = any(resolved.is_relative_to(folder) for folder in self.folders.folders)
-        return path if allowed and is_storable(str(path)) else None
+        return path if self.folders.allows(resolved) and is_storable(str(path)) else None
 
 
 def _look(path: Path) -> _Folder | None:
@@ -148,7 +162,7 @@ def _capture(path: Path, found: _Folder) -> _Capture | None:
 
 def _described(path: Path, found: _Capture) -> dict[str, Any]:
     if found.cameras is None:
-        return _described_videos(path, found.videos)
+        return _described_videos(path, found.videos) if found.videos else _described_upload(path)
     camera_format, file = found.cameras
     description: dict[str, Any] = {"layout": camera_format.name, "cameras": [], "frames": None, "seconds": None}
     try:
@@ -160,7 +174,7 @@ def _described(path: Path, found: _Capture) -> dict[str, Any]:
         return description | {"problem": " ".join(str(error).split())}
     except Exception:  # whatever a damaged file brings about: the others are there
         log.exception("capture %s cannot be described", path)
-        return description | {"problem": "the capture cannot be read; the server's log says more"}
+        return description | {"problem": _UNREADABLE}
     return description | {
         "cameras": list(told.cameras), "frames": told.frames, "seconds": told.seconds, "problem": None,
     }  # fmt: skip
@@ -176,3 +190,15 @@ def _described_videos(path: Path, videos: tuple[str, ...]) -> dict[str, Any]:
         "frames": frames, "seconds": frames / rate if frames is not None and rate is not None else None,
         "problem": None,
     }  # fmt: skip
+
+
+def _described_upload(path: Path) -> dict[str, Any]:
+    """Say what is missing in an upload that is no capture."""
+    problem = _UNREADABLE
+    try:
+        open_capture(path)
+    except InputError as error:
+        problem = " ".join(str(error).split())
+    except Exception:  # whatever a damaged file brings about: the others are there
+        log.exception("upload %s cannot be described", path)
+    return {"layout": None, "cameras": [], "frames": None, "seconds": None, "problem": problem}

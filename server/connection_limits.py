@@ -27,7 +27,7 @@ class ConnectionLimits:
     per_address: int
     batch: int  # connections that are accepted together, before the first of them is looked at
     head_seconds: float = 10.0  # from a connection's start, or a later request's first byte, to the end of the headers
-    body_seconds: float = 20.0  # for the rest of a request
+    body_seconds: float = 20.0  # for the rest of a request, or 64 KiB of it
     idle_seconds: int = 15  # between two requests
     stall_seconds: float = 30.0  # for a client that takes nothing of its answer
 

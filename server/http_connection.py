@@ -15,7 +15,9 @@ from server.connection_limits import OpenConnections
 from server.problems import PROBLEM_JSON, ProblemError, problem_document
 from server.websocket_protocol import WebSocketProtocol
 
-__all__ = ["HttpConnection", "WebSocketConnection"]
+__all__ = ["BODY_BYTES", "HttpConnection", "WebSocketConnection"]
+
+BODY_BYTES = 64 << 10  # of a body that is not complete, within `body_seconds`: as much as all but uploads may have
 
 
 class HttpConnection(H11Protocol):
@@ -37,6 +39,8 @@ class HttpConnection(H11Protocol):
         self._open = cast(OpenConnections, server_state)
         self._awaited: object | None = None  # IDLE: the headers, SEND_BODY: the body, None: neither
         self._request_timer: asyncio.TimerHandle | None = None
+        self._received = 0  # bytes, in all
+        self._received_before = 0  # when the timer of a body was set
         self._drain_timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
@@ -50,6 +54,7 @@ class HttpConnection(H11Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Take bytes of a request."""
+        self._received += len(data)
         super().data_received(data)
         if self.transport.get_protocol() is self:
             self._look()
@@ -123,9 +128,16 @@ class HttpConnection(H11Protocol):
             limits = self._open.limits
             seconds = limits.head_seconds if part is h11.IDLE else limits.body_seconds
             self._request_timer = self.loop.call_later(seconds, self._give_up)
+            self._received_before = self._received
             self._open.waits(self)
 
     def _give_up(self) -> None:
+        """End the connection, unless a long body comes as fast as it has to and is still wanted."""
+        came = self._received - self._received_before
+        if self._awaited is h11.SEND_BODY and self.conn.our_state is h11.SEND_RESPONSE and came >= BODY_BYTES:
+            self._awaited = None
+            self._look()
+            return
         if self._awaited is h11.IDLE and not self.conn.trailing_data[0]:
             self.drop()  # nothing was asked: browsers open connections in advance, too
         else:

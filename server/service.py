@@ -14,6 +14,7 @@ from jobs.artifacts import SCENE_ID, SceneEntry
 from jobs.client import JobRequest
 from jobs.home import Home
 from jobs.store import Job, JobState, Place
+from server.capture_checks import CaptureChecks
 from server.capture_folders import CaptureFolders
 from server.capture_list import CaptureList
 from server.chunk_cache import ChunkCache
@@ -21,6 +22,7 @@ from server.job_events import JobFollowers
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
 from server.scene_watchers import SceneWatchers
+from server.uploads.uploads import Uploads
 
 __all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
 
@@ -60,11 +62,13 @@ class Service:
     artifacts: Artifacts
     chunks: ChunkCache
     captures: CaptureFolders
+    uploads: Uploads
     origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     followers: JobFollowers = field(init=False)
     catalogue: SceneCatalogue = field(init=False)
     capture_list: CaptureList = field(init=False)
+    capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
 
     def __post_init__(self) -> None:

@@ -32,6 +32,11 @@ def add_parser(commands: Any) -> None:
         help="folders that jobs may read, separated as in PATH; default: HGS_CAPTURES, else captures/ in the home",
     )  # fmt: skip
     parser.add_argument(
+        "--uploads", metavar="LIMITS", default="",
+        help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,free=10G,"
+        "hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
+    )  # fmt: skip
+    parser.add_argument(
         "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
         help="a page of another host that may read scenes, e.g. https://example.org; * for all; may be repeated",
     )  # fmt: skip
@@ -61,6 +66,7 @@ def _run(options: argparse.Namespace) -> int:
     from server.log import configure_log
     from server.publishing import publish_run
     from server.serving import HttpServer, bind
+    from server.uploads.limits import UploadLimits
     from server.worker_processes import WorkerProcesses
 
     configure_log()
@@ -68,12 +74,15 @@ def _run(options: argparse.Namespace) -> int:
     limits = ConnectionLimits.for_files(open_file_limit(), options.connections_per_address)
     hosts = AllowedHosts.configured(options.host, options.hosts)
     home = Home.from_environment()
+    uploads = UploadLimits.configured(options.uploads)
     with bind(options.host, options.port) as listener:
         store = ArtifactStore(home.store_url)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         captures = CaptureFolders.configured(home.folder, options.captures)
-        app = create_app(home, captures=captures, origins=options.origins, hosts=hosts, artifacts=store)
+        app = create_app(
+            home, captures=captures, uploads=uploads, origins=options.origins, hosts=hosts, artifacts=store
+        )
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
         host = f"[{host}]" if ":" in host else host
         address = f"http://{host}:{listener.getsockname()[1]}"

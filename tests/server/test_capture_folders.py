@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 import os
 from pathlib import Path
 
@@ -79,3 +80,31 @@ def test_links_in_the_setting_are_resolved(tmp_path: Path) -> None:
     (tmp_path / "link").symlink_to(tmp_path / "real")
     configured = CaptureFolders.configured(tmp_path, str(tmp_path / "link"))
     assert configured.locate("studio") == tmp_path.resolve() / "real" / "studio"
+
+
+@pytest.mark.parametrize("link", ["cam00.mp4", "images/cam00", "sparse/0/cameras.bin"])
+def test_a_link_inside_a_capture_leads_out_no_more_than_the_capture_does(
+    folders: CaptureFolders, tmp_path: Path, link: str
+) -> None:
+    place = folders.folders[0] / "studio" / link
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.symlink_to(tmp_path / "second" / "garden")
+    assert folders.locate("studio") == folders.folders[0] / "studio"  # into a folder that may be read, too
+    place.unlink()
+    place.symlink_to(tmp_path / "other")
+    with pytest.raises(ProblemError, match=f"'{link}' is a link that leads outside .*HGS_CAPTURES") as caught:
+        folders.locate("studio")
+    assert (caught.value.status, caught.value.code) == (403, "capture-outside")
+
+
+def test_a_loop_of_links_inside_a_capture_ends(folders: CaptureFolders) -> None:
+    (folders.folders[0] / "studio" / "again").symlink_to(folders.folders[0] / "studio")
+    assert folders.locate("studio").is_dir()
+
+
+def test_uploaded_captures_are_looked_up_last(folders: CaptureFolders, tmp_path: Path) -> None:
+    for name in ("both", "sent"):
+        (tmp_path / "uploaded" / name).mkdir(parents=True)
+    both = dataclasses.replace(folders, uploaded=tmp_path.resolve() / "uploaded")
+    assert both.locate("both") == tmp_path.resolve() / "first" / "both"
+    assert both.locate("sent") == tmp_path.resolve() / "uploaded" / "sent"

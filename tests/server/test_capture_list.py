@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import shutil
 from pathlib import Path
@@ -146,3 +147,39 @@ def test_only_what_has_changed_is_read_again(
     (root / "b" / "2.png").touch()
     captures.describe()
     assert read == ["a", "b", "b"]
+
+
+@pytest.fixture
+def uploaded(captures: CaptureList, root: Path) -> Path:
+    """The folder of uploaded captures."""
+    folder = root.parent / "uploaded"
+    folder.mkdir()
+    captures.folders = dataclasses.replace(captures.folders, uploaded=folder.resolve())
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("files", "name", "layout", "problem"),
+    [
+        (["a.mp4", "b.mp4"], "studio", None, "2 videos but no file of the cameras' poses"),
+        (["a.jpg", "b.jpg", "c.jpg"], "studio", None, "3 pictures but no file"),
+        (["notes.txt"], "studio", None, "of no known layout"),
+        ([f"videos/{name}.mp4" for name in "abc"], "studio/videos", "videos without poses", "a.mp4"),
+    ],
+)
+def test_an_upload_that_is_no_capture_is_listed_with_what_is_missing(
+    captures: CaptureList, uploaded: Path, files: list[str], name: str, layout: str | None, problem: str
+) -> None:
+    for file in files:
+        (uploaded / "studio" / file).parent.mkdir(parents=True, exist_ok=True)
+        (uploaded / "studio" / file).touch()
+    (found,) = captures.describe()["captures"]
+    assert (found["name"], found["layout"]) == (name, layout)
+    assert problem in found["problem"]
+
+
+def test_the_capture_inside_an_upload_is_found(captures: CaptureList, uploaded: Path) -> None:
+    write_still(uploaded / "all" / "of" / "it", "1.png")
+    (found,) = captures.describe()["captures"]
+    assert (found["name"], found["problem"]) == ("all/of/it", None)
+    assert captures.describe()["folders"] == [{"path": str(captures.folders.folders[0]), "exists": True}]

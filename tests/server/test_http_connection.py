@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import base64
 import contextlib
 import dataclasses
+import hashlib
 import json
 import socket
 import subprocess
@@ -17,6 +19,7 @@ import httpx
 import pytest
 import websockets
 
+from server import http_connection
 from server.connection_limits import ConnectionLimits, OpenConnections
 from server.http_connection import WebSocketConnection
 from server.serving import HttpServer
@@ -142,6 +145,38 @@ def test_body_that_does_not_come_is_answered_with_408(server: Any, sent: str, ca
 
     asyncio.run(scenario())
     assert caplog.records == []
+
+
+@pytest.mark.parametrize("fast", [True, False])
+def test_a_long_body_has_time_as_long_as_it_comes_fast_enough(
+    server: Any, fast: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`fast` or not is set by what is asked of it, not by the clock; the body takes many of its spans of time."""
+    monkeypatch.setattr(http_connection, "BODY_BYTES", 0 if fast else 1 << 30)
+    size = 1 << 20
+    upload = server.request("POST", "/v1/uploads", json={"name": "a", "files": 1, "bytes": size}).json()["id"]
+    metadata = "path YQ==,sha256 " + base64.b64encode(hashlib.sha256(bytes(size)).hexdigest().encode()).decode()
+    head = (
+        f"POST /v1/uploads/{upload}/files HTTP/1.1\r\nHost: localhost\r\nTus-Resumable: 1.0.0\r\n"
+        f"Upload-Length: {size}\r\nUpload-Metadata: {metadata}\r\nContent-Length: {size}\r\n"
+        "Content-Type: application/offset+octet-stream\r\n\r\n"
+    )
+
+    async def scenario() -> int:
+        async with connections(server, body_seconds=0.3) as (_, connect):
+            client = await connect()
+            await client.send(head)
+            answer = asyncio.create_task(client.answer())
+            with contextlib.suppress(ConnectionError):
+                for _ in range(64):
+                    await client.send("\0" * (size // 64))
+                    await asyncio.sleep(0.02)
+            return (await answer)[0]
+
+    try:
+        assert asyncio.run(scenario()) == (201 if fast else 408)
+    finally:
+        server.app.state.service.uploads.close()
 
 
 def test_rest_of_a_body_that_was_refused_is_not_waited_for(server: Any) -> None:

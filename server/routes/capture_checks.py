@@ -1,0 +1,53 @@
+"""`/v1/captures/check`: the check of a capture before there is a job (docs/upload.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field, StrictStr
+from starlette.concurrency import run_in_threadpool
+
+from hgs_core.base.errors import InputError
+from server.problems import ProblemError
+from server.request_body import read_json
+from server.service import Service, ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/captures/check")
+
+
+class Start(BaseModel):
+    """The body of `POST /v1/captures/check`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    capture: StrictStr = Field(min_length=1, max_length=4096)
+
+
+@router.post("", status_code=202)
+async def start(request: Request, service: ServiceDep) -> Response:
+    """Begin the check of a capture."""
+    service.require_same_site(request)
+    body = await read_json(request, Start)
+    capture = await run_in_threadpool(_locate, service, body.capture)
+    return JSONResponse(service.capture_checks.start(capture).to_json(), 202)
+
+
+@router.get("")
+async def get_check(capture: str, service: ServiceDep) -> dict[str, Any]:
+    """Describe the last check of a capture."""
+    check = service.capture_checks.get(await run_in_threadpool(_locate, service, capture))
+    if check is None:
+        raise ProblemError(404, "check-not-found", f"capture {capture[:80]!r}: was not checked yet")
+    return check.to_json()
+
+
+def _locate(service: Service, capture: str) -> Path:
+    try:
+        return service.captures.locate(capture)
+    except InputError as error:
+        raise ProblemError(422, "capture-invalid", str(error), field="capture") from error

@@ -1,0 +1,95 @@
+"""`/v1/uploads`: captures that clients send; the files of an upload are in `upload_files.py` (docs/upload.md)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
+from starlette.concurrency import run_in_threadpool
+
+from jobs.store import JobState, Place
+from server.conditional import respond_json
+from server.problems import ProblemError
+from server.request_body import read_json
+from server.service import Service, ServiceDep
+from server.uploads.upload import Announcement, Upload
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/uploads")
+
+_MOST_JOBS = 1000  # that are looked at together
+
+
+class Beginning(BaseModel):
+    """The body of `POST /v1/uploads`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    name: StrictStr = Field(min_length=1, max_length=200)
+    files: StrictInt = Field(ge=1, le=2**53)
+    bytes: StrictInt = Field(ge=0, le=2**53)
+    key: StrictStr = Field(default="", max_length=64)
+
+
+@router.post("")
+async def begin(request: Request, service: ServiceDep) -> Response:
+    """Begin an upload, or go on with the unfinished one of the same announcement."""
+    service.require_same_site(request)
+    body = await read_json(request, Beginning)
+    announced = Announcement(body.name, body.files, body.bytes, body.key)
+    upload, new = await run_in_threadpool(service.uploads.begin, announced)
+    headers = {"Location": f"/v1/uploads/{upload.id}"}
+    return JSONResponse(service.uploads.describe(upload), 201 if new else 200, headers)
+
+
+@router.api_route("", methods=["GET", "HEAD"])
+def list_uploads(request: Request, service: ServiceDep) -> Response:
+    """List the uploads, the newest first, and say how much may be sent."""
+    uploads, limits = service.uploads.all(), service.uploads.limits
+    told = {name: getattr(limits, name) for name in limits.__dataclass_fields__}
+    return respond_json(request, {"uploads": [service.uploads.describe(one) for one in uploads], "limits": told})
+
+
+@router.api_route("/{upload_id}", methods=["GET", "HEAD"])
+def get_upload(request: Request, upload_id: str, service: ServiceDep) -> Response:
+    """Describe one upload."""
+    return respond_json(request, service.uploads.describe(service.uploads.get(upload_id)))
+
+
+@router.post("/{upload_id}/finish")
+def finish(request: Request, upload_id: str, service: ServiceDep) -> Response:
+    """Turn a complete upload into a capture."""
+    service.require_same_site(request)
+    upload = service.uploads.get(upload_id)
+    service.uploads.finish(upload)
+    return JSONResponse(service.uploads.describe(upload))
+
+
+@router.delete("/{upload_id}", status_code=204)
+def delete(request: Request, upload_id: str, service: ServiceDep) -> Response:
+    """Delete an upload, or the capture that it has become, unless a job needs it."""
+    service.require_same_site(request)
+    upload = service.uploads.get(upload_id)
+    _require_unused(service, upload)
+    service.uploads.delete(upload)
+    return Response(status_code=204)
+
+
+def _require_unused(service: Service, upload: Upload) -> None:
+    """Refuse while a job that waits or runs reads the capture."""
+    if not upload.capture:
+        return
+    folder = service.uploads.captures / upload.capture
+    for state in (JobState.RUNNING, JobState.QUEUED):
+        after: Place | None = None
+        while jobs := service.jobs.list(_MOST_JOBS, state, after):
+            for job in jobs:
+                if Path(job.capture).is_relative_to(folder):
+                    detail = f"job {job.id} needs {upload.capture[:80]!r}; wait for its end, or cancel it"
+                    raise ProblemError(409, "capture-in-use", detail)
+            if len(jobs) < _MOST_JOBS:
+                break
+            after = Place.of(jobs[-1])
