@@ -37,7 +37,7 @@ STILL: tuple[tuple[str, dict[str, Any]], ...] = (
     ("still.ply", {}), ("still.splat", {}), ("2.spz", {"version": 2}), ("3.spz", {"version": 3}),
     ("4.spz", {"version": 4}), ("still.glb", {}),
 )  # fmt: skip
-MOVING = ("moving.ply",)
+MOVING = ("moving.ply", "moving.4dgs")
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Scenes in the formats of others: 3DGS and STGS point clouds, .splat, .splatv, SPZ and GLB (docs/interchange.md)."""
+"""Scenes in the formats of others: .ply of 3DGS and STGS, .splat, .splatv, SPZ, GLB, .4dgs (docs/interchange.md)."""
 
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.exporting import export_scene, export_sequence

@@ -42,18 +42,23 @@ def export_scene(
         InputError: an unknown suffix, a time or segment that is missing, needless or not the scene's, or coordinates
             that the format cannot hold.
     """
-    target = format_of(path, lambda one: one.write_still is not None or one.write_moving is not None)
+    target = format_of(path, lambda one: any((one.write_still, one.write_moving, one.write_whole)))
     if version is not None and version not in target.versions:
         raise InputError(
             "--spz-version", f"{version} is none of {path.suffix}", "leave it out, or give 2 to 4 for .spz"
         )
     moving = scene.dynamic_splats > 0
     changes = _unsaid(scene, target.says_antialiased)
+    more: list[Change] = []
+    if target.write_whole is not None and segment is not None:
+        raise InputError("--segment", f"is not for {path.suffix}, which holds all of them", "leave it out")
     if target.write_still is None and time is not None:
         raise InputError("--time", f"is not for {path.suffix}, which holds all times", "leave it out, or export .splat")
     if time is not None and not scene.start <= time <= scene.end:
         raise InputError("--time", f"{time} s is outside the scene", f"give {scene.start:g} to {scene.end:g}")
-    if target.write_moving is not None and (target.write_still is None or (time is None and moving)):
+    if target.write_whole is not None:
+        written = target.write_whole(scene)
+    elif target.write_moving is not None and (target.write_still is None or (time is None and moving)):
         dynamic, more = _as_cubics(scene, segment)
         written = target.write_moving(scene.static, dynamic, cameras)
     elif moving and time is None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from hgs_core.base.arrays import Floats
 from hgs_core.interchange.changes import Change, Written
 from hgs_core.scene.camera import Camera
-from hgs_core.scene.splats import DynamicSplats, StaticSplats
+from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["FileFormat", "ReadSplats", "WriteStill"]
 
@@ -22,8 +22,9 @@ class ReadSplats:
     """The splats of a file as they stand there, maybe not finite."""
 
     static: StaticSplats[Floats]
-    dynamic: tuple[DynamicSplats[Floats], ...] = ()  # one set for each equal share of the time
+    dynamic: tuple[DynamicSplats[Floats], ...] = ()  # one set for each segment
     lasts: bool = False  # whether the file holds a stretch of time
+    ends: tuple[float, ...] = ()  # of segments, seconds, where the file tells; otherwise they are of equal lengths
     antialiased: bool = False  # whether the file says that the splats are drawn so
     changes: tuple[Change, ...] = ()  # what was left out or changed in reading
 
@@ -38,4 +39,5 @@ class FileFormat:
     versions: Mapping[int, WriteStill] = field(default_factory=dict)  # where there are several
     # Takes one segment and the scene's cameras.
     write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = None
+    write_whole: Callable[[HybridScene[Floats]], Written] | None = None  # takes all times of a scene
     says_antialiased: bool = False

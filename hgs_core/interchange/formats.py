@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.file_format import FileFormat
+from hgs_core.interchange.fourdgs_file import FOURDGS
 from hgs_core.interchange.gaussian_glb import GLB
 from hgs_core.interchange.ply_file import PLY
 from hgs_core.interchange.splat_file import SPLAT
@@ -15,7 +16,7 @@ from hgs_core.interchange.spz_file import SPZ
 
 __all__ = ["FORMATS", "IMPORTED", "format_of"]
 
-FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB)
+FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS)
 
 IMPORTED = tuple(one.suffix for one in FORMATS if one.read is not None)
 """The suffixes of files that can be read."""

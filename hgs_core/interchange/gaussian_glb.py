@@ -21,6 +21,7 @@ from hgs_core.interchange.file_format import FileFormat, ReadSplats
 from hgs_core.interchange.gaussian_ply import NO_NEGATIVE_COLOUR, SH_0, harmonics
 from hgs_core.interchange.glb_container import glb_bytes, read_glb
 from hgs_core.interchange.gltf_asset import GltfAsset
+from hgs_core.interchange.light import srgb_replaced, to_light, to_srgb
 from hgs_core.interchange.right_up_back import other_way_up, our_rotations, stored_rotations
 from hgs_core.scene.opacities import logits_of_any, opacities_of
 from hgs_core.scene.rotations import matrices, quaternions_of, unit_quaternions
@@ -45,7 +46,7 @@ def glb_file(splats: StaticSplats[Floats]) -> Written:
     if not len(splats):
         raise InputError("splats", "are none, and glTF holds no empty array", "choose another --time")
     opacities = opacities_of(splats.opacity_logits)
-    points = np.concatenate([_linear(np.clip(splats.rgb, 0, 1)), opacities[:, None]], axis=1)
+    points = np.concatenate([to_light(np.clip(splats.rgb, 0, 1)), opacities[:, None]], axis=1)
     arrays: dict[str, np.ndarray[Any, Any]] = {
         "POSITION": other_way_up(splats.means).astype("<f4"),
         _ROTATION: stored_rotations(unit_quaternions(splats.quats)).astype("<f4"),
@@ -153,9 +154,8 @@ def _ellipsoids(
     if rest:
         changes.append(harmonics(np.concatenate(rest, axis=1) != 0))
     if space == LINEAR:
-        rgb = _display(rgb)
-        reason = "linear colours by sRGB ones, splat by splat: where splats blend, light differs"
-        changes.append(Change(Action.REPLACED, "colour", len(rgb), len(rgb), reason))
+        rgb = to_srgb(rgb)
+        changes.append(srgb_replaced(len(rgb)))
     return _Ellipsoids(means, scales, quats, np.clip(opacities[:, 0], 0, 1), rgb), changes
 
 
@@ -181,17 +181,6 @@ def _placed(found: _Ellipsoids, world: Doubles) -> StaticSplats[Floats]:
         logits_of_any(opacities),
         rgb.astype(np.float32),
     )
-
-
-def _linear(rgb: Floats | Doubles) -> Doubles:
-    """Return sRGB colours in 0 to 1 as linear ones (IEC 61966-2-1)."""
-    return np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-
-
-def _display(rgb: Doubles) -> Doubles:
-    """Return linear colours as sRGB ones."""
-    rgb = np.maximum(rgb, 0)
-    return np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1 / 2.4) - 0.055)
 
 
 GLB = FileFormat(".glb", read=read_gaussian_glb, write_still=lambda splats, antialiased: glb_file(splats))

@@ -81,7 +81,8 @@ def import_scene(path: Path, duration: float = USUAL_DURATION, frame_rate: float
     if not (opacities_of(logits) >= LEAST_OPACITY).any():
         told = "; ".join(map(str, nonzero(changes)))
         raise InputError(path, "holds no splat that can be seen" + (f": {told}" if told else ""), "export it again")
-    ends = np.linspace(0.0, duration if found.lasts else 0.0, len(sets) + 1).tolist()
+    equal = np.linspace(0.0, duration if found.lasts else 0.0, len(sets) + 1).tolist()
+    ends = (0.0, *found.ends) if found.ends else equal
     segments = tuple(Segment(*between, dynamic) for between, dynamic in zip(pairwise(ends), sets, strict=True))
     scene = HybridScene(static, segments, antialiased=found.antialiased)
     return Imported(scene, total, nonzero(changes))

@@ -18,7 +18,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "export",
         help="write a scene in another format",
-        description="Write a scene as .ply (3DGS, or STGS where it moves), .splat, .splatv, .spz, .glb or .ply frames.",
+        description="Write a scene as .ply (3DGS; STGS if it moves), .splat, .splatv, .spz, .glb, .4dgs, .ply frames.",
     )
     parser.add_argument("source", metavar="RUN|SCENE", type=Path, help="folder of a run, or of an encoded scene")
     parser.add_argument(

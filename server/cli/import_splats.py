@@ -20,7 +20,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "import",
         help="make a run of a file of splats",
-        description="Make a run of a .ply (3DGS or STGS), .splat, .spz or .glb file, or of .ply frames, and encode it.",
+        description="Make a run of a .ply (3DGS, STGS), .splat, .spz, .glb or .4dgs file or of .ply frames; encode it.",
     )
     parser.add_argument(
         "file", metavar="FILE|FOLDER", type=Path, help="the file; its suffix tells the format. A folder: .ply frames"

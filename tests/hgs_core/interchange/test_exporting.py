@@ -52,9 +52,12 @@ def test_what_a_format_holds_is_not_told(tmp_path: Path) -> None:
         (".splatv", ["antialiasing", "background", "time"]),
         (".spz", ["background"]),
         (".glb", ["antialiasing", "background"]),
+        (".4dgs", ["antialiasing", "background", "time"]),
     ],
 )
 def test_what_a_scene_has_as_a_whole_is_told(tmp_path: Path, suffix: str, expected: list[str]) -> None:
+    if suffix == ".4dgs":
+        pytest.importorskip("fourdgs", reason="fourdgs is not installed (extra 4dgs)")
     scene = dataclasses.replace(plain_but(), antialiased=True, background=(1.0, 1.0, 1.0))
     found = counted(export(scene, tmp_path / f"x{suffix}"))
     assert [what for (_, what), count in found.items() if count is None] == expected
