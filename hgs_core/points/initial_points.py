@@ -25,9 +25,11 @@ from hgs_core.decompose.temporal import median_picture, sample_frames
 from hgs_core.points.labels import label_points
 from hgs_core.points.neighbours import mean_neighbour_distance, thin
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.same_moment import SameMoment, same_moments
 from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate
 from hgs_core.points.sweep import SweptPoints, depth_ranges, sweep
+from hgs_core.scene.camera import Camera
 
 __all__ = ["initial_points"]
 
@@ -72,7 +74,8 @@ def initial_points(
     steps = len(moments) + 2
     progress(Progress(_STAGE, 0, steps))
 
-    first = _sparse(capture, cameras, masks, moments[0], whole=True)
+    whole = SameMoment(float(capture.times[moments[0]]), tuple(cameras), (moments[0],) * len(cameras))
+    first = _sparse(capture, whole, masks, whole=True)
     still = first.take(first.dynamic < _MOVING_SHARE)
     ranges = depth_ranges(views, first.xyz)
     progress(Progress(_STAGE, 1, steps))
@@ -84,25 +87,37 @@ def initial_points(
 
     for number, frame in enumerate(moments):
         quota = dynamic_target * (number + 1) // len(moments) - dynamic_target * number // len(moments)
-        sparse = first if number == 0 else _sparse(capture, cameras, masks, frame, whole=False)
-        moving = sparse.take(sparse.dynamic >= _MOVING_SHARE)
-        seeds = _dynamic_seeds(capture, cameras, masks, frame, ranges, max(0, quota - len(moving)), generator)
-        moving = PointCloud.concatenate([moving, seeds])
-        moving = _spaced(_reduced(moving, quota, generator))
-        velocity = point_velocities(capture, cameras, masks, frame, moving.xyz)
-        parts.append(dataclasses.replace(moving, velocity=velocity))
+        groups = same_moments(capture, cameras, frame)
+        grouped = sum(len(group.cameras) for group in groups)
+        shares = [quota * len(group.cameras) // grouped for group in groups]
+        shares[0] += quota - sum(shares)
+        for group, share in zip(groups, shares, strict=True):
+            known = first if number == 0 and group == whole else _sparse(capture, group, masks, whole=False)
+            moving = known.take(known.dynamic >= _MOVING_SHARE)
+            near = [ranges[cameras.index(index)] for index in group.cameras]
+            seeds = _dynamic_seeds(capture, group, masks, near, max(0, share - len(moving)), generator)
+            moving = _spaced(_reduced(PointCloud.concatenate([moving, seeds]), share, generator))
+            velocity = point_velocities(capture, group, masks, moving.xyz)
+            parts.append(dataclasses.replace(moving, velocity=velocity))
         progress(Progress(_STAGE, number + 3, steps, {"points": float(sum(len(part) for part in parts))}))
     return PointCloud.concatenate(parts)
 
 
-def _sparse(capture: Capture, cameras: Sequence[int], masks: MotionMasks, frame: int, *, whole: bool) -> PointCloud:
+def _sparse(capture: Capture, moment: SameMoment, masks: MotionMasks, *, whole: bool) -> PointCloud:
     """Triangulate the features of one moment: those of whole pictures, or only those that move."""
-    views = [capture.cameras[index] for index in cameras]
-    pictures = [capture.frame(index, frame) for index in cameras]
-    moving = [masks.mask(index, frame) for index in cameras]
+    views, pictures, moving = _seen_at(capture, moment, masks)
     found = triangulate(views, pictures, None if whole else moving)
     dynamic = label_points(views, moving, found.xyz, found.seen)
-    return _cloud(found.xyz, found.rgb, float(capture.times[frame]), dynamic)
+    return _cloud(found.xyz, found.rgb, moment.seconds, dynamic)
+
+
+def _seen_at(
+    capture: Capture, moment: SameMoment, masks: MotionMasks
+) -> tuple[list[Camera], list[npt.NDArray[np.uint8]], list[npt.NDArray[np.bool_]]]:
+    """Return the cameras, their pictures [H, W, 3] and what moves in them [H, W]."""
+    views = [capture.cameras[index] for index in moment.cameras]
+    own = list(zip(moment.cameras, moment.frames, strict=True))
+    return views, [capture.frame(*one) for one in own], [masks.mask(*one) for one in own]
 
 
 def _static_seeds(
@@ -135,28 +150,25 @@ def _still_picture(
 
 def _dynamic_seeds(
     capture: Capture,
-    cameras: Sequence[int],
+    moment: SameMoment,
     masks: MotionMasks,
-    frame: int,
     ranges: Sequence[tuple[float, float]],
     count: int,
     generator: np.random.Generator,
 ) -> PointCloud:
     """Sweep the moving pixels of one moment inside the visual hull of the masks."""
-    views = [capture.cameras[index] for index in cameras]
-    moving = [masks.mask(index, frame) for index in cameras]
+    views, pictures, moving = _seen_at(capture, moment, masks)
     if count == 0 or not any(mask.any() for mask in moving):
         return PointCloud.concatenate([])
 
     def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
         return label_points(views, moving, xyz) >= _HULL_SHARE
 
-    pictures = [capture.frame(index, frame) for index in cameras]
     swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, in_hull)
     chosen = _choose(swept, count, generator)
     chosen = chosen[swept.agreeing[chosen] > 0]  # rather too few: a wrong moving point is in the way of the view
     share = label_points(views, moving, swept.xyz[chosen])
-    return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[frame]), share)
+    return _cloud(swept.xyz[chosen], swept.rgb[chosen], moment.seconds, share)
 
 
 def _choose(swept: SweptPoints, count: int, generator: np.random.Generator) -> npt.NDArray[np.int64]:

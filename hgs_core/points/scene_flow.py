@@ -17,6 +17,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_picture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.same_moment import SameMoment
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
 
@@ -35,21 +36,21 @@ Floats = npt.NDArray[np.floating[Any]]
 
 def point_velocities(
     capture: Capture,
-    cameras: Sequence[int],
+    moment: SameMoment,
     masks: MotionMasks,
-    frame: int,
-    xyz: Floats,  # [P, 3] where the points are at that frame
+    xyz: Floats,  # [P, 3] where the points are at that moment
 ) -> npt.NDArray[np.float32]:
     """Return [P, 3] the velocities of points, world units per second: the mean of those to the frames on both sides."""
-    views = [capture.cameras[index] for index in cameras]
-    now = [capture.frame(index, frame) for index in cameras]
-    moving = [masks.mask(index, frame) for index in cameras]
+    views = [capture.cameras[index] for index in moment.cameras]
+    own = list(zip(moment.cameras, moment.frames, strict=True))
+    now = [capture.frame(index, frame) for index, frame in own]
+    moving = [masks.mask(index, frame) for index, frame in own]
     total, sides = np.zeros((len(xyz), 3)), 0
-    for other in (frame - 1, frame + 1):
-        if 0 <= other < len(capture.times):
-            then = [capture.frame(index, other) for index in cameras]
-            duration = float(capture.times[other] - capture.times[frame])
-            total += scene_flow(views, now, then, moving, xyz) / duration
+    for step in (-1, 1):
+        if all(0 <= frame + step < len(capture.times) for frame in moment.frames):
+            then = [capture.frame(index, frame + step) for index, frame in own]
+            apart = [capture.moment(index, frame + step) - capture.moment(index, frame) for index, frame in own]
+            total += scene_flow(views, now, then, moving, xyz) / float(np.median(apart))
             sides += 1
     return (total / max(sides, 1)).astype(np.float32)
 

@@ -14,6 +14,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_mask
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import sample_frames
+from hgs_core.points.same_moment import same_moments
 from hgs_core.scene.camera import Camera
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
@@ -40,10 +41,11 @@ class TrainingView:
 
 @dataclass(frozen=True)
 class Instant:
-    """One frame of all C training cameras, at full size."""
+    """One moment of C training cameras, at full size: of all of them, if they are in step."""
 
     seconds: float
     moment: float  # normalised time
+    places: tuple[int, ...]  # of the cameras among the training cameras
     pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
     moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
 
@@ -126,13 +128,21 @@ class TrainingViews:
             yield camera.scaled(_SAMPLE_SIZE), normalised
 
     def instants(self, count: int, generator: np.random.Generator) -> Iterator[Instant]:
-        """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks."""
+        """Yield at most `count` moments, evenly over the segment from a random first one; there must be masks.
+
+        Of cameras that are not in step each moment has one group of those that are, another every time.
+        """
+        assert self._masks is not None
         every = -(-self._segment.frames // count)
-        for frame in range(int(generator.integers(every)), self._segment.frames, every):
-            number = self._segment.first + frame
-            seconds = float(self._capture.times[number])
-            pictures = [self._capture.frame(index, number) for index in self._training]
-            yield Instant(seconds, self._segment.clock.normalised(seconds), pictures, self.moving(frame))
+        for turn, frame in enumerate(range(int(generator.integers(every)), self._segment.frames, every)):
+            groups = same_moments(self._capture, self._training, self._segment.first + frame)
+            group = groups[turn % len(groups)]
+            own = list(zip(group.cameras, group.frames, strict=True))
+            pictures = [self._capture.frame(*one) for one in own]
+            moving = [self._masks.mask(*one) for one in own]
+            places = tuple(self._places[index] for index in group.cameras)
+            moment = self._segment.clock.normalised(group.seconds)
+            yield Instant(group.seconds, moment, places, pictures, moving)
 
     def _view(self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
         frame += self._segment.first

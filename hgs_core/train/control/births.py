@@ -62,14 +62,16 @@ class BirthRound:
         missing, moments, ghosts = [], [], []
         for instant in views.instants(instants, generator):
             errors = [
-                picture_error(view.frame(state.dynamic, instant.moment).rgb, truth)
-                for view, truth in zip(fixed, instant.pictures, strict=True)
+                picture_error(fixed[place].frame(state.dynamic, instant.moment).rgb, truth)
+                for place, truth in zip(instant.places, instant.pictures, strict=True)
             ]
+            cameras = [views.cameras[place] for place in instant.places]
             moments.append(instant.moment)
-            ghosts.append(visible_where_still(state.dynamic, views.cameras, instant.moment, instant.moving, errors))
+            ghosts.append(visible_where_still(state.dynamic, cameras, instant.moment, instant.moving, errors))
             if most == 0:
                 continue
-            found = find_missing_points(views.cameras, instant.pictures, instant.moving, errors, ranges)
+            near = [ranges[place] for place in instant.places]
+            found = find_missing_points(cameras, instant.pictures, instant.moving, errors, near)
             count = len(found.points)
             alive, moving = np.full(count, instant.seconds, np.float32), np.ones(count, np.float32)
             missing.append(MissingPoints(dataclasses.replace(found.points, times=alive, dynamic=moving), found.urgency))

@@ -115,3 +115,19 @@ def test_the_same_seed_gives_the_same_bits(points: PointCloud, capture: Capture,
     again = initial_points(capture, VIEWS, masks, progress=silent, **TARGETS)
     for name in ("xyz", "rgb", "times", "dynamic", "spacing"):
         assert getattr(again, name).tobytes() == getattr(points, name).tobytes()
+
+
+class HalfLate(OnlyViews):
+    """Every other of the cameras took its frames half a period late, it says."""
+
+    def moment(self, camera: int, frame: int) -> float:
+        return super().moment(camera, frame) + (0.5 / 30 if camera in VIEWS[1::2] else 0.0)
+
+
+def test_what_moves_is_taken_from_cameras_that_are_in_step_at_their_own_time(
+    capture: Capture, masks: MotionMasks, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(capture, "__class__", HalfLate)
+    points = initial_points(capture, VIEWS, masks, progress=silent, **(TARGETS | {"static_target": 100}))
+    times = np.unique(points.times[points.dynamic >= 0.5])
+    np.testing.assert_allclose(times, [0.0, 0.5 / 30, 1.0, 1.0 + 0.5 / 30], atol=1e-6)
