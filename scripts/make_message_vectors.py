@@ -22,15 +22,21 @@ OTHER = bytes(reversed(range(32)))
 
 # Written out rather than taken from the server's classes, which are tested against them.
 CLIENT: dict[str, dict[str, Any]] = {
-    "hello": {"type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "rate": 1},
-    "hello-of-version-1": {"type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "rate": 1},
+    "hello": {"type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1},
+    "hello-of-version-1": {
+        "type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+    },
     "hello-of-a-weak-device": {
-        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "rate": 1, "splats": 100000,
-        "bytes_per_second": 250000,
+        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "splats": 100000, "bytes_per_second": 250000,
     },
     "hello-resuming": {
-        "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]],
+        "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]], "codings": [],
         "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
+    },
+    "hello-resuming-with-bits": {
+        "type": "hello", "protocol": 2, "credits": 2097152, "have": [], "parts": [], "manifest_id": OTHER, "rate": 1,
+        "have_bits": b"\x05\x80", "codings": ["gzip"],
     },
     "credit": {"type": "credit", "bytes": 70000},
     "seek": {"type": "seek", "time": 2.5},
@@ -45,6 +51,10 @@ SERVER: dict[str, dict[str, Any]] = {
     "welcome": {
         "type": "welcome", "protocol": 2, "scene": "studio", "manifest": b'{"format": "hgs-scene"}',
         "manifest_id": ID, "remaining": 1 << 33,
+    },
+    "welcome-compressed": {
+        "type": "welcome", "protocol": 2, "scene": "studio", "manifest": b"\x1f\x8b\x08\x00", "manifest_id": ID,
+        "remaining": 7, "coding": "gzip",
     },
     "welcome-back": {
         "type": "welcome", "protocol": 2, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
@@ -70,6 +80,8 @@ REFUSED_BY_SERVER: dict[str, bytes] = {
     "play-too-fast": msgpack.packb({"type": "play", "time": 0.0, "rate": 17.0}),
     "hello-short-id": msgpack.packb({"type": "hello", "protocol": 1, "credits": 1, "have": [b"short"]}),
     "hello-too-slow": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "bytes_per_second": 4095}),
+    "hello-bits-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "have_bits": "05"}),
+    "hello-codings-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "codings": "gzip"}),
     "limits-negative": msgpack.packb({"type": "limits", "splats": -1}),
     "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
     "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),

@@ -29,6 +29,8 @@ from server.protocol import (
 
 __all__ = ["decode"]
 
+MAX_CODINGS = 16
+
 
 def decode(message: bytes) -> ClientMessage:
     """Read a client's control message.
@@ -124,6 +126,20 @@ def _manifest_id(fields: Mapping[str, Any]) -> bytes | None:
     return value
 
 
+def _have_bits(fields: Mapping[str, Any]) -> bytes | None:
+    value = fields.get("have_bits")
+    if "have_bits" in fields and not isinstance(value, bytes):
+        raise _malformed("hello.have_bits is not binary")
+    return value
+
+
+def _codings(fields: Mapping[str, Any]) -> tuple[str, ...]:
+    value = fields.get("codings", [])
+    if not isinstance(value, list) or len(value) > MAX_CODINGS or not all(isinstance(coding, str) for coding in value):
+        raise _malformed(f"hello.codings is not a list of at most {MAX_CODINGS} names")
+    return tuple(value)
+
+
 def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
@@ -136,6 +152,8 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         have=_have(fields),
         parts=_parts(fields),
         manifest_id=_manifest_id(fields),
+        have_bits=_have_bits(fields),
+        codings=_codings(fields),
         time=_number(fields, "time") if "time" in fields else None,
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
         splats=_optional_uint(fields, "splats"),

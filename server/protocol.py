@@ -87,6 +87,8 @@ class Hello:
     manifest_id: bytes | None = None  # SHA-256 of the manifest that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
+    have_bits: bytes | None = None  # of the manifest's chunks in order, lowest bit first, those the client keeps
+    codings: tuple[str, ...] = ()  # in which it takes the manifest, beside the manifest as it is
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
 
@@ -149,9 +151,10 @@ class Welcome:
     type: ClassVar[str] = "welcome"
     protocol: int
     scene: str
-    manifest: bytes  # empty if the client keeps the one of `manifest_id`
-    manifest_id: bytes  # its SHA-256
+    manifest: bytes  # in `coding`; empty if the client keeps the one of `manifest_id`
+    manifest_id: bytes  # the SHA-256 of the manifest itself
     remaining: int
+    coding: str | None = None  # "gzip"; None for the manifest as it is
 
 
 @dataclass(frozen=True)
@@ -212,6 +215,7 @@ def encode(message: ServerMessage | ClientMessage) -> bytes:
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
         fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
+        fields["codings"] = list(message.codings)
     packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
     return packed
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from dataclasses import dataclass
+from itertools import islice
 from typing import assert_never
 
 from server.client_messages import decode
+from server.content_coding import compress
 from server.protocol import (
     DEFAULT_RATE,
     HEADER_BYTES,
@@ -173,16 +175,20 @@ class StreamSession:
         self._version = hello.protocol
         self._grant(hello.credits)
         have = {chunk for chunk in hello.have if chunk in sizes}
+        known = hello.manifest_id == scene.manifest_id
+        if known and hello.have_bits is not None:
+            bits = hello.have_bits
+            have.update(chunk for k, chunk in enumerate(islice(sizes, 8 * len(bits))) if bits[k // 8] >> k % 8 & 1)
         for chunk in have:
             self._offsets.pop(chunk, None)
         self._order = SendOrder(scene, have)
         self._limit(Limits(hello.splats, hello.bytes_per_second))
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
         kept = sum(sizes[chunk] for chunk in have) + sum(self._offsets.values())
-        manifest = b"" if hello.manifest_id == scene.manifest_id else scene.manifest
-        welcome = Welcome(
-            self._version, scene.scene_id, manifest, scene.manifest_id, remaining=scene.chunk_bytes - kept
-        )
+        manifest, coding = (b"", None) if known else (scene.manifest, None)
+        if manifest and "gzip" in hello.codings:
+            manifest, coding = compress(manifest, "gzip"), "gzip"
+        welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, scene.chunk_bytes - kept, coding)
         self._outbox.append(encode(welcome))
 
     def _grant(self, amount: int) -> None:

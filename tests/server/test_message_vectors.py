@@ -37,6 +37,7 @@ def _fields(message: ClientMessage) -> dict[str, Any]:
     fields = {"type": message.type} | dataclasses.asdict(message)
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
+        fields["codings"] = list(message.codings)
         fields["parts"] = [[chunk, kept] for chunk, kept in message.parts.items()]
     return {name: value for name, value in fields.items() if value is not None}
 

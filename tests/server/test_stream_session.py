@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gzip
 import hashlib
 from collections.abc import Callable
 from typing import Any
@@ -164,6 +165,28 @@ def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
     items = drain(start(scene, have=have))
     assert not {chunk.id for chunk in chunks_of(items)} & have
     assert sorted(marks_of(items)) == [0, 1, 2]
+
+
+def test_chunks_that_bits_name_are_not_sent_again(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], THREE_SLICES)
+    bits = bytes([0b100101, 0xFF])  # chunks 0, 2 and 5 of six
+    items = drain(start(scene, manifest_id=scene.manifest_id, have_bits=bits))
+    assert items[0]["remaining"] == 20 + 2000 + 3000
+    assert sorted(chunk.size for chunk in chunks_of(items)) == [20, 2000, 3000]
+
+
+def test_bits_of_another_manifest_mean_nothing(make_scene: MakeScene) -> None:
+    scene = make_scene([10], THREE_SLICES)
+    assert drain(start(scene, manifest_id=bytes(32), have_bits=b"\xff"))[0]["remaining"] == 10_010
+    assert drain(start(scene, have_bits=b"\xff"))[0]["remaining"] == 10_010
+
+
+def test_manifest_is_compressed_for_who_takes_it_so(make_scene: MakeScene) -> None:
+    scene = make_scene([10], [])
+    welcome = drain(start(scene, codings=("br", "gzip")))[0]
+    assert (welcome["coding"], gzip.decompress(welcome["manifest"])) == ("gzip", scene.manifest)
+    assert "coding" not in drain(start(scene, codings=("br",)))[0]
+    assert "coding" not in drain(start(scene, codings=("gzip",), manifest_id=scene.manifest_id))[0]
 
 
 def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -> None:

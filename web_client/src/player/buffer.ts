@@ -8,8 +8,6 @@ import type { Manifest } from "../codec/types";
 const REBUFFER = 1.5;
 /** Nobody knows how fast the line will be then, seconds. */
 const FORESEEN = 10;
-/** The line is trusted to bring so much of what it has brought before. */
-const TRUST = 0.8;
 
 export class SceneBuffer {
   readonly #arrived = new Set<string>();
@@ -72,7 +70,7 @@ export class SceneBuffer {
         if (!lacking.has(id) && !this.#here([id], false)) bytes += this.#layers.get(id)?.chunk.bytes ?? 0;
         lacking.add(id);
       }
-      if (bytes > TRUST * bytesPerSecond * Math.max(0, wait)) return wait >= REBUFFER;
+      if (bytes > bytesPerSecond * Math.max(0, wait)) return wait >= REBUFFER;
     }
     return true;
   }

@@ -5,8 +5,7 @@ import { pack, unpack } from "./msgpack";
 export const PROTOCOL = 2;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
-/** Most entries of a hello's lists. */
-export const MOST_HAVE = 16384;
+/** Most entries of a hello's list. */
 export const MOST_PARTS = 1024;
 
 export type ClientMessage =
@@ -14,8 +13,10 @@ export type ClientMessage =
       type: "hello";
       protocol: number;
       credits: number;
-      /** Complete chunks that are here. */
-      have: Uint8Array[];
+      /** Which of the manifest's chunks are here, lowest bits first; with `manifest_id`. */
+      have_bits?: Uint8Array;
+      /** In which the manifest is taken, beside the manifest as it is. */
+      codings: string[];
       /** Chunks whose first bytes are here, and how many. */
       parts: [Uint8Array, number][];
       /** SHA-256 of the manifest that is here. */
@@ -38,10 +39,12 @@ export type ServerMessage =
       type: "welcome";
       protocol: number;
       scene: string;
-      /** Empty if hello named it. */
-      manifest: Uint8Array;
+      /** In `coding`; empty if hello named it. */
+      manifest: Uint8Array<ArrayBuffer>;
+      /** Of the manifest itself. */
       manifest_id: Uint8Array;
       remaining: number;
+      coding?: string;
     }
   /** The server cannot give the chunk. */
   | { type: "missing"; id: Uint8Array }

@@ -10,7 +10,6 @@ import {
   decodeChunkFrame,
   decodeMessage,
   fromHex,
-  MOST_HAVE,
   MOST_PARTS,
   PROTOCOL,
   ProtocolError,
@@ -46,6 +45,9 @@ export class SceneStream implements SceneSource {
   #told = { at: Number.NEGATIVE_INFINITY, rate: 0 };
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
   #connection: Connection | null = null;
+  #chunks: readonly string[] = []; // of the manifest
+  /** What has come while the manifest is decompressed. */
+  #held: Uint8Array<ArrayBuffer>[] | null = null;
   #manifestId: Uint8Array | null = null;
   #playhead: Playhead;
   #undecoded = 0;
@@ -128,7 +130,8 @@ export class SceneStream implements SceneSource {
       type: "hello",
       protocol: PROTOCOL,
       credits,
-      have: [...this.#have].slice(0, MOST_HAVE).map(fromHex),
+      have_bits: this.#chunks.length > 0 ? bitsOf(this.#chunks, this.#have) : undefined,
+      codings: ["gzip"],
       parts: this.#partial.keep(MOST_PARTS).map(([id, filled]) => [fromHex(id), filled]),
       ...(this.#manifestId && { manifest_id: this.#manifestId }),
       ...(time !== null && { time }),
@@ -137,6 +140,10 @@ export class SceneStream implements SceneSource {
   }
 
   #guarded(bytes: Uint8Array<ArrayBuffer>): void {
+    if (this.#held) {
+      this.#held.push(bytes);
+      return;
+    }
     try {
       this.#receive(bytes);
     } catch (error) {
@@ -209,16 +216,40 @@ export class SceneStream implements SceneSource {
     }
   }
 
-  #welcome({ protocol, manifest, manifest_id }: Extract<ServerMessage, { type: "welcome" }>): void {
+  #welcome({ protocol, manifest, manifest_id, coding }: Extract<ServerMessage, { type: "welcome" }>): void {
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.events.state("open");
     if (this.#manifestId === null) {
       if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
+      if (coding !== undefined && coding !== "gzip") throw new ProtocolError(`a manifest in the coding ${coding}`);
       this.#manifestId = manifest_id.slice();
-      this.events.manifest(manifest.slice());
+      if (coding) void this.#inflate(manifest);
+      else this.#begin(manifest.slice());
     } else if (!sameBytes(this.#manifestId, manifest_id)) {
       this.#fail("scene-changed", "another manifest than before");
     }
+  }
+
+  /** What comes after the manifest waits for it, whatever becomes of the connection. */
+  async #inflate(manifest: Uint8Array<ArrayBuffer>): Promise<void> {
+    const held: Uint8Array<ArrayBuffer>[] = [];
+    this.#held = held;
+    let bytes: Uint8Array;
+    try {
+      const stream = new Blob([manifest]).stream().pipeThrough(new DecompressionStream("gzip"));
+      bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+    } catch {
+      this.#fail("not-understood", "the server broke the protocol: the manifest is not gzip");
+      return;
+    }
+    this.#held = null;
+    this.#begin(bytes);
+    for (const message of held) this.#guarded(message);
+  }
+
+  #begin(manifest: Uint8Array): void {
+    this.#chunks = chunksIn(manifest);
+    this.events.manifest(manifest);
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
@@ -251,6 +282,24 @@ export class SceneStream implements SceneSource {
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#connection?.grant();
   }
+}
+
+/** The ids of a manifest's chunks in order; what is no manifest, the player finds out. */
+function chunksIn(manifest: Uint8Array): string[] {
+  try {
+    const { static: stills, slices } = JSON.parse(new TextDecoder().decode(manifest));
+    const chunks: { id: string }[] = [...stills, ...slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks)];
+    return chunks.map(({ id }) => id);
+  } catch {
+    return [];
+  }
+}
+
+/** Which of the names are there, one bit each, lowest bits first. */
+function bitsOf(names: readonly string[], there: ReadonlySet<string>): Uint8Array {
+  const bits = new Uint8Array(Math.ceil(names.length / 8));
+  for (const [i, name] of names.entries()) if (there.has(name)) bits[i >> 3] |= 1 << (i & 7);
+  return bits;
 }
 
 /** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`. */

@@ -25,11 +25,11 @@ function frame(offset: number, size: number, payload: number[]): Uint8Array<Arra
 
 describe("control messages", () => {
   it("encodes a hello as one map with string keys", () => {
-    const have = [fromHex(ID)];
     const parts: [Uint8Array, number][] = [[fromHex(ID), 5]];
-    const hello = { type: "hello", protocol: 1, credits: 4096, have, parts, time: 0.5, rate: 1 } as const;
-    const bytes = encodeMessage({ ...hello, have });
-    expect(decode(bytes)).toEqual(hello);
+    const have_bits = Uint8Array.of(5);
+    const hello = { type: "hello", protocol: 2, credits: 4096, have_bits, parts, time: 0.5, rate: 1 } as const;
+    const bytes = encodeMessage({ ...hello, codings: [] });
+    expect(decode(bytes)).toEqual({ ...hello, codings: [] });
     expect(bytes[0]).not.toBe(0x01);
   });
 
