@@ -1,4 +1,4 @@
-"""`hgs submit CAPTURE`: queues a job in the service's home."""
+"""`hgs submit CAPTURE`: queues a job in the service's home, or sends the capture to a server elsewhere."""
 
 from __future__ import annotations
 
@@ -20,9 +20,15 @@ POLL_SECONDS = 0.5
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "submit", help="queue a capture for training", description="Queue a capture for training; print the job's id."
-    )
-    parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
+        "submit", help="queue a capture for training",
+        description="Queue a capture for training; print the job's id. With --to, send it to a server first; run the "
+        "same command again to go on with what was cut off.",
+    )  # fmt: skip
+    parser.add_argument(
+        "capture", metavar="CAPTURE", type=Path,
+        help="folder of a multi-view capture; with --to also a .zip, .tar, .tar.gz or .tar.zst of one",
+    )  # fmt: skip
+    parser.add_argument("--to", metavar="URL", help="a server to send the capture to, as in http://host:8000")
     parser.add_argument("--title", default="", help="for people; default: the capture's name")
     parser.add_argument(
         "--wait", action="store_true", help="follow the job to its end; the exit status tells how it went"
@@ -34,6 +40,10 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
+    if options.to is not None:
+        from server.cli.submit_to_server import submit_to_server
+
+        return submit_to_server(options)
     from jobs.client import JobClient, JobRequest
     from jobs.home import Home
 

@@ -12,7 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.config import SYNC_BY
 from hgs_core.runs.config import PRESETS, RunConfig
 
-__all__ = ["add_masks_option", "add_training_options", "training_config"]
+__all__ = ["add_masks_option", "add_training_options", "job_settings", "training_config"]
 
 
 def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto") -> None:
@@ -56,17 +56,36 @@ def training_config(options: argparse.Namespace) -> RunConfig:
     Raises:
         InputError: an unknown field, or a value of the wrong type or range.
     """
+    config = RunConfig.for_preset(options.preset, **{"capture.hold_out": _held_out(options)})
+    return config.changed(_chosen_fields(options)).changed(_overrides(options.overrides))
+
+
+def job_settings(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the fields of `POST /v1/jobs` (docs/protocol.md) that the options describe.
+
+    Raises:
+        InputError: --set is not followed by KEY=VALUE.
+    """
+    config = _chosen_fields(options) | _overrides(options.overrides)
+    return {"preset": options.preset, "hold_out": _held_out(options), "config": config}
+
+
+def _held_out(options: argparse.Namespace) -> list[str]:
+    """Return the cameras that --hold-out names."""
+    names = [name.strip() for name in options.hold_out.split(",") if name.strip()]
+    return [] if names == ["none"] else names
+
+
+def _chosen_fields(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the fields of the config that have options of their own, but for the held-out cameras."""
     chosen: dict[str, Any] = {}
-    hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
-    chosen["capture.hold_out"] = [] if hold_out == ["none"] else hold_out
     if options.trust_poses:
         chosen["capture.trust_poses"] = True
     if options.sync is not None:
         chosen["capture.sync"] = options.sync
     if options.downscale is not None:
         chosen["capture.downscale"] = options.downscale
-    config = RunConfig.for_preset(options.preset, **chosen)
-    return config.changed(_overrides(options.overrides))
+    return chosen
 
 
 def _overrides(assignments: Sequence[str]) -> dict[str, Any]:

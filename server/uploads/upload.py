@@ -101,6 +101,12 @@ class Upload:
     def describe_files(self) -> list[dict[str, Any]]:
         """Return what has been announced and has come, file by file."""
         with self._lock:
+            if self.capture:
+                there = {told["path"]: told for told in self._journal()}
+                return [
+                    {"number": number, **told, "offset": told["size"], "verified": True}
+                    for number, told in enumerate(there.values())
+                ]
             return [
                 {name: getattr(file, name) for name in ("number", "path", "size", "sha256", "offset", "verified")}
                 for file in self._by_path.values()
@@ -177,7 +183,6 @@ class Upload:
         with self._lock:
             self._files, self._by_path, self._names = [], {}, FolderNames()
             shutil.rmtree(self._data, ignore_errors=True)
-            (self.folder / "files.jsonl").unlink(missing_ok=True)
 
     def require_unfinished(self) -> None:
         """Refuse to change a finished upload.
@@ -236,14 +241,17 @@ class Upload:
         self._files[file.number] = None
         self._total -= file.size
 
-    def _read_journal(self) -> None:
+    def _journal(self) -> list[dict[str, Any]]:
+        """Return the files that were announced, in order; of one path the last counts."""
         journal = self.folder / "files.jsonl"
         lines = journal.read_bytes() if journal.is_file() else b""
         whole = lines[: lines.rfind(b"\n") + 1]
         if whole != lines:  # the server was killed while it wrote the last line
             os.truncate(journal, len(whole))
-        for line in whole.splitlines():
-            told = json.loads(line)
+        return [json.loads(line) for line in whole.splitlines()]
+
+    def _read_journal(self) -> None:
+        for told in self._journal():
             before = self._by_path.get(told["path"])
             self._names.add(told["path"])
             if before is not None:

@@ -60,7 +60,9 @@ def test_a_finished_upload_is_a_capture_and_nothing_else_is(open_uploads: Callab
     for _ in range(2):
         uploads.finish(upload)
     assert (uploads.captures / "studio" / "cam00.mp4").read_bytes() == CONTENT
-    assert sorted(path.name for path in upload.folder.iterdir()) == ["upload.json"]
+    assert sorted(path.name for path in upload.folder.iterdir()) == ["files.jsonl", "upload.json"]
+    (file,) = upload.describe_files()
+    assert (file["path"], file["sha256"], file["verified"]) == ("cam00.mp4", hashlib.sha256(CONTENT).hexdigest(), True)
     told = uploads.describe(upload)
     assert (told["state"], told["capture"], told["expires"]) == ("finished", str(uploads.captures / "studio"), None)
 

@@ -1,0 +1,119 @@
+"""`hgs submit CAPTURE --to URL`: sends a capture to a server, has it checked there, and makes a job of it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import Progress, StageStopped
+from server.cli.capture_files import capture_files, opened_capture
+from server.cli.interrupts import Interrupts
+from server.cli.progress_bars import ProgressBars
+from server.cli.send_capture import send_capture
+from server.cli.server_client import ServerClient
+from server.cli.training_options import job_settings
+from server.uploads.limits import UploadLimits
+
+if TYPE_CHECKING:
+    from hgs_core.check.findings import CaptureCheck
+
+__all__ = ["submit_to_server"]
+
+POLL_SECONDS = 0.5
+INTERRUPTED = 130
+
+
+def submit_to_server(options: argparse.Namespace) -> int:
+    """Do what `hgs submit --to` says, and return the exit status.
+
+    Raises:
+        InputError: the capture cannot be sent, or the check stops it; the capture stays on the server then.
+    """
+    settings = job_settings(options)
+    if options.masks is not None:
+        raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
+    with ServerClient(options.to) as client, Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+
+        def show(done: int, total: int) -> None:
+            bars(Progress("sending MB", done // 1_000_000, max(1, total // 1_000_000)))
+
+        try:
+            limits = UploadLimits(**client.request("GET", "/v1/uploads").value["limits"])
+            with opened_capture(options.capture, limits) as (name, folder):
+                capture = send_capture(client, name, capture_files(folder), show)
+            bars.close()
+            print(f"the capture is {capture} on the server", file=sys.stderr)
+            capture = _trainable(client, capture)
+            _check(client, capture, bars, bool(settings["config"].get("capture.trust_poses")))
+            job = client.request(
+                "POST", "/v1/jobs", json_body={"capture": capture, "title": options.title, **settings}
+            ).value  # fmt: skip
+            print(job["id"], flush=True)
+            return _follow(client, job["id"], bars) if options.wait else 0
+        except StageStopped:
+            bars.close()
+            print("stopped; run the same command again to go on", file=sys.stderr)
+            return INTERRUPTED
+
+
+def _trainable(client: ServerClient, uploaded: str) -> str:
+    """Return the capture in what was sent: the folder itself, or one inside it."""
+    listed = client.request("GET", "/v1/captures").value["captures"]
+    inside = [one for one in listed if one["capture"] == uploaded or one["capture"].startswith(f"{uploaded}/")]
+    whole = [one for one in inside if one["problem"] is None]
+    if len(whole) > 1:
+        names = ", ".join(one["name"] for one in whole)
+        raise InputError(uploaded, f"holds several captures: {names}", "send the folder of one")
+    if not whole and inside:
+        raise InputError("the capture", inside[0]["problem"])
+    return str(whole[0]["capture"]) if whole else uploaded
+
+
+def _check(client: ServerClient, capture: str, bars: ProgressBars, trusted: bool) -> None:
+    """Have the capture checked, and show what was found."""
+    listed = {one["capture"]: one for one in client.request("GET", "/v1/captures").value["captures"]}
+    if listed.get(capture, {}).get("layout") == "videos without poses":
+        print("nothing says where the cameras stand: the job finds that out from the videos first", file=sys.stderr)
+        return
+    check = client.request("POST", "/v1/captures/check", json_body={"capture": capture}).value
+    while check["state"] in ("waiting", "running"):
+        bars(Progress("check", 0, 1))
+        time.sleep(POLL_SECONDS)
+        check = client.request("GET", f"/v1/captures/check?capture={quote(capture, safe='')}").value
+    bars.close()
+    if check["error"]:
+        raise InputError("the capture", check["error"])
+    found = _result(check["found"])
+    print(found.table(), file=sys.stderr)
+    if found.stops and not trusted:
+        first = found.stops[0]
+        cure = f"{first.cure}; or train it all the same with --trust-poses: what was sent is not sent again"
+        raise InputError(", ".join(first.cameras) or "the capture", first.problem, cure)
+
+
+def _result(found: dict[str, Any]) -> CaptureCheck:
+    from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+
+    findings = tuple(
+        Finding(one["stops"], tuple(one["cameras"]), one["problem"], one["cure"]) for one in found["findings"]
+    )
+    cameras = tuple(CameraResult(**one) for one in found["cameras"])
+    return CaptureCheck(cameras, findings, (), tuple(found["frames"]), found["width"])
+
+
+def _follow(client: ServerClient, job_id: str, bars: ProgressBars) -> int:
+    """Draw the job's progress until it is finished; return 0 if it succeeded."""
+    while (job := client.request("GET", f"/v1/jobs/{job_id}").value)["state"] in ("queued", "running"):
+        if progress := job["progress"]:
+            bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]))
+        time.sleep(POLL_SECONDS)
+    bars.close()
+    if job["state"] != "succeeded":
+        print(f"hgs: job {job_id}: {job['state']}{': ' + job['error'] if job['error'] else ''}", file=sys.stderr)
+        return 1
+    print(f"{client.url}/view/{job['scene']}", file=sys.stderr)
+    return 0

@@ -1,0 +1,75 @@
+from __future__ import annotations
+
+import http.server
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from server.cli import server_client
+from server.cli.server_client import LostConnectionError, RefusedError, ServerClient
+
+ANSWERS: list[tuple[int, bytes]] = []
+"""What the server answers next; a status of 0 ends the connection without an answer."""
+
+
+class Scripted(http.server.BaseHTTPRequestHandler):
+    """Answers as it is told, and then what it was asked."""
+
+    protocol_version = "HTTP/1.1"
+
+    def do_POST(self) -> None:
+        body = self.rfile.read(int(self.headers["Content-Length"] or 0))
+        status, answer = ANSWERS.pop(0) if ANSWERS else (200, b'{"got": "%s %s"}' % (self.path.encode(), body))
+        if status == 0:
+            self.close_connection = True
+            return
+        self.send_response(status)
+        self.send_header("Content-Type", "application/json")
+        self.send_header("Content-Length", str(len(answer)))
+        self.end_headers()
+        self.wfile.write(answer)
+
+    def log_message(self, *_: object) -> None:
+        pass
+
+
+@pytest.fixture
+def client(monkeypatch: pytest.MonkeyPatch) -> Iterator[ServerClient]:
+    monkeypatch.setattr(server_client, "_LONGEST_WAIT", 0.0)
+    ANSWERS.clear()
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Scripted) as server:
+        threading.Thread(target=server.serve_forever, args=(0.01,)).start()
+        with ServerClient(f"http://127.0.0.1:{server.server_port}/base/") as made:
+            yield made
+        server.shutdown()
+
+
+def test_what_may_pass_is_tried_again(client: ServerClient) -> None:
+    ANSWERS.extend([(0, b""), (503, b'{"detail": "later"}'), (408, b"{}"), (502, b"<html>"), (200, b'{"a')])
+    assert client.request("POST", "/x", body=b"b").value == {"got": "/base/x b"}
+    assert ANSWERS == []
+    ANSWERS.append((503, b'{"detail": "later"}'))
+    with pytest.raises(LostConnectionError, match="later"):
+        client.once("POST", "/x")
+
+
+def test_a_refusal_is_told_in_the_servers_words(client: ServerClient) -> None:
+    ANSWERS.append((413, b'{"detail": "too large; send less", "code": "upload-too-large"}'))
+    with pytest.raises(RefusedError, match="too large; send less") as caught:
+        client.request("POST", "/x")
+    assert (caught.value.status, caught.value.code) == (413, "upload-too-large")
+
+
+def test_patience_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(server_client, "_LONGEST_WAIT", 0.0)
+    client = ServerClient("http://127.0.0.1:1", patience=0.0)
+    with pytest.raises(InputError, match=r"cannot be reached \(.*\); run the same command again"):
+        client.request("GET", "/x")
+
+
+@pytest.mark.parametrize("url", ["host:8000", "ftp://host", "http://", "http://host:port", "http://host/?a"])
+def test_what_is_no_address_is_refused(url: str) -> None:
+    with pytest.raises(InputError, match="give it as in http://host:8000"):
+        ServerClient(url)
