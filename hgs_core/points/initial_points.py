@@ -1,6 +1,6 @@
 """The first points of a scene: interleaved-frame structure from motion, filled up by plane sweeps.
 
-Static points come from the first moment and from the still background, dynamic points from every m-th moment, as the
+Static points come from the first moment and from the still background, dynamic points from moments in between, as the
 interleaved-frame initialisation of HGS has it. Features give exact points where there is texture; the sweeps give the
 rest of the pictures theirs, so that the targets are met wherever the pictures allow.
 """
@@ -50,7 +50,7 @@ def initial_points(
     cameras: Sequence[int],  # the training cameras; no other is read
     masks: MotionMasks,
     *,
-    every: int,  # frames between the moments that dynamic points are taken from
+    moments: Sequence[int],  # frames, ascending, that dynamic points are taken from
     static_target: int,
     dynamic_target: int,  # over all moments
     seed: int,
@@ -70,7 +70,6 @@ def initial_points(
         )
     generator = np.random.default_rng(seed)
     views = [capture.cameras[index] for index in cameras]
-    moments = list(range(0, len(capture.times), max(1, every)))
     steps = len(moments) + 2
     progress(Progress(_STAGE, 0, steps))
 

@@ -161,6 +161,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     """
     from hgs_core.decompose.masks import MotionMasks, motion_masks
     from hgs_core.points.initial_points import initial_points
+    from hgs_core.train.segments import cut_into_segments
 
     folder = RunFolder(run)
     if folder.points.exists():
@@ -173,8 +174,11 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     else:
         masks = motion_masks(capture, cameras, progress=progress)
         masks.save(folder.masks)
+    every = capture.frames_in(config.points.interval)
+    segments = cut_into_segments(capture.times, config.train.segment_frames)
+    moments = sorted({frame for segment in segments for frame in segment.sampled(every)})
     points = initial_points(
-        capture, cameras, masks, every=capture.frames_in(config.points.interval), static_target=config.points.static,
+        capture, cameras, masks, moments=moments, static_target=config.points.static,
         dynamic_target=config.points.dynamic_in(capture.seconds), seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)

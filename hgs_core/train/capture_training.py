@@ -49,7 +49,7 @@ def train_capture(
         config: how to train.
         seed: of everything that is drawn at random.
         points: labelled first points of the whole capture.
-        sampled_every: frames between the moments that dynamic points were taken at.
+        sampled_every: frames between the moments that dynamic points were taken at, at most.
         checkpoint: gives the file of a segment's state; a finished segment's is read, not trained again.
         progress: called as if all segments were one training.
         masks: what moves; needed where the config's stages are `separate`.
@@ -63,7 +63,7 @@ def train_capture(
     drawn = None if preview is None else Preview(preview, next(iter(cameras.values())), config)
     for number, segment in enumerate(segments):
         start = initial_splats(
-            segment.points(points), segment.clock, -(-segment.frames // sampled_every), config.labels.initial,
+            segment.points(points), segment.clock, len(segment.sampled(sampled_every)), config.labels.initial,
             coefficients=coefficients_of_order(config.motion_order),
         )  # fmt: skip
         trainer = Trainer(

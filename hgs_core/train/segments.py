@@ -21,12 +21,18 @@ class CaptureSegment:
 
     first: int  # frame
     frames: int
+    end: int  # frame at which its time ends: the next segment's first, or the capture's last
     clock: Segment[npt.NDArray[np.float32]]  # its stretch of time, without splats
 
     @property
     def seconds(self) -> float:
         """How long it is."""
         return self.clock.end - self.clock.start
+
+    def sampled(self, every: int) -> Sequence[int]:
+        """Return its first and last frame and some between, ascending, spread evenly and at most `every` apart."""
+        gaps = -(-(self.end - self.first) // every)
+        return sorted({round(frame) for frame in np.linspace(self.first, self.end, gaps + 1)})
 
     def points(self, cloud: PointCloud) -> PointCloud:
         """Return the points that were seen in this segment; static points are in all of them."""
@@ -45,6 +51,7 @@ def cut_into_segments(times: npt.NDArray[np.float64], longest: int) -> Sequence[
         CaptureSegment(
             first,
             (last if i + 1 < count else len(times)) - first,
+            last,
             Segment(float(times[first]), float(times[last]), DynamicSplats.empty()),
         )
         for i, (first, last) in enumerate(pairwise(borders))

@@ -17,7 +17,7 @@ from hgs_core.points.initial_points import initial_points
 from hgs_core.points.point_cloud import PointCloud
 
 VIEWS = (1, 3, 5, 7, 9, 11)
-TARGETS: dict[str, Any] = {"every": 30, "static_target": 2500, "dynamic_target": 600, "seed": 0}
+TARGETS: dict[str, Any] = {"moments": (0, 30), "static_target": 2500, "dynamic_target": 600, "seed": 0}
 
 
 class OnlyViews(Capture):

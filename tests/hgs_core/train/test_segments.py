@@ -28,6 +28,16 @@ def test_a_segment_ends_where_the_next_one_starts() -> None:
     assert (second.clock.start, second.clock.end) == (0.5, 0.9)
 
 
+@given(frames=st.integers(1, 700), longest=st.integers(2, 200), every=st.integers(1, 100))
+def test_points_are_taken_at_both_ends_of_a_segment_and_evenly_between(frames: int, longest: int, every: int) -> None:
+    times = np.arange(frames) / 30
+    for segment in cut_into_segments(times, longest):
+        sampled = segment.sampled(every)
+        assert (times[sampled[0]], times[sampled[-1]]) == (segment.clock.start, segment.clock.end)
+        gaps = np.diff(sampled)
+        assert len(gaps) == 0 or (gaps.max() <= every and gaps.max() - gaps.min() <= 1)
+
+
 def test_a_single_moment_is_a_segment_of_no_length() -> None:
     (segment,) = cut_into_segments(np.zeros(1), 50)
     assert (segment.frames, segment.clock.start, segment.clock.end) == (1, 0.0, 0.0)
