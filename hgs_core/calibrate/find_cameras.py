@@ -10,6 +10,8 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.base.wording import counted
+from hgs_core.calibrate.board import Board, find_board
+from hgs_core.calibrate.board_rig import cameras_of_board
 from hgs_core.calibrate.colmap_text import write_colmap_text
 from hgs_core.calibrate.structure import Solution, solve
 from hgs_core.calibrate.uncalibrated import find_videos
@@ -26,7 +28,7 @@ COLMAP_FOLDER = Path("sparse", "0")
 
 _FEWEST_FEATURES = 40  # that the points of the scene explain, of each camera
 _LARGEST_ERROR = 2.0  # pixels
-_CURE = "add cameras in between, at most 30 degrees apart, or calibrate the rig with a board"
+_CURE = "add cameras in between, at most 30 degrees apart, or show them a board (--board, docs/cameras.md)"
 
 
 def find_cameras(
@@ -36,6 +38,8 @@ def find_cameras(
     focal: float | None = None,
     up: str | None = None,
     distance: Distance | None = None,
+    board: Board | None = None,
+    floor: bool = False,
     progress: ProgressCallback = silent,
 ) -> Solution:
     """Find the cameras of the videos in a folder, and write them below it as COLMAP's text files.
@@ -46,7 +50,9 @@ def find_cameras(
         found: where to write instead, and where a sync.json may lie that the folder has none of.
         focal: the focal length of all cameras in pixels, if it is known, of lenses without distortion.
         up: a camera whose picture is upright; without it all cameras are taken to be held level.
-        distance: between two cameras; without it the scale is arbitrary.
+        distance: between two cameras; without it, or a board, the scale is arbitrary.
+        board: that is held before the cameras: poses and lenses are found from it, in metres.
+        floor: whether the board lies on the floor where it is seen first: y is 0 there.
         progress: called with what has been done.
 
     Raises:
@@ -57,12 +63,19 @@ def find_cameras(
         raise InputError(where, "there are cameras already", "move them away to have them found again")
     videos = [VideoReader(file) for file in find_videos(folder)]
     names = [video.path.stem for video in videos]
-    known = [None if focal is None else Pinhole(focal, focal, video.width / 2, video.height / 2) for video in videos]
     clock, _ = clock_of_videos(folder, videos, found)
 
     def read(camera: int, frame: int) -> npt.NDArray[np.uint8]:
         return videos[camera].read(int(clock.frames[camera, frame]), 0)[0]
 
+    if board is not None:
+        sightings = find_board(board, len(videos), read, len(clock.times), progress)
+        sizes = [(video.width, video.height) for video in videos]
+        solution = cameras_of_board(folder, names, sizes, board, sightings, focal, floor)
+        solution = solution if floor else placed(solution, up, metric=True)
+        write_colmap_text(where, solution)
+        return solution
+    known = [None if focal is None else Pinhole(focal, focal, video.width / 2, video.height / 2) for video in videos]
     views = look(names, known, read, len(clock.times), progress)
     solution = placed(cameras_of_views(folder, views, progress), up, distance)
     write_colmap_text(where, solution)

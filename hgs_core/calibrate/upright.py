@@ -27,12 +27,14 @@ class Distance:
     metres: float
 
 
-def placed(solution: Solution, up: str | None = None, distance: Distance | None = None) -> Solution:
+def placed(
+    solution: Solution, up: str | None = None, distance: Distance | None = None, *, metric: bool = False
+) -> Solution:
     """Return the solution with y pointing down, its origin where the cameras look, and its scale.
 
     Without `up` the cameras are taken to be held level: what is level is the plane of their right-hand directions. `up`
     is the name of a camera whose picture is upright. Without `distance` the cameras are 1 away from the origin
-    on average.
+    on average, unless the solution is `metric` and stays as large as it is.
 
     Raises:
         InputError: there is no camera of a name, or the two of the distance stand at one place.
@@ -41,7 +43,9 @@ def placed(solution: Solution, up: str | None = None, distance: Distance | None 
     down = _camera(poses, "--up", up)[1, :3] if up is not None else _down(list(poses.values()))
     centres = {name: -pose[:3, :3].T @ pose[:3, 3] for name, pose in poses.items()}
     origin = _looked_at(list(poses.values()))
-    if distance is None:
+    if metric:
+        scale = 1.0
+    elif distance is None:
         scale = 1 / float(np.mean([np.linalg.norm(centre - origin) for centre in centres.values()]))
     else:
         for name in (distance.first, distance.second):

@@ -13,6 +13,7 @@ from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
 if TYPE_CHECKING:
+    from hgs_core.calibrate.board import Board
     from hgs_core.calibrate.structure import Solution
     from hgs_core.calibrate.upright import Distance
 
@@ -34,6 +35,18 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--distance", metavar="A,B=METRES", help="between two cameras, for the scale (default: an arbitrary one)"
     )
+    parser.add_argument(
+        "--board",
+        metavar="8x5",
+        help="a ChArUco board of so many squares is shown to the cameras: metres, and more sure",
+    )
+    parser.add_argument("--square", metavar="METRES", type=float, help="side of one of its squares")
+    parser.add_argument("--marker", metavar="METRES", type=float, help="side of a marker (default: 3/4 of a square)")
+    parser.add_argument("--dictionary", default="4X4_50", help="family of its markers (default: 4X4_50)")
+    parser.add_argument("--old-board", action="store_true", help="it was made by OpenCV before 4.6")
+    parser.add_argument(
+        "--floor", action="store_true", help="the board lies on the floor where it is seen first: the floor is y = 0"
+    )
     parser.set_defaults(run=_run)
 
 
@@ -43,18 +56,49 @@ def _run(options: argparse.Namespace) -> int:
     if options.focal is not None and not 0 < options.focal < 1e6:
         raise InputError("--focal", f"{options.focal} is no focal length", "give it in pixels of the videos")
     distance = None if options.distance is None else _distance(options.distance)
+    board = _board(options)
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
             solution = find_cameras(
-                options.folder, focal=options.focal, up=options.up, distance=distance, progress=bars
-            )
+                options.folder, focal=options.focal, up=options.up, distance=distance, board=board, floor=options.floor,
+                progress=bars,
+            )  # fmt: skip
         except StageStopped:
             return 130
     print(_table(solution), file=sys.stderr)
-    if distance is None:
-        print("the scale is arbitrary; --distance gives metres", file=sys.stderr)
+    if distance is None and board is None:
+        print("the scale is arbitrary; --distance and --board give metres", file=sys.stderr)
     print(options.folder / COLMAP_FOLDER)
     return 0
+
+
+def _board(options: argparse.Namespace) -> Board | None:
+    """Return the board that the options describe; None without one.
+
+    Raises:
+        InputError: the board is not described whole, or options contradict each other.
+    """
+    from hgs_core.calibrate.board import Board, open_cv
+
+    if options.board is None:
+        given = next((name for name in ("square", "marker", "floor") if getattr(options, name)), None)
+        if given is not None:
+            raise InputError(f"--{given}", "there is no --board", "describe the board: --board 8x5 --square 0.04")
+        return None
+    columns, cross, rows = options.board.lower().partition("x")
+    if not (cross and columns.isascii() and rows.isascii() and columns.isdigit() and rows.isdigit()):
+        raise InputError("--board", f"{options.board!r} is no number of squares", "give it as in 8x5")
+    if options.square is None:
+        raise InputError("--board", "the side of its squares is not given", "add --square METRES, as measured on it")
+    if options.distance is not None:
+        raise InputError("--distance", "the board says how large the rig is", "give one of them")
+    if options.floor and options.up is not None:
+        raise InputError("--up", "the board on the floor says what is level", "give one of them")
+    marker = 0.75 * options.square if options.marker is None else options.marker
+    dictionary = options.dictionary.upper().removeprefix("DICT_")
+    board = Board(int(columns), int(rows), options.square, marker, dictionary, options.old_board)
+    open_cv()
+    return board
 
 
 def _table(solution: Solution) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 
@@ -13,6 +14,7 @@ from hgs_core.calibrate.views import View
 from hgs_core.capture.open import open_capture
 from hgs_core.points.features import Features
 from tests.conftest import REPOSITORY
+from tests.hgs_core.calibrate.boards import BOARD, FRAMES, HEIGHT, WIDTH, photograph, rig
 
 STUDIO = REPOSITORY / "samples" / "studio"
 
@@ -70,3 +72,19 @@ def test_a_rig_without_common_views_is_refused_with_the_cure() -> None:
         InputError, match=r"no two cameras share.*add cameras in between.*or calibrate the rig with a board"
     ):
         cameras_of_views(Path("rig"), views(0, 0, 0, 0), lambda progress: None)
+
+
+def test_a_board_in_the_videos_gives_the_cameras_in_metres(tmp_path: Path) -> None:
+    pytest.importorskip("cv2")
+    cameras = rig()
+    for camera in cameras[:3]:
+        with av.open(str(tmp_path / f"{camera.name}.mp4"), "w") as container:
+            stream = container.add_stream("libx264", rate=10, options={"crf": "10", "preset": "ultrafast"})
+            stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuv420p"
+            for frame in range(FRAMES):
+                container.mux(stream.encode(av.VideoFrame.from_ndarray(photograph(camera, frame), format="rgb24")))
+            container.mux(stream.encode())
+    find_cameras(tmp_path, board=BOARD, floor=True)
+    found = {camera.name: camera for camera in open_capture(tmp_path).cameras}
+    for camera in cameras[:3]:
+        np.testing.assert_allclose(found[camera.name].position, camera.position, atol=0.05)

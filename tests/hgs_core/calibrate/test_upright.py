@@ -65,3 +65,8 @@ def test_rotations_stay_rotations() -> None:
 def test_cameras_that_are_not_there_are_named(up: str | None, distance: Distance | None) -> None:
     with pytest.raises(InputError, match=r"cam99|stand at one place"):
         placed(solution(), up, distance)
+
+
+def test_a_metric_solution_stays_as_large_as_it_is() -> None:
+    before, after = centres(solution()), centres(placed(solution(), metric=True))
+    assert np.linalg.norm(after[0] - after[3]) == pytest.approx(np.linalg.norm(before[0] - before[3]))

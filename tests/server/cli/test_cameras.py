@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hgs_core.calibrate.board import Board
 from hgs_core.calibrate.structure import Solution, SolvedCamera
 from hgs_core.calibrate.upright import Distance
 from server.cli import main
@@ -40,3 +41,35 @@ def test_options_reach_the_solver_and_the_cameras_are_listed(
 def test_bad_options_are_refused(option: str, value: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["cameras", str(tmp_path), option, value]) == 2
     assert option in capsys.readouterr().err
+
+
+def test_a_board_is_described_by_options(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("cv2")
+    asked: dict[str, object] = {}
+    monkeypatch.setattr(
+        "hgs_core.calibrate.find_cameras.find_cameras", lambda folder, **options: asked.update(options) or SOLUTION
+    )
+    line = ["cameras", str(tmp_path), "--board", "8x5", "--square", "0.04", "--dictionary", "DICT_5X5_100", "--floor"]
+    assert main(line) == 0
+    assert asked["board"] == Board(8, 5, 0.04, 0.03, "5X5_100")
+    assert asked["floor"] is True
+    assert "arbitrary" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--board", "8", "--square", "0.04"], "'8' is no number of squares"),
+        (["--board", "8x5"], "the side of its squares is not given"),
+        (["--square", "0.04"], "there is no --board"),
+        (["--board", "8x5", "--square", "0.04", "--distance", "a,b=2"], "says how large the rig is"),
+        (["--board", "8x5", "--square", "0.04", "--floor", "--up", "a"], "says what is level"),
+    ],
+)
+def test_a_board_that_is_half_described_is_refused(
+    options: list[str], said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["cameras", str(tmp_path), *options]) == 2
+    assert said in capsys.readouterr().err
