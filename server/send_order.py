@@ -15,7 +15,7 @@ from server.scene_index import Chunk, SceneIndex
 
 __all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
 
-AHEAD = (2.0, 8.0, math.inf)  # seconds of playing for which base layers and then refinements are sent, in turn
+AHEAD = (3.0, 8.0, math.inf)  # seconds of playing for which base layers and then refinements are sent, in turn
 COMPLETE = 1  # the layer of a mark that says that all layers are there; 0 says that the base is
 
 

@@ -8,8 +8,8 @@ from server.scene_index import Chunk, SceneIndex
 from server.send_order import COMPLETE, Mark, SendOrder
 
 MakeScene = Callable[..., SceneIndex]
-# Of each of ten seconds a base and two refinements, whose sizes tell which they are.
-TEN = [(float(k), k + 1.0, [400 + k, 300 + k, 200 + k]) for k in range(10)]
+# Ten slices of 1.5 s, each of a base and two refinements, whose sizes tell which they are.
+TEN = [(1.5 * k, 1.5 * k + 1.5, [400 + k, 300 + k, 200 + k]) for k in range(10)]
 
 
 def sizes(order: SendOrder, time: float = 0.0, rate: float = 1.0, measured: float | None = None) -> Iterator[int]:
@@ -47,8 +47,7 @@ def test_refinements_of_what_stands_and_of_what_moves_take_turns(make_scene: Mak
 def test_bases_go_further_ahead_once_the_next_seconds_are_complete(make_scene: MakeScene) -> None:
     order = SendOrder(make_scene([10], TEN))
     first(order, 10)
-    assert first(order, 6) == [403, 404, 405, 406, 407, 408]
-    assert first(order, 6) == [303, 304, 305, 306, 307, 308]
+    assert first(order, 6) == [403, 404, 405, 303, 304, 305]
 
 
 def test_faster_playhead_needs_more_of_the_scene(make_scene: MakeScene) -> None:
@@ -57,15 +56,15 @@ def test_faster_playhead_needs_more_of_the_scene(make_scene: MakeScene) -> None:
 
 def test_playhead_near_the_end_needs_the_beginning(make_scene: MakeScene) -> None:
     order = SendOrder(make_scene([], TEN))
-    assert first(order, 6, 9.5) == [409, 400, 401, 309, 300, 301]
+    assert first(order, 6, 14.25) == [409, 400, 401, 309, 300, 301]
 
 
 def test_refinement_that_would_come_when_its_slice_is_over_waits(make_scene: MakeScene) -> None:
     order = SendOrder(make_scene([], TEN))
-    first(order, 3, 0.5)
+    first(order, 3, 0.9)
     # 64 KiB take 0.65 s of this line.
-    assert first(order, 1, 0.5, 1.0, 100_000.0) == [301]
-    assert first(order, 1, 0.5, 0.0, 100_000.0) == [300]  # nothing passes while the playhead stands
+    assert first(order, 1, 0.9, 1.0, 100_000.0) == [301]
+    assert first(order, 1, 0.9, 0.0, 100_000.0) == [300]  # nothing passes while the playhead stands
 
 
 def test_every_chunk_comes_once_and_every_slice_is_marked_by_layer(make_scene: MakeScene) -> None:
@@ -81,8 +80,8 @@ def test_slice_that_was_sought_is_marked_again(make_scene: MakeScene) -> None:
     order = SendOrder(make_scene([10], TEN))
     assert list(sizes(order))
     order.marks.clear()
-    order.sought(4.5)
-    assert order.next(4.5, 1.0) is None
+    order.sought(6.5)
+    assert order.next(6.5, 1.0) is None
     assert list(order.marks) == [Mark(4, 0), Mark(4, COMPLETE)]
 
 

@@ -32,7 +32,7 @@ from server.stream_session import MAX_UNSENT, ChunkPart, Playhead, StreamSession
 
 MakeScene = Callable[..., SceneIndex]
 WINDOW = 1 << 24
-THREE_SLICES = [(0.0, 1.0, [1000, 2000]), (1.5, 2.0, [3000]), (2.5, 3.0, [4000])]
+THREE_SLICES = [(0.0, 1.0, [1000, 2000]), (1.5, 2.0, [3000]), (4.0, 5.0, [4000])]
 
 
 def drain(session: StreamSession, clock: float = 0.0) -> list[Any]:
@@ -120,7 +120,7 @@ def test_play_moves_the_playhead_and_drops_nothing(make_scene: MakeScene) -> Non
     scene = make_scene([], THREE_SLICES)
     session = start(scene, rate=0.0)
     first = step(session, 1)
-    session.receive(encode(Play(2.5, 1.0)), 0.0)
+    session.receive(encode(Play(4.5, 1.0)), 0.0)
     rest = drain(session)
     assert marks_of(rest, 0) == [2, 0, 1]
     assert len({part.chunk.id for part in [*first, *rest] if isinstance(part, ChunkPart)}) == len(scene.sizes)
@@ -138,7 +138,7 @@ def test_seek_resumes_a_chunk_that_was_sent_in_part(make_scene: MakeScene) -> No
     scene = make_scene([3 * MAX_PAYLOAD], THREE_SLICES)
     session = start(scene)
     assert step(session, 1)[0].offset == 0
-    session.receive(encode(Seek(2.7)), 0.0)
+    session.receive(encode(Seek(4.7)), 0.0)
     rest = [item for item in drain(session) if isinstance(item, ChunkPart)]
     assert rest[0].chunk == scene.slices[2].chunks[0]
     assert [part.offset for part in rest if part.chunk == scene.static[0]] == [MAX_PAYLOAD, 2 * MAX_PAYLOAD]

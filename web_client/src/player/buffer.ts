@@ -4,8 +4,6 @@ import { type Layered, layersOf } from "../codec/layers";
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { Manifest } from "../codec/types";
 
-/** Before playing goes on that would soon wait again, so much is to be here, seconds of playing. */
-const REBUFFER = 1.5;
 /** Nobody knows how fast the line will be then, seconds. */
 const FORESEEN = 10;
 
@@ -58,8 +56,11 @@ export class SceneBuffer {
     return this.#here([...this.#statics, ...this.#shownAt(time)], false);
   }
 
-  /** Whether playing from `time` on, at `rate`, is likely not to wait soon for what comes at so many bytes per second. */
-  lasts(time: number, rate: number, bytesPerSecond: number): boolean {
+  /**
+   * Whether playing from `time` on, at `rate`, is likely not to wait for what comes at so many bytes per second, or not within
+   * `reserve` seconds.
+   */
+  lasts(time: number, rate: number, bytesPerSecond: number, reserve: number): boolean {
     const { slices } = this.manifest;
     const lacking = new Set<string>();
     let bytes = 0;
@@ -70,7 +71,7 @@ export class SceneBuffer {
         if (!lacking.has(id) && !this.#here([id], false)) bytes += this.#layers.get(id)?.chunk.bytes ?? 0;
         lacking.add(id);
       }
-      if (bytes > bytesPerSecond * Math.max(0, wait)) return wait >= REBUFFER;
+      if (bytes > bytesPerSecond * Math.max(0, wait)) return wait >= reserve;
     }
     return true;
   }

@@ -4,8 +4,13 @@ import type { SceneSource } from "../source/scene_source";
 import type { SceneBuffer } from "./buffer";
 import type { PlayerClock } from "./clock";
 
+/** Where it will wait again, playing begins at a place for so many seconds, and goes on for so many once it has waited. */
+const FIRST = 1.5;
+const AGAIN = 3;
+
 export class Playback {
   #stalled = false; // as the source knows
+  #reserve = FIRST;
 
   /** @param bytesPerSecond what the line brings. */
   constructor(
@@ -42,6 +47,7 @@ export class Playback {
   /** Move the playhead; what is missing there comes before everything else. */
   seek(time: number): void {
     this.clock.seek(time);
+    this.#reserve = FIRST;
     const at = this.clock.time;
     if (!this.buffer.ready(at)) this.source.seek(at);
     else if (this.clock.playing) this.source.play(at, this.clock.rate);
@@ -54,8 +60,10 @@ export class Playback {
     const waiting = clock.stalled; // one that has begun to wait does so until it need not soon wait again
     const time = clock.tick(
       now,
-      (moment) => buffer.playable(moment) && (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond())),
+      (moment) =>
+        buffer.playable(moment) && (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond(), this.#reserve)),
     );
+    if (this.moving) this.#reserve = AGAIN;
     this.source.playheadAt(time);
     // The source's playhead runs ahead while this one waits.
     if (clock.stalled !== this.#stalled) {

@@ -7,7 +7,7 @@ import type { Playhead } from "./scene_source";
 
 /** Seconds of playing for which base layers and then refinements come, in turn. */
 const NEAR = 8;
-const AHEAD = [2, NEAR, Number.POSITIVE_INFINITY];
+const AHEAD = [3, NEAR, Number.POSITIVE_INFINITY];
 /** About as many bytes of a refinement are on their way when it is of use: it comes before its slice is over, or waits. */
 const UNDER_WAY = 1 << 16;
 

@@ -76,22 +76,23 @@ describe("SceneBuffer", () => {
     const buffer = new SceneBuffer(manifest({ end: 20, slices: seconds })); // a base of 100 bytes per second
 
     it("goes on where the line brings base layers as fast as they are shown", () => {
-      expect(buffer.lasts(0, 1, 1e6)).toBe(false); // nothing is here
+      expect(buffer.lasts(0, 1, 1e6, 1.5)).toBe(false); // nothing is here
       buffer.arrived("a0");
-      expect(buffer.lasts(0, 1, 130)).toBe(true);
-      expect(buffer.lasts(0, 2, 130)).toBe(false);
-      expect(buffer.lasts(0, 1, 90)).toBe(false);
+      expect(buffer.lasts(0, 1, 130, 1.5)).toBe(true);
+      expect(buffer.lasts(0, 2, 130, 1.5)).toBe(false);
+      expect(buffer.lasts(0, 1, 90, 1.5)).toBe(false);
     });
 
     it("goes on when there is enough for a while", () => {
       buffer.arrived("a1");
-      expect(buffer.lasts(0, 1, 0)).toBe(true);
-      expect(buffer.lasts(0.6, 1, 0)).toBe(false);
+      expect(buffer.lasts(0, 1, 0, 1.5)).toBe(true);
+      expect(buffer.lasts(0.6, 1, 0, 1.5)).toBe(false);
+      expect(buffer.lasts(0, 1, 0, 4)).toBe(false);
     });
 
     it("goes on when nothing is missing any more", () => {
       buffer.arrived("a19");
-      expect(buffer.lasts(19.5, 1, 0)).toBe(true);
+      expect(buffer.lasts(19.5, 1, 0, 1.5)).toBe(true);
     });
   });
 

@@ -67,6 +67,28 @@ it("does not go on for a moment after it has waited", () => {
   expect(playback.clock.time).toBeGreaterThan(0.5);
 });
 
+it("gathers more after it has waited than to begin with", () => {
+  const slices = Array.from({ length: 20 }, (_, k) => slice(k / 2, (k + 1) / 2, [`${k}`]));
+  const buffer = new SceneBuffer(manifest({ end: 10, slices }));
+  playback = new Playback(new PlayerClock(0, 10), buffer, stream);
+  playback.play();
+  playback.tick(0);
+  for (const k of [0, 1, 2]) buffer.arrived(`${k}`);
+  let now = 0;
+  const run = (seconds: number) => {
+    for (const until = now + seconds; now < until; now += 0.1) playback.tick(now);
+  };
+  run(1);
+  expect(playback.moving).toBe(true);
+  run(2);
+  for (const k of [3, 4, 5, 6]) buffer.arrived(`${k}`);
+  run(1);
+  expect(playback.moving).toBe(false);
+  for (const k of [7, 8, 9, 10, 11]) buffer.arrived(`${k}`);
+  run(1);
+  expect(playback.moving).toBe(true);
+});
+
 it("stands while the page is hidden, if it played", () => {
   playback.pageHidden(true);
   expect(told).not.toHaveBeenCalled();
