@@ -16,11 +16,13 @@ from starlette.middleware.cors import CORSMiddleware
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
+from server.access import Access, Asking
+from server.access_control import AccessControl
 from server.allowed_hosts import AllowedHosts, HostCheck
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
 from server.problems import ProblemError, install_problem_handlers
-from server.routes import capture_checks, chunks, health, job_runs, jobs, scenes, stream, upload_files
+from server.routes import capture_checks, chunks, health, job_runs, jobs, links, scenes, session, stream, upload_files
 from server.routes import captures as capture_routes
 from server.routes import uploads as upload_routes
 from server.security_headers import SecurityHeaders
@@ -45,13 +47,15 @@ def create_app(
     hosts: AllowedHosts | None = None,
     job_client: Jobs | None = None,
     artifacts: Artifacts | None = None,
+    access: Access | None = None,
     viewer: Path = VIEWER,
 ) -> FastAPI:
     """Return the application that serves `home`; creates the home and its tables where they are missing.
 
     `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
     hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
-    localhost alone. The queue, the store and the folder of the built viewer can be replaced, as tests do.
+    localhost alone, `access` who is let in, by default everybody. The queue, the store and the folder of the built
+    viewer can be replaced, as tests do.
     """
     store = artifacts or ArtifactStore(home.store_url)
     received = Uploads(home.folder / "uploads", uploads)
@@ -64,6 +68,7 @@ def create_app(
             captures or CaptureFolders.configured(home.folder), uploaded=received.captures.resolve()
         ),
         uploads=received,
+        access=access or Access(None, Asking.NEVER),
         origins=frozenset(origins),
     )
 
@@ -80,19 +85,21 @@ def create_app(
     app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
     app.state.service = service
     install_problem_handlers(app)
+    app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
     if service.origins:
         app.add_middleware(
             CORSMiddleware,
             allow_origins=sorted(service.origins),
             allow_methods=["GET", "HEAD"],
-            allow_headers=["If-None-Match", "If-Range", "Range"],
+            allow_headers=["Authorization", "If-None-Match", "If-Range", "Range"],
             expose_headers=["Content-Range", "ETag"],
             max_age=3600,
         )
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
     for module in (
-        health, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, scenes, chunks, stream,
+        health, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, scenes,
+        chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))

@@ -70,6 +70,13 @@ class SceneCatalogue:
             self._next_look = asyncio.create_task(self._look())
         return await asyncio.shield(self._next_look)  # a caller that leaves does not take it from the others
 
+    def chunk_ids(self, scene_id: str) -> frozenset[str]:
+        """Return the ids of a scene's chunks, hex; none if there is no such scene, or it cannot be read."""
+        try:
+            return self.scene(scene_id).chunk_ids
+        except ProblemError:
+            return frozenset()
+
     def describe(self, scene_id: str) -> dict[str, Any]:
         """Return one scene as JSON.
 

@@ -60,6 +60,12 @@ class SceneIndex:
     splats_dynamic: int
 
     @cached_property
+    def chunk_ids(self) -> frozenset[str]:
+        """The ids of all chunks, hex."""
+        pieces = (self.static, *(piece.chunks for piece in self.slices))
+        return frozenset(chunk.id.hex() for chunks in pieces for chunk in chunks)
+
+    @cached_property
     def sizes(self) -> Mapping[bytes, int]:
         """The size of every distinct chunk by id."""
         chunks = (*self.static, *(chunk for piece in self.slices for chunk in piece.chunks))

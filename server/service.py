@@ -14,6 +14,7 @@ from jobs.artifacts import SCENE_ID, SceneEntry
 from jobs.client import JobRequest
 from jobs.home import Home
 from jobs.store import Job, JobState, Place
+from server.access import Access
 from server.capture_checks import CaptureChecks
 from server.capture_folders import CaptureFolders
 from server.capture_list import CaptureList
@@ -63,6 +64,7 @@ class Service:
     chunks: ChunkCache
     captures: CaptureFolders
     uploads: Uploads
+    access: Access
     origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     followers: JobFollowers = field(init=False)

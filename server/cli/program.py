@@ -22,6 +22,7 @@ from server.cli import (
     evaluate,
     export,
     import_splats,
+    keys,
     masks,
     publish,
     report,
@@ -45,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        worker, submit, bench, ablate,
+        worker, submit, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import os
 import signal
 import sys
+from contextlib import closing
+from ipaddress import ip_address
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
 from server.cli.progress_bars import ProgressBars
+
+if TYPE_CHECKING:
+    from server.access import Asking
 
 __all__ = ["add_parser"]
 
@@ -23,8 +29,14 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("run_folders", metavar="RUN", type=Path, nargs="*", help="finished runs to publish first")
     parser.add_argument(
-        "--host", default="127.0.0.1", help="address to listen on; there is no login: mind who can reach it"
+        "--host",
+        default="127.0.0.1",
+        help="address to listen on; any but one of this machine alone needs keys, or --open",
     )
+    parser.add_argument(
+        "--open", action="store_true",
+        help="ask nobody for a key: whoever can reach the server can use all of it; HGS_OPEN=1 means the same",
+    )  # fmt: skip
     parser.add_argument("--port", type=int, default=8000, help="0 lets the system choose")
     parser.add_argument("--workers", type=int, default=1, help="worker processes to run; 0 for none")
     parser.add_argument(
@@ -59,6 +71,8 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--connections-per-address", f"{options.connections_per_address} is too few", "give 1 or more")
     from jobs.artifacts import ArtifactStore
     from jobs.home import Home
+    from jobs.keys import KeyTable
+    from server.access import Access
     from server.allowed_hosts import AllowedHosts
     from server.app import create_app
     from server.capture_folders import CaptureFolders
@@ -75,13 +89,20 @@ def _run(options: argparse.Namespace) -> int:
     hosts = AllowedHosts.configured(options.host, options.hosts)
     home = Home.from_environment()
     uploads = UploadLimits.configured(options.uploads)
-    with bind(options.host, options.port) as listener:
+    with bind(options.host, options.port) as listener, closing(KeyTable(home)) as keys:
+        asking = _asking(listener.getsockname()[0], options.open or os.environ.get("HGS_OPEN") == "1", bool(keys.all()))
         store = ArtifactStore(home.store_url)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         captures = CaptureFolders.configured(home.folder, options.captures)
         app = create_app(
-            home, captures=captures, uploads=uploads, origins=options.origins, hosts=hosts, artifacts=store
+            home,
+            captures=captures,
+            uploads=uploads,
+            origins=options.origins,
+            hosts=hosts,
+            artifacts=store,
+            access=Access(keys, asking),
         )
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
         host = f"[{host}]" if ":" in host else host
@@ -93,3 +114,24 @@ def _run(options: argparse.Namespace) -> int:
         with WorkerProcesses(home, options.workers):
             server.run([listener])
     return 0
+
+
+def _asking(address: str, opened: bool, any_keys: bool) -> Asking:
+    """Return when keys are asked for, and say it where that is worth a line.
+
+    Raises:
+        InputError: others can reach the server, and it is said neither that it is open nor who may use it.
+    """
+    from server.access import Asking
+
+    here = ip_address(address.partition("%")[0]).is_loopback
+    if opened:
+        if not here:
+            print("hgs: open: whoever can reach this server can use all of it, without a key", file=sys.stderr)
+        return Asking.NEVER
+    if here:
+        return Asking.IF_ANY
+    if not any_keys:
+        cure = "make a key with hgs keys add NAME --scope admin, or say --open"
+        raise InputError("--host", f"{address} is reached by others, and there are no keys", cure)
+    return Asking.ALWAYS

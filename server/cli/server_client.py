@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import os
 import ssl
 import threading
 import time
@@ -40,7 +41,8 @@ class RefusedError(InputError):
         told = answer.value if isinstance(answer.value, dict) else {}
         self.status = answer.status
         self.code = str(told.get("code", ""))
-        super().__init__(where, str(told.get("detail", f"the server answered {answer.status}")))
+        cure = "set HGS_KEY to a key of that server" if answer.status == 401 else ""
+        super().__init__(where, str(told.get("detail", f"the server answered {answer.status}")), cure)
 
 
 class LostConnectionError(Exception):
@@ -51,7 +53,7 @@ class ServerClient:
     """A client of one server; safe to use from several threads, each of which has its own connection."""
 
     def __init__(self, url: str, patience: float = _PATIENCE) -> None:
-        """Connect to nothing yet.
+        """Connect to nothing yet; `HGS_KEY` in the environment is the key that the server may ask for.
 
         Raises:
             InputError: the URL is none of a server.
@@ -86,6 +88,8 @@ class ServerClient:
             RefusedError: another answer of 400 or more.
         """
         sent = dict(headers or {})
+        if key := os.environ.get("HGS_KEY"):
+            sent["Authorization"] = f"Bearer {key}"
         if json_body is not None:
             sent["Content-Type"], body = "application/json", json.dumps(json_body).encode()
         try:

@@ -3,9 +3,15 @@
  * address.
  */
 
+import { KEY_NEEDED } from "./protocol/http";
 import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
 import "./console/tokens.css";
+
+addEventListener(KEY_NEEDED, async () => {
+  const { showKeyPage } = await import("./console/key_page");
+  if (!document.body.classList.contains("key-page")) showKeyPage(document.body);
+});
 
 const page = pageAt(location.pathname);
 

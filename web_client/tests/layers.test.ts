@@ -21,7 +21,7 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   element: ["player", "ui"],
   three: ["camera", "codec", "player", "renderer", "source"],
   "index.ts": ["camera", "codec", "player", "renderer", "source", "ui"],
-  "main.ts": ["console", "ui"],
+  "main.ts": ["console", "protocol", "ui"],
 };
 
 const SRC = join(import.meta.dirname, "../src");

@@ -12,12 +12,15 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import httpx
 import pytest
 
+from jobs.home import Home
+from jobs.keys import KeyTable, Scope
 from jobs.liveness import FileLiveness
 
 REPOSITORY = Path(__file__).resolve().parents[3]
@@ -116,3 +119,21 @@ def test_answers_to_the_names_it_is_given(tmp_path: Path) -> None:
     with serving(tmp_path, *names, HGS_ALLOW_HOSTS="other.example") as (_, page):
         for host, status in (("hgs.example", 200), ("other.example:80", 200), ("evil.example", 421)):
             assert httpx.get(f"{page}v1/health", headers={"Host": host}).status_code == status
+
+
+def test_a_server_that_others_can_reach_needs_keys_or_to_be_called_open(tmp_path: Path) -> None:
+    everywhere = ("--host", "0.0.0.0", "--workers", 0)
+    home = tmp_path / "home"
+    with serving(home, *everywhere, HGS_OPEN="") as (process, _):
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 2
+        assert "--host: 0.0.0.0 is reached by others, and there are no keys; make a key with hgs keys add" in errors
+    with serving(home, *everywhere, "--open") as (process, page):
+        assert httpx.get(f"{page}v1/scenes").status_code == 200
+        process.terminate()
+        assert "open: whoever can reach this server can use all of it" in process.communicate(timeout=60)[1]
+    with closing(KeyTable(Home.at(home))) as keys:
+        bearer = {"Authorization": f"Bearer {keys.add('anna', {Scope.VIEW})}"}
+    with serving(home, *everywhere, HGS_OPEN="") as (_, page):
+        assert httpx.get(f"{page}v1/scenes").status_code == 401
+        assert httpx.get(f"{page}v1/scenes", headers=bearer).status_code == 200

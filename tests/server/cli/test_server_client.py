@@ -13,6 +13,9 @@ from server.cli.server_client import LostConnectionError, RefusedError, ServerCl
 ANSWERS: list[tuple[int, bytes]] = []
 """What the server answers next; a status of 0 ends the connection without an answer."""
 
+KEYS: list[str | None] = []
+"""What the server was told in `Authorization`."""
+
 
 class Scripted(http.server.BaseHTTPRequestHandler):
     """Answers as it is told, and then what it was asked."""
@@ -21,6 +24,7 @@ class Scripted(http.server.BaseHTTPRequestHandler):
 
     def do_POST(self) -> None:
         body = self.rfile.read(int(self.headers["Content-Length"] or 0))
+        KEYS.append(self.headers["Authorization"])
         status, answer = ANSWERS.pop(0) if ANSWERS else (200, b'{"got": "%s %s"}' % (self.path.encode(), body))
         if status == 0:
             self.close_connection = True
@@ -53,6 +57,16 @@ def test_what_may_pass_is_tried_again(client: ServerClient) -> None:
     ANSWERS.append((503, b'{"detail": "later"}'))
     with pytest.raises(LostConnectionError, match="later"):
         client.once("POST", "/x")
+
+
+def test_a_key_of_the_environment_is_sent(client: ServerClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    client.request("POST", "/x")
+    monkeypatch.setenv("HGS_KEY", "hgs_x")
+    client.request("POST", "/x")
+    assert KEYS[-2:] == [None, "Bearer hgs_x"]
+    ANSWERS.append((401, b'{"detail": "a key is needed"}'))
+    with pytest.raises(RefusedError, match="a key is needed; set HGS_KEY to a key of that server"):
+        client.request("POST", "/x")
 
 
 def test_a_refusal_is_told_in_the_servers_words(client: ServerClient) -> None:

@@ -1,6 +1,6 @@
 /** The page that lists scenes and jobs, and keeps both up to date. */
 
-import { followJob, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
+import { ApiError, endSession, followJob, getSession, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
 import { element, icon } from "../ui/element";
 import { PLUS } from "../ui/icons";
 import { JobRows } from "./job_rows";
@@ -12,6 +12,24 @@ const REFRESH = 5000; // ms
 /** Event streams at once: browsers open six connections per server over HTTP/1.1, and the page needs some for itself. */
 const FOLLOWED = 3;
 const FINISHED_SHOWN = 8;
+
+/** The jobs; none for somebody whose key allows to look at scenes alone. */
+async function allowedJobs(signal: AbortSignal): Promise<Job[]> {
+  try {
+    return await listJobs(signal);
+  } catch (error) {
+    if (error instanceof ApiError && error.status === 403) return [];
+    throw error;
+  }
+}
+
+/** Say whose key the browser keeps, and let it be forgotten. */
+async function signedIn(masthead: HTMLElement, signal: AbortSignal): Promise<void> {
+  const { name } = await getSession(signal).catch(() => ({ name: null }));
+  if (name === null) return;
+  const leave = () => void endSession().then(() => location.reload());
+  masthead.append(element("button", { type: "button", class: "button", onclick: leave }, `Sign out ${name}`));
+}
 
 export function showListPage(root: HTMLElement): void {
   document.title = "Scenes · HGS";
@@ -54,7 +72,7 @@ export function showListPage(root: HTMLElement): void {
   async function refresh(): Promise<void> {
     clearTimeout(timer);
     try {
-      const [allScenes, allJobs] = await Promise.all([listScenes(abort.signal), listJobs(abort.signal)]);
+      const [allScenes, allJobs] = await Promise.all([listScenes(abort.signal), allowedJobs(abort.signal)]);
       scenes.show(allScenes);
       let finished = 0;
       const shown = allJobs.filter((job) => !isFinal(job) || finished++ < FINISHED_SHOWN);
@@ -70,6 +88,7 @@ export function showListPage(root: HTMLElement): void {
     if (!document.hidden && !abort.signal.aborted) timer = setTimeout(() => void refresh(), REFRESH);
   }
 
+  void signedIn(shell.masthead, abort.signal);
   document.addEventListener("visibilitychange", () => (document.hidden ? clearTimeout(timer) : void refresh()), {
     signal: abort.signal,
   });

@@ -1,6 +1,6 @@
 /** What can be done with a scene: copy its link, rename it, delete it. */
 
-import { deleteScene, renameScene, type Scene } from "../protocol/api";
+import { deleteScene, getSession, makeLink, renameScene, type Scene } from "../protocol/api";
 import { element, icon } from "../ui/element";
 import { MORE } from "../ui/icons";
 import { ask } from "./dialog";
@@ -63,9 +63,21 @@ export function sceneActions(scene: Scene, events: SceneEvents): HTMLElement {
   return node;
 }
 
+const LINK_SECONDS = 7 * 24 * 3600;
+
+/** Where a scene can be watched: where keys are asked for, and this one may, by a link that needs none and ends in a week. */
+async function addressOf({ id }: Scene): Promise<string> {
+  const page = `/view/${encodeURIComponent(id)}`;
+  try {
+    return (await getSession(AbortSignal.timeout(5000))).needed ? await makeLink(id, LINK_SECONDS) : page;
+  } catch {
+    return page;
+  }
+}
+
 /** Copy the scene's address; where the browser does not let a page do that, show it to be copied. */
 async function share(scene: Scene, events: SceneEvents): Promise<void> {
-  const address = new URL(`/view/${encodeURIComponent(scene.id)}`, location.href).href;
+  const address = new URL(await addressOf(scene), location.href).href;
   try {
     await navigator.clipboard.writeText(address); // there is no clipboard on pages that are neither https nor localhost
     events.say("Link copied");

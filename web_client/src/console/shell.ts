@@ -8,6 +8,7 @@ const MESSAGE_SECONDS = 4;
 
 export interface Shell {
   readonly main: HTMLElement;
+  readonly masthead: HTMLElement;
   /** Show what went wrong above the page; null or "" takes it away. */
   problem(error: unknown): void;
   /** Say something that needs no answer. */
@@ -19,26 +20,23 @@ export function showShell(root: HTMLElement, name: string, ...actions: HTMLEleme
   const alert = element("p", { class: "alert", role: "alert", hidden: true });
   const message = element("p", { class: "message", role: "status", hidden: true });
   const main = element("main", { id: "main" }, alert);
-  root.className = `console ${name}`;
-  root.replaceChildren(
-    element("a", { class: "skip", href: "#main" }, "Skip to the content"),
+  const masthead = element(
+    "header",
+    { class: "masthead" },
     element(
-      "header",
-      { class: "masthead" },
-      element(
-        "a",
-        { class: "home", href: "/" },
-        element("img", { src: "/icon.svg", alt: "", width: 36, height: 36 }),
-        element("span", {}, element("strong", {}, "HGS"), element("small", {}, "Moving scenes, streamed")),
-      ),
-      ...actions,
+      "a",
+      { class: "home", href: "/" },
+      element("img", { src: "/icon.svg", alt: "", width: 36, height: 36 }),
+      element("span", {}, element("strong", {}, "HGS"), element("small", {}, "Moving scenes, streamed")),
     ),
-    main,
-    message,
+    ...actions,
   );
+  root.className = `console ${name}`;
+  root.replaceChildren(element("a", { class: "skip", href: "#main" }, "Skip to the content"), masthead, main, message);
   let timer: ReturnType<typeof setTimeout> | undefined;
   return {
     main,
+    masthead,
     problem(error) {
       const text = error instanceof Error ? error.message : String(error ?? "");
       alert.hidden = text === "";

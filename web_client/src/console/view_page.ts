@@ -60,15 +60,18 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     view.title = title;
     document.title = `${title} · HGS`;
   };
+  const link = new URLSearchParams(location.search).get("link");
+  const query = link === null ? "" : `?link=${encodeURIComponent(link)}`;
+  // The server knows a later title, and whether a key is needed; without an answer the scene's own one stays.
+  const served = getScene(scene, player.disposed, query).then(
+    ({ title }) => title,
+    () => "",
+  );
   player.addEventListener("manifest", ({ detail }) => {
     call(detail.title || scene);
-    // The server knows a later title; without an answer the scene's own one stays.
-    getScene(scene, player.disposed).then(
-      ({ title }) => call(title || scene),
-      () => {},
-    );
+    void served.then((title) => call(title || detail.title || scene));
   });
-  const ready = player.load(`/view/${scene}`);
+  const ready = player.load(`/view/${scene}${query}`);
   ready.catch(() => {}); // shown on the page already
   window.hgs = handle(player, ready);
   addEventListener(

@@ -1,8 +1,8 @@
 /** Captures, jobs and scenes over HTTP; the objects are those of docs/protocol.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, request, sendJson } from "./http";
+import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
 
-export { ApiError };
+export { ApiError, KEY_NEEDED };
 
 export interface Scene {
   readonly id: string;
@@ -105,9 +105,12 @@ export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
   return ((await getJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
 }
 
-/** @throws ApiError */
-export async function getScene(id: string, signal: AbortSignal): Promise<Scene> {
-  return (await getJson(`/v1/scenes/${encodeURIComponent(id)}`, signal)) as unknown as Scene;
+/**
+ * @param query of a link to the scene, such as `?link=…`, or ""
+ * @throws ApiError
+ */
+export async function getScene(id: string, signal: AbortSignal, query = ""): Promise<Scene> {
+  return (await getJson(sceneAddress(id) + query, signal)) as unknown as Scene;
 }
 
 export async function renameScene(id: string, title: string): Promise<void> {
@@ -121,6 +124,32 @@ export async function deleteScene(id: string): Promise<void> {
 export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
   const answer = await getJson("/v1/captures", signal);
   return { captures: [], folders: [], complete: true, ...answer };
+}
+
+/** Who the server takes this browser for. */
+export interface Session {
+  /** Whether a key is asked for at all. */
+  readonly needed: boolean;
+  /** Of the key that was given; null without one. */
+  readonly name: string | null;
+}
+
+export async function getSession(signal: AbortSignal): Promise<Session> {
+  return { needed: false, name: null, ...(await getJson("/v1/session", signal)) };
+}
+
+/** Give a key: the browser keeps a cookie of it. */
+export async function beginSession(key: string): Promise<void> {
+  await sendJson("POST", "/v1/session", { key });
+}
+
+export async function endSession(): Promise<void> {
+  await request("/v1/session", { method: "DELETE" });
+}
+
+/** Make a link with which anybody can watch a scene for so many seconds; returns its address on this server. */
+export async function makeLink(scene: string, seconds: number): Promise<string> {
+  return String((await sendJson("POST", "/v1/links", { scene, seconds })).page);
 }
 
 export async function submitJob(submission: Submission): Promise<Job> {

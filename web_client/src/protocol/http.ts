@@ -16,6 +16,9 @@ export class ApiError extends Error {
   }
 }
 
+/** Told to the window when the server asks for a key. */
+export const KEY_NEEDED = "hgs-key-needed";
+
 /** @throws ApiError */
 export async function request(path: string, init: RequestInit = {}): Promise<Response> {
   let response: Response;
@@ -25,6 +28,7 @@ export async function request(path: string, init: RequestInit = {}): Promise<Res
     throw new ApiError("The server cannot be reached.");
   }
   if (response.ok) return response;
+  if (response.status === 401) dispatchEvent(new Event(KEY_NEEDED));
   const { detail, code, field } = await fields(response);
   const reason = text(detail) || response.statusText;
   throw new ApiError(`The server answered ${response.status}: ${reason}`, response.status, text(code), text(field));

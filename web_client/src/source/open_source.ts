@@ -31,7 +31,7 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
     const manifest = url.pathname.endsWith("/") ? new URL("manifest.json", url) : url;
     return (events, playhead) => new HttpSource(manifest.href, events, playhead);
   }
-  return openStream(streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] }));
+  return openStream(streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] }) + url.search);
 }
 
 function openStream(stream: string): OpenSource {

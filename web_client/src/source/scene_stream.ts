@@ -302,9 +302,10 @@ function bitsOf(names: readonly string[], there: ReadonlySet<string>): Uint8Arra
   return bits;
 }
 
-/** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`. */
+/** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`, with the link that opens both. */
 function chunkUrl(stream: string, id: string): string {
-  return new URL(`../../chunks/${id}`, stream).href.replace(/^ws/, "http");
+  const { search } = new URL(stream);
+  return new URL(`../../chunks/${id}${search}`, stream).href.replace(/^ws/, "http");
 }
 
 function sameBytes(a: Uint8Array, b: Uint8Array): boolean {

@@ -1,0 +1,60 @@
+"""`/v1/session`: a browser gives its key once and gets a cookie that pages cannot read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from pydantic import BaseModel, ConfigDict, Field, StrictStr
+
+from server.access import COOKIE, SESSION_SECONDS, Visitor
+from server.problems import ProblemError
+from server.request_body import read_json
+from server.service import ServiceDep
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1/session")
+
+
+class Given(BaseModel):
+    """The body of `POST /v1/session`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    key: StrictStr = Field(min_length=1, max_length=200)
+
+
+@router.api_route("", methods=["GET", "HEAD"])
+async def session(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
+    """Tell whether a key is asked for, and what the browser's own allows."""
+    response.headers["Cache-Control"] = "no-store"
+    if await service.access.open_to(request):
+        return {"needed": False, "name": None, "scopes": []}
+    visitor: Visitor | None = await service.access.visitor(request)
+    key = visitor.key if visitor else None
+    return {"needed": True, "name": key and key.name, "scopes": sorted(key.scopes) if key else []}
+
+
+@router.post("", status_code=204)
+async def begin(request: Request, service: ServiceDep) -> Response:
+    """Take a key and set the cookie."""
+    service.require_same_site(request)
+    begun = await service.access.session((await read_json(request, Given)).key.strip())
+    if begun is None:
+        raise ProblemError(401, "key-needed", "this is no key of this server, or it holds no more", field="key")
+    response = Response(status_code=204, headers={"Cache-Control": "no-store"})
+    response.set_cookie(
+        COOKIE, begun[0], max_age=SESSION_SECONDS, path="/", httponly=True, samesite="strict",
+        secure=request.url.scheme == "https",
+    )  # fmt: skip
+    return response
+
+
+@router.delete("", status_code=204)
+async def end(request: Request, service: ServiceDep) -> Response:
+    """Forget the browser's key."""
+    service.require_same_site(request)
+    response = Response(status_code=204)
+    response.delete_cookie(COOKIE, path="/", httponly=True, samesite="strict")
+    return response
