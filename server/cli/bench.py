@@ -9,6 +9,7 @@ from typing import Any
 from hgs_core.base.errors import InputError
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
 from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
+from server.cli.bench_stream import add_parts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_training_options, training_config
@@ -90,6 +91,7 @@ def add_parser(commands: Any) -> None:
     viewer.add_argument("--rounds", metavar="N", default="3", help="of all viewers in turn (default: 3)")
     viewer.add_argument("--frames", metavar="N", default="20", help="of each measurement (default: 20)")
     viewer.set_defaults(run=_run_viewers)
+    add_parts(parts)
 
 
 def _run(options: argparse.Namespace) -> int:

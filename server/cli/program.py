@@ -24,6 +24,7 @@ from server.cli import (
     import_splats,
     keys,
     masks,
+    play,
     publish,
     report,
     serve,
@@ -46,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        worker, submit, keys, bench, ablate,
+        play, worker, submit, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)

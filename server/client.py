@@ -1,0 +1,218 @@
+"""A client of the stream in Python, as docs/protocol.md describes one: for tests, `hgs bench stream` and `hgs play`."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import gzip
+import hashlib
+import json
+import random
+import struct
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgpack
+import websockets
+from websockets.asyncio.client import ClientConnection
+
+from hgs_core.codec.format.manifest import Manifest
+from server.playback import Throughput
+from server.protocol import CHUNK_FRAME, HEADER_BYTES, PROTOCOL_VERSION, Credit, Hello, Limits, Ping, encode
+
+__all__ = ["StreamClient", "StreamRefusedError"]
+
+SMALLEST_WINDOW = 64 << 10  # bytes
+LARGEST_WINDOW = 2 << 20
+SHORTEST_TRIP = 0.05  # seconds
+FIRST_RETRY = 0.5  # seconds; doubled with each attempt
+LAST_RETRY = 8.0
+PASSING = frozenset({1006, 1011, 1012, 4008})  # close codes after which a client comes back
+TELL_SECONDS = 1.0  # between two messages of how fast the line is
+TOLD_CHANGE = 1.2
+
+
+class StreamRefusedError(Exception):
+    """The server has closed the stream for a reason that trying again does not cure."""
+
+
+class StreamClient:
+    """Receives a scene and keeps it in memory; comes back with what it has after a broken connection.
+
+    `run` receives until it is cancelled. `arrived` is called whenever `manifest` or `have` may have changed.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        *,
+        at: float | None = None,
+        rate: float = 0.0,
+        protocol: int = PROTOCOL_VERSION,
+        splats: int | None = None,
+        arrived: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first what is shown `at` that second."""
+        self.manifest: Manifest | None = None
+        self.have: dict[str, bytes] = {}
+        self.missing: set[str] = set()
+        self.complete = False  # but for what limits leave out
+        self.payload = 0  # bytes of chunks that have come
+        self.twice = 0  # of them, bytes that had come before
+        self.wire = 0  # bytes of all messages that have come
+        self.manifests = 0  # that have come
+        self.connections = 0
+        self.line = Throughput()
+        self._url, self._protocol, self._splats = url, protocol, splats
+        self._arrived = arrived
+        self._place, self._rate = at, rate
+        self._parts: dict[str, bytearray] = {}
+        self._manifest_id: bytes | None = None
+        self._socket: ClientConnection | None = None
+        self._window = self._granted = 0
+        self._trip = SHORTEST_TRIP
+        self._pinged: float | None = None
+        self._told = (0.0, 0.0)  # when, and bytes per second
+
+    async def run(self) -> None:
+        """Receive; return when the client has closed the stream.
+
+        Raises:
+            StreamRefusedError: the server has refused the stream.
+        """
+        failures = 0
+        while True:
+            before = self.payload
+            try:
+                async with websockets.connect(
+                    self._url, compression=None, max_size=None, ping_interval=None
+                ) as self._socket:
+                    self.connections += 1
+                    await self._listen(self._socket)
+                return
+            except websockets.ConnectionClosed as closed:
+                code = 1006 if closed.rcvd is None else closed.rcvd.code
+                if code not in PASSING:
+                    raise StreamRefusedError(f"the server closed the stream: {code}") from closed
+            except OSError:
+                pass
+            finally:
+                self._socket = None
+            failures = 0 if self.payload > before else failures + 1
+            await asyncio.sleep(random.random() * min(LAST_RETRY, FIRST_RETRY * 2**failures))
+
+    async def send(self, message: Any) -> None:
+        """Send a message of `server.protocol`, if there is a connection; note the playhead for the next one."""
+        if hasattr(message, "time"):
+            self._place = message.time
+        self._rate = getattr(message, "rate", self._rate)
+        if self._socket is not None:
+            with contextlib.suppress(websockets.ConnectionClosed):
+                await self._socket.send(encode(message))
+
+    async def close(self) -> None:
+        """Leave for good."""
+        if self._socket is not None:
+            await self._socket.close(1000)
+
+    def drop(self) -> None:
+        """Break the connection, as a line does."""
+        if self._socket is not None:
+            self._socket.transport.abort()
+
+    async def _listen(self, socket: ClientConnection) -> None:
+        try:
+            await self._greet(socket)
+            async for message in socket:
+                await self._receive(bytes(message) if isinstance(message, bytes) else message.encode())
+        except asyncio.CancelledError:
+            self.drop()  # a farewell would wait behind what is on its way
+            raise
+
+    async def _greet(self, socket: ClientConnection) -> None:
+        self._window = self._granted = SMALLEST_WINDOW
+        self._told = (0.0, 0.0)
+        hello = Hello(
+            self._protocol,
+            SMALLEST_WINDOW,
+            have_bits=self._bits() if self.manifest is not None else None,
+            codings=("gzip",),
+            parts={bytes.fromhex(name): len(part) for name, part in self._parts.items()},
+            manifest_id=self._manifest_id,
+            time=self._place,
+            rate=self._rate,
+            splats=self._splats,
+        )
+        await socket.send(encode(hello))
+        self._pinged = time.monotonic()
+        await socket.send(encode(Ping(0)))
+
+    def _bits(self) -> bytes:
+        """Return which of the manifest's chunks are here."""
+        chunks = () if self.manifest is None else self.manifest.chunks
+        bits = bytearray(-(-len(chunks) // 8))
+        for place, entry in enumerate(chunks):
+            bits[place // 8] |= (entry.id in self.have) << place % 8
+        return bytes(bits)
+
+    async def _receive(self, message: bytes) -> None:
+        self.wire += len(message)
+        if message[0] == CHUNK_FRAME:
+            await self._frame(message)
+        else:
+            self._control(msgpack.unpackb(message))
+        self._arrived()
+
+    def _control(self, message: dict[str, Any]) -> None:
+        match message["type"]:
+            case "welcome" if message["manifest"]:
+                self.manifests += 1
+                self._manifest_id = message["manifest_id"]
+                document = message["manifest"]
+                if message.get("coding") == "gzip":
+                    document = gzip.decompress(document)
+                self.manifest = Manifest.from_json(json.loads(document), f"manifest of {self._url}")
+            case "pong" if self._pinged is not None:
+                self._trip = max(SHORTEST_TRIP, time.monotonic() - self._pinged)
+                self._pinged = None
+            case "missing":
+                self.missing.add(message["id"].hex())
+                self._parts.pop(message["id"].hex(), None)
+            case "end":
+                self.complete = True
+            case "error":
+                raise StreamRefusedError(f"{message['code']}: {message['detail']}")
+
+    async def _frame(self, message: bytes) -> None:
+        offset, size = struct.unpack_from("<II", message, 4)
+        name, payload = message[16:HEADER_BYTES].hex(), message[HEADER_BYTES:]
+        part = self._parts.setdefault(name, bytearray())
+        if name in self.have or offset != len(part):
+            self.twice += len(payload)
+        part[offset:] = payload
+        self.payload += len(payload)
+        if len(part) == size:
+            data = bytes(self._parts.pop(name))
+            if hashlib.sha256(data).hexdigest() != name:
+                raise StreamRefusedError(f"chunk {name} has come damaged")
+            self.have[name] = data
+        now = time.monotonic()
+        self.line.count(len(message), now)
+        await self._grant(len(message), now)
+
+    async def _grant(self, received: int, now: float) -> None:
+        """Give credit back in quarters of the window, which is twice what the line carries in a round trip."""
+        self._granted -= received
+        rate = self.line.rate(now)
+        wanted = 2 * rate * self._trip if rate else self._window + received
+        self._window = int(min(LARGEST_WINDOW, max(SMALLEST_WINDOW, wanted)))
+        room = self._window - self._granted
+        if room >= self._window / 4:
+            self._granted += room
+            await self.send(Credit(room))
+        at, told = self._told
+        same = told / TOLD_CHANGE < rate < told * TOLD_CHANGE
+        if self._protocol > 1 and rate and now - at >= TELL_SECONDS and not same:
+            self._told = (now, rate)
+            await self.send(Limits(splats=self._splats, measured=int(rate)))
