@@ -68,10 +68,11 @@ def _check(ablation: Ablation) -> None:
     if not ablation.seeds or len(set(ablation.seeds)) != len(ablation.seeds):
         raise InputError("--seeds", "names no seed, or one twice", "give different whole numbers, as in 0,1,2")
     _check_folder(ablation)
-    capture = open_capture(ablation.capture, masks=ablation.masks, downscale=config.downscale)
+    reduced: dict[str, Any] = {"downscale": config.downscale, "reductions": config.reductions}
+    capture = open_capture(ablation.capture, masks=ablation.masks, **reduced)
     cameras = [capture.camera_index(name) for name in config.hold_out]
     Truth(  # reads the headers of all pictures
-        capture, cameras, pictures=ablation.truth, masks=ablation.score_masks, downscale=config.downscale
+        capture, cameras, pictures=ablation.truth, masks=ablation.score_masks, **reduced
     )
 
 

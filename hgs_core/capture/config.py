@@ -34,7 +34,8 @@ class CaptureConfig:
         str, ...
     ] = ()  # camera names that neither training nor initialisation may see; ("auto",): one of six
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
-    frame_memory_mib: int = 2048  # for decoded frames; a longer capture is visited in blocks that fit
+    downscale_cameras: tuple[str, ...] = ()  # "cam04=4": those that are reduced by another factor than the others
+    frame_memory_mib: int = 1536  # for decoded frames; a longer capture is visited in blocks that fit
     trust_poses: bool = False  # train whatever the check of the capture says
     sync: str = "auto"  # what tells when videos began that nothing is said of: auto, audio, motion or none
 
@@ -46,11 +47,17 @@ class CaptureConfig:
         """
         check_fields(self, "config.capture", _RANGES, {"sync": SYNC_BY})
         _check_hold_out(self.hold_out)
+        _check_reductions(self.downscale_cameras)
 
     @property
     def cache_bytes(self) -> int:
         """The memory for decoded frames, bytes."""
         return self.frame_memory_mib << 20
+
+    @property
+    def reductions(self) -> dict[str, int]:
+        """The factors of the cameras that are not reduced by `downscale`, by name."""
+        return {name: int(factor) for name, _, factor in (one.rpartition("=") for one in self.downscale_cameras)}
 
     def training_cameras(self, capture: Capture) -> tuple[int, ...]:
         """Return the indices of the cameras that initialisation and training may see: all that are not held out.
@@ -70,6 +77,25 @@ def _check_hold_out(names: tuple[str, ...]) -> None:
         raise InputError(where, f"{len(names)} names are too many", f"give at most {_MOST_HELD_OUT}")
     for name in names:
         require_storable(where, name, _LONGEST_NAME)
+    twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
+    if twice is not None:
+        raise InputError(where, f"camera {twice} is named twice")
+
+
+def _check_reductions(given: tuple[str, ...]) -> None:
+    where = "config.capture.downscale_cameras"
+    if not isinstance(given, tuple) or not all(isinstance(one, str) for one in given):
+        raise InputError(where, "is not a list of texts", 'they are like "cam04=4"')
+    if len(given) > _MOST_HELD_OUT:
+        raise InputError(where, f"{len(given)} cameras are too many", f"give at most {_MOST_HELD_OUT}")
+    low, high = _RANGES["downscale"]
+    names = []
+    for one in given:
+        require_storable(where, one, _LONGEST_NAME)
+        name, _, factor = one.rpartition("=")
+        if not (name and factor.isascii() and factor.isdigit() and low <= int(factor) <= high):
+            raise InputError(where, f"{one!r} is no camera and factor", f'it is like "cam04=4", from {low} to {high}')
+        names.append(name)
     twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
     if twice is not None:
         raise InputError(where, f"camera {twice} is named twice")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +36,7 @@ CAMERA_FORMATS: tuple[CameraFormat, ...] = (
 )  # fmt: skip
 """In the order in which a folder is tried; a new format is a module and an entry."""
 
+_LARGE = 3.0  # times the pixels of most cameras, from which on a camera is worth a word
 _ASSUMED_RATE = 30.0  # frames per second of pictures in folders, where nothing says it
 _MASK_FOLDERS = ("masks", "mask", "seg")
 
@@ -94,7 +96,7 @@ def load(
         given,
         [pair for reader in readers for pair in reader.files],
         [*rig.files, *times.files, *([sync.file] if sync.file else [])],
-        (*rig.notes, *matched.notes, *times.notes, *clock.notes),
+        (*rig.notes, *matched.notes, *_of_pictures(matched.names, readers), *times.notes, *clock.notes),
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
     )
 
@@ -163,6 +165,25 @@ def _clock(
     if len(clock.times) == 1 and max(len(reader) for reader in readers) > 1:
         raise InputError(capture, "only one moment is seen by all cameras", "check their time stamps, or sync.json")
     return clock, found
+
+
+def _of_pictures(names: Sequence[str], readers: Sequence[VideoReader | PictureSequence]) -> list[str]:
+    """Say whose colours are converted, and whose pictures are far larger than the others'."""
+    notes, wide = [], dict[str, list[str]]()
+    for name, reader in zip(names, readers, strict=True):
+        if isinstance(reader, VideoReader) and reader.wide_colours is not None:
+            wide.setdefault(reader.wide_colours.name, []).append(name)
+    for what, cameras in wide.items():
+        notes.append(f"{what} of {', '.join(cameras)} is shown as on an ordinary screen, in BT.709's colours")
+    pixels = np.array([reader.width * reader.height for reader in readers])
+    usual = float(np.median(pixels))
+    for name, reader, own in zip(names, readers, pixels, strict=True):
+        if own > _LARGE * usual:
+            notes.append(
+                f"pictures of {name} have {reader.width}x{reader.height} pixels, {own / usual:.0f} times as many as most"
+                f": its steps take as much longer; --downscale {name}={round(math.sqrt(own / usual))} makes them alike"
+            )
+    return notes
 
 
 def _own_time(name: str, other_name: str, video: VideoReader) -> OwnTime:

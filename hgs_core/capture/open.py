@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
@@ -17,6 +19,7 @@ def open_capture(
     *,
     masks: Path | None = None,
     downscale: int = 1,
+    reductions: Mapping[str, int] = MappingProxyType({}),
     cache_bytes: int = 1 << 30,
     found: Path | None = None,
 ) -> Capture:
@@ -26,6 +29,7 @@ def open_capture(
         path: the folder.
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
         downscale: pictures and masks are reduced by this whole factor.
+        reductions: by camera, where it is another factor.
         cache_bytes: at most so much of decoded pictures is kept.
         found: a folder with cameras, or a sync.json, that count where the capture has none of its own.
 
@@ -45,8 +49,9 @@ def open_capture(
     if not path.is_dir():
         problem = "the capture is a file, not a folder" if path.exists() else "the folder does not exist"
         raise InputError(path, problem, "give the folder of a capture")
-    if downscale < 1:
-        raise InputError("downscale", f"{downscale} is too small", "give 1 or more")
+    for factor in (downscale, *reductions.values()):
+        if factor < 1:
+            raise InputError("downscale", f"{factor} is too small", "give 1 or more")
     known = list(calibration(path))
     if not known and found is not None:
         known = list(calibration(found))[:1]
@@ -55,7 +60,7 @@ def open_capture(
     recording = load(path, *known[0], masks, found)
     aside = ", ".join(str(file.relative_to(path)) for _, file in known[1:])
     notes = (f"the cameras are those of {known[0][1].relative_to(path)}; {aside} is left aside",) if aside else ()
-    return recording.capture(downscale=downscale, cache_bytes=cache_bytes, notes=notes)
+    return recording.capture(downscale=downscale, reductions=reductions, cache_bytes=cache_bytes, notes=notes)
 
 
 def _unknown(path: Path) -> InputError:

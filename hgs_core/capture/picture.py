@@ -142,6 +142,9 @@ def _pixels(path: Path, size: tuple[int, int], mode: str | None, wanted: str) ->
     try:
         with Image.open(path) as image:
             _check_size(path, image.size, size, wanted)
+            if mode == "RGB" and image.mode == "F":
+                problem = "the picture has floating-point values, whose white nothing states"
+                raise InputError(path, problem, "store 8 or 16 bits per channel")
             if mode == "RGB" and image.mode.startswith("I"):  # 16 bits of grey, which Pillow would cut off at 255
                 levels = (np.asarray(image).clip(0, 65535) / 257 + 0.5).astype(np.uint8)
                 return np.repeat(levels[..., None], 3, axis=2)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
@@ -45,17 +46,29 @@ class Recording:
     notes: tuple[str, ...] = ()  # what was left out, for people
     unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
 
-    def capture(self, *, downscale: int, cache_bytes: int, notes: Sequence[str] = ()) -> Capture:
-        """Return the capture with pictures and masks reduced by a whole factor, and with more notes.
+    def capture(
+        self,
+        *,
+        downscale: int,
+        cache_bytes: int,
+        notes: Sequence[str] = (),
+        reductions: Mapping[str, int] = MappingProxyType({}),
+    ) -> Capture:
+        """Return the capture with pictures and masks reduced by whole factors, `reductions` by camera, and more notes.
 
         Raises:
             InputError: as `Capture`, or a picture would become smaller than 16 pixels.
         """
-        shown = [view.camera.scaled(1 / downscale) for view in self.views]
-        for view, camera in zip(self.views, shown, strict=True):
-            if downscale != 1 and min(camera.width, camera.height) < _SMALLEST_SIDE:
+        names = [view.camera.name for view in self.views]
+        for name in reductions:
+            if name not in names:
+                raise InputError("downscale", f"there is no camera {name!r}", f"the cameras are {', '.join(names)}")
+        factors = [reductions.get(name, downscale) for name in names]
+        shown = [view.camera.scaled(1 / factor) for view, factor in zip(self.views, factors, strict=True)]
+        for view, camera, factor in zip(self.views, shown, factors, strict=True):
+            if factor != 1 and min(camera.width, camera.height) < _SMALLEST_SIDE:
                 size = f"{view.camera.width}x{view.camera.height}"
-                problem = f"{downscale} is too much for the {size} pictures of {camera.name}"
+                problem = f"{factor} is too much for the {size} pictures of {camera.name}"
                 raise InputError("downscale", problem, f"no side may become shorter than {_SMALLEST_SIDE} pixels")
         masks, said = self.masks, [*notes, *self.notes]
         cut = [view.camera.name for view in self.views if view.cut]
@@ -71,13 +84,19 @@ class Recording:
             shown,
             self.clock.times,
             _Source(self, masks, shown),
-            fingerprint if downscale == 1 else f"{fingerprint}/{downscale}",
+            "/".join([fingerprint, *_said_of(downscale, reductions)]),
             moments=self.clock.moments,
             numbers=self.clock.frames,
             cache_bytes=cache_bytes,
             notes=said,
             unaligned=self.unaligned,
         )
+
+
+def _said_of(downscale: int, reductions: Mapping[str, int]) -> list[str]:
+    """Return what a fingerprint says of reduced pictures: nothing of those that are not."""
+    whole = [] if downscale == 1 else [str(downscale)]
+    return whole + [f"{name}={factor}" for name, factor in sorted(reductions.items())]
 
 
 class _Source:

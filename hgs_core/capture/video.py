@@ -14,6 +14,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.display_matrix import quarter_turns
+from hgs_core.capture.wide_colours import wide_colours_of
 
 if TYPE_CHECKING:
     import av
@@ -45,7 +46,8 @@ class VideoReader:
 
     The decoder stays open and runs forward while that is the shortest way to the next frame asked for; otherwise it
     seeks to the key frame before it. Pictures are upright, as players show them: turned as the file's display matrix
-    says, and `width` and `height` are theirs. Not safe for several threads at once.
+    says, and `width` and `height` are theirs. Wide colours and high dynamic range are brought to BT.709. Not safe for
+    several threads at once.
     """
 
     def __init__(self, path: Path) -> None:
@@ -125,6 +127,7 @@ class VideoReader:
         if turns % 2:
             self.width, self.height = self.height, self.width
         self._turns = turns
+        self.wide_colours = wide_colours_of(shown[0])
 
     @property
     def seconds(self) -> npt.NDArray[np.float64]:
@@ -216,11 +219,19 @@ class VideoReader:
         return index if index < len(self._stamps) and self._stamps[index] == frame.pts else None
 
     def _picture(self, frame: av.VideoFrame) -> npt.NDArray[np.uint8]:
-        from av.video.reformatter import Interpolation
+        from av.video.reformatter import ColorPrimaries, Colorspace, Interpolation
 
         # Without these flags chroma of half resolution is repeated instead of interpolated, and sums are cut off.
         best = Interpolation.BICUBIC | Interpolation.FULL_CHR_H_INT | Interpolation.FULL_CHR_H_INP
         best |= Interpolation.ACCURATE_RND
+        if self.wide_colours is not None:
+            matrix = Colorspace.BT2020 if self.wide_colours.primaries == ColorPrimaries.BT2020 else None
+            deep = self._reformatter.reformat(
+                frame, format="rgb48le", interpolation=best, threads=1, src_colorspace=matrix,
+            )  # fmt: skip
+            return np.ascontiguousarray(
+                np.rot90(self.wide_colours.shown(np.asarray(deep.to_ndarray(), np.uint16)), self._turns)
+            )
         picture = self._reformatter.reformat(frame, format="rgb24", interpolation=best, threads=1).to_ndarray()
         return np.ascontiguousarray(np.rot90(picture, self._turns))
 

@@ -74,7 +74,10 @@ def evaluate_run(
     held_out = [capture.camera_index(name) for name in spec.config.capture.hold_out]
     chosen = held_out if cameras is None else [capture.camera_index(name) for name in cameras]
     indices = range(len(capture.cameras)) if all_cameras else list(dict.fromkeys(chosen))
-    source = Truth(capture, indices, pictures=truth, masks=masks, downscale=spec.config.capture.downscale)
+    reduced = spec.config.capture
+    source = Truth(
+        capture, indices, pictures=truth, masks=masks, downscale=reduced.downscale, reductions=reduced.reductions
+    )
     manifest = load_manifest(folder.manifest)
     scores = {index: CameraScores(scorer) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +46,7 @@ class Truth:
         pictures: Path | None,
         masks: Path | None,
         downscale: int,  # by which the capture is reduced
+        reductions: Mapping[str, int] = MappingProxyType({}),  # of cameras that are reduced by another factor
     ) -> None:
         """Find the files of the cameras and read all headers, so that scoring does not stop half-way.
 
@@ -52,8 +54,9 @@ class Truth:
             InputError: a folder or file is missing, unreadable, or of another size than its camera's.
         """
         self._capture = capture
-        self._pictures = _files(capture, cameras, pictures, "picture", downscale) if pictures is not None else {}
-        self._masks = _files(capture, cameras, masks, "mask", downscale) if masks is not None else {}
+        factors = [reductions.get(camera.name, downscale) for camera in capture.cameras]
+        self._pictures = _files(capture, cameras, pictures, "picture", factors) if pictures is not None else {}
+        self._masks = _files(capture, cameras, masks, "mask", factors) if masks is not None else {}
         self.of_pictures = "capture" if pictures is None else "given"
         """Where the pictures are from."""
         self._backgrounds: dict[int, Background] = {}
@@ -106,7 +109,7 @@ class Truth:
 
 
 def _files(
-    capture: Capture, cameras: Sequence[int], root: Path, kind: str, downscale: int
+    capture: Capture, cameras: Sequence[int], root: Path, kind: str, factors: Sequence[int]
 ) -> dict[int, list[tuple[Path, Camera]]]:
     """Return the file of every frame and the camera of its size, by camera."""
     if not root.is_dir():
@@ -124,7 +127,7 @@ def _files(
                 problem = f"the {kind} of frame {frame} is missing"
                 raise InputError(folder, problem, f"there are {len(capture.times)} frames, numbered from 0000.png")
         frames = [names[frame] for frame in range(len(capture.times))]
-        found[camera] = [(path, _stored(path, size, downscale)) for path in frames]
+        found[camera] = [(path, _stored(path, size, factors[camera])) for path in frames]
     return found
 
 

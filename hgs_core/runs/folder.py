@@ -49,10 +49,11 @@ class RunSpec:
             raise InputError(self.capture, "was imported without a capture", "import it again with --capture")
         if not self.fingerprint:
             raise InputError(self.capture, "the run has not found its cameras yet", "run hgs train to its end first")
-        downscale = self.config.capture.downscale
+        reduced = self.config.capture
         capture = open_capture(
-            self.capture, masks=self.masks, downscale=downscale, cache_bytes=cache_bytes, found=self.found
-        )
+            self.capture, masks=self.masks, downscale=reduced.downscale, reductions=reduced.reductions,
+            cache_bytes=cache_bytes, found=self.found,
+        )  # fmt: skip
         self.check_unchanged(capture)
         return capture
 

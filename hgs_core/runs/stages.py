@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.base.heap import trim_heap
 from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
@@ -65,7 +66,9 @@ def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | Non
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
         folder.write_spec(RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False))
         return config
-    opened = open_capture(capture, masks=masks, downscale=config.capture.downscale, found=found)
+    opened = open_capture(
+        capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
+    )
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)
     prepared = not opened.unaligned or config.capture.sync == "none"
@@ -118,7 +121,10 @@ def prepare(run: Path, progress: ProgressCallback) -> None:
 
     found = prepared_capture(spec, folder.found, progress)
     spec = dataclasses.replace(spec, found=found, prepared=True)
-    opened = open_capture(spec.capture, masks=spec.masks, downscale=spec.config.capture.downscale, found=found)
+    reduced = spec.config.capture
+    opened = open_capture(
+        spec.capture, masks=spec.masks, downscale=reduced.downscale, reductions=reduced.reductions, found=found
+    )
     config = _with_held_out(spec.config, folder, opened)
     _require_enough(config, opened)
     if not spec.fingerprint:
@@ -329,6 +335,7 @@ def train_scene(
         for name, stage in STAGES.items():
             try:
                 stage(out, progress)
+                trim_heap()
             finally:
                 if name == "check" and RunFolder(out).check.exists():
                     checked(CaptureCheck.load(RunFolder(out).check))

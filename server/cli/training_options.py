@@ -34,12 +34,24 @@ def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto"
         " the default), or nothing (docs/captures.md)",
     )  # fmt: skip
     parser.add_argument(
-        "--downscale", metavar="N", type=int, help="reduce the pictures N times; big photographs train N^2 times faster"
+        "--downscale",
+        metavar="N",
+        type=_reductions,
+        help="reduce the pictures N times; big photographs train N^2 times faster. Some cameras' by cam04=4,cam05=2",
     )
     parser.add_argument(
         "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
         help="replace fields of the config, e.g. train.iterations=2000 encode.budget=low (docs/training.md)",
     )  # fmt: skip
+
+
+def _reductions(text: str) -> tuple[int | None, list[str]]:
+    """Return the factor for all cameras, if there is one, and those of single ones as the config has them."""
+    parts = [part.strip() for part in text.split(",")]
+    whole = [int(part) for part in parts if "=" not in part]  # argparse tells of a ValueError
+    if len(whole) > 1:
+        raise ValueError
+    return whole[0] if whole else None, [part for part in parts if "=" in part]
 
 
 def add_masks_option(parser: argparse.ArgumentParser) -> None:
@@ -84,7 +96,10 @@ def _chosen_fields(options: argparse.Namespace) -> dict[str, Any]:
     if options.sync is not None:
         chosen["capture.sync"] = options.sync
     if options.downscale is not None:
-        chosen["capture.downscale"] = options.downscale
+        whole, cameras = options.downscale
+        if whole is not None:
+            chosen["capture.downscale"] = whole
+        chosen["capture.downscale_cameras"] = cameras
     return chosen
 
 

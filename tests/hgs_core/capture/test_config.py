@@ -22,3 +22,13 @@ def test_the_memory_for_frames_is_the_size_of_the_cache(tmp_path: Path) -> None:
     write_capture(tmp_path, frames=1)
     capture = open_capture(tmp_path, cache_bytes=CaptureConfig(frame_memory_mib=3).cache_bytes)
     assert capture.cache_bytes == 3 * 2**20
+
+
+def test_factors_of_single_cameras_are_read_by_name() -> None:
+    assert CaptureConfig(downscale_cameras=("cam 04=4", "a=b=2")).reductions == {"cam 04": 4, "a=b": 2}
+
+
+@pytest.mark.parametrize("given", [("cam04",), ("cam04=0",), ("cam04=1000",), ("=2",), ("a=2", "a=3"), ("a=x",)])
+def test_factors_that_are_none_are_refused(given: tuple[str, ...]) -> None:
+    with pytest.raises(InputError, match="downscale_cameras"):
+        CaptureConfig(downscale_cameras=given)

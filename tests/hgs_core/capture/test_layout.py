@@ -119,3 +119,13 @@ def test_a_damaged_video_is_named_by_the_outline(tmp_path: Path, content: bytes)
     (tmp_path / "cam01.mp4").write_bytes(content)
     with pytest.raises(InputError, match=r"cam01\.mp4: the video is unreadable"):
         outlined(tmp_path)
+
+
+def test_a_camera_of_far_larger_pictures_is_named_with_the_option_that_helps(tmp_path: Path) -> None:
+    CAMERAS["poses_bounds.npy"](tmp_path)
+    PICTURES["videos"](tmp_path)
+    large = np.full((4 * layouts.HEIGHT, 4 * layouts.WIDTH, 3), 90, np.uint8)
+    layouts.write_video(tmp_path / f"{NAMES[1]}.mp4", [large] * FRAMES)
+    notes = " ".join(open_capture(tmp_path).notes)
+    assert f"pictures of {NAMES[1]} have 192x128 pixels, 16 times as many as most" in notes
+    assert f"--downscale {NAMES[1]}=4" in notes

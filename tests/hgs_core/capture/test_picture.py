@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.picture import list_folder, list_folders, read_mask, read_picture
+from hgs_core.capture.picture import list_folder, list_folders, read_mask, read_picture, read_sized_picture
 from hgs_core.scene.camera import Camera
 
 CAMERA = Camera("a", 4, 3, 5, 5, 2, 1.5, np.eye(4))
@@ -49,3 +49,9 @@ def test_folders_are_listed_without_hidden_ones(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     assert list_folders(tmp_path) == ["b", "c"]
     assert list_folders(tmp_path / "gone") == []
+
+
+def test_floating_point_pictures_are_refused_with_the_cure(tmp_path: Path) -> None:
+    Image.fromarray(np.full((4, 4), 0.5, np.float32)).save(tmp_path / "a.tiff")
+    with pytest.raises(InputError, match=r"floating-point values.*store 8 or 16 bits"):
+        read_sized_picture(tmp_path / "a.tiff", (4, 4))

@@ -114,3 +114,13 @@ def test_reduced_captures_reduce_pictures_masks_and_cameras_alike(n3dv: Path) ->
 def test_senseless_reductions_are_refused(n3dv: Path, factor: int, problem: str) -> None:
     with pytest.raises(InputError, match=f"downscale: {problem}"):
         open_capture(n3dv, downscale=factor)
+
+
+def test_one_camera_can_be_reduced_more_than_the_others(n3dv: Path) -> None:
+    names = [camera.name for camera in open_capture(n3dv).cameras]
+    capture = open_capture(n3dv, reductions={names[1]: 2})
+    assert [camera.width for camera in capture.cameras[:2]] == [64, 32]
+    assert capture.frame(1, 0).shape == (24, 32, 3)
+    assert capture.fingerprint() != open_capture(n3dv).fingerprint()
+    with pytest.raises(InputError, match="there is no camera 'gone'"):
+        open_capture(n3dv, reductions={"gone": 2})

@@ -19,7 +19,7 @@ from tests.conftest import REPOSITORY
 FLAT_CONFIG: dict[str, Any] = json.loads((Path(__file__).parent / "flat_config.json").read_text())
 """What version 0.1.0 wrote into run.json before configs had stages, each value another than the default."""
 
-LATER = {"capture.sync", "capture.trust_poses", "train.elongation", "train.moving_steps"}
+LATER = {"capture.downscale_cameras", "capture.sync", "capture.trust_poses", "train.elongation", "train.moving_steps"}
 """Fields that no flat config had."""
 
 

@@ -34,6 +34,14 @@ def test_poses_are_trusted_where_that_is_asked_for() -> None:
 
 def test_pictures_are_reduced_as_asked() -> None:
     assert config_of("--downscale", "4").capture.downscale == 4
+    some = config_of("--downscale", "2,cam04=8").capture
+    assert (some.downscale, some.reductions) == (2, {"cam04": 8})
+    assert config_of("--downscale", "cam04=8").capture.downscale == 1
+
+
+def test_the_way_to_synchronise_is_as_asked() -> None:
+    assert config_of().capture.sync == "auto"
+    assert config_of("--sync", "audio").capture.sync == "audio"
 
 
 @pytest.mark.parametrize(
