@@ -258,7 +258,7 @@ NO_CAPTURES = {
     ("folders", "heading", "words"),
     [
         (NO_CAPTURES["folders"], "No captures yet", "into this folder of the server"),
-        ([{"path": "/srv/missing", "exists": False}], "No captures yet", "Make this folder"),
+        ([{"path": "/srv/missing", "exists": False}], "No captures yet", "Or make this folder"),
         ([], "This server reads no captures", "hgs serve --captures"),
     ],
 )

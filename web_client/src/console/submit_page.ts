@@ -3,9 +3,12 @@
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
 import { element } from "../ui/element";
 import { describeCapture } from "./capture_words";
+import { CheckPanel } from "./check_panel";
 import { type Field, fieldOf, reasonOf } from "./form_errors";
 import { choices, chosenIn, FormField } from "./form_field";
+import { SentCaptures } from "./sent_captures";
 import { emptyState, type Shell, showShell } from "./shell";
+import { UploadPanel } from "./upload_panel";
 import "./form.css";
 
 const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
@@ -21,25 +24,30 @@ export function showSubmitPage(root: HTMLElement): void {
   document.title = "New scene · HGS";
   const shell = showShell(root, "submit-page");
   shell.main.append(element("h1", {}, "New scene"));
-  const waiting = element("p", { class: "hint", role: "status" }, "Looking for captures …");
-  shell.main.append(waiting);
+  const body = element("div", {}, element("p", { class: "hint", role: "status" }, "Looking for captures …"));
+  shell.main.append(body);
   const abort = new AbortController();
   addEventListener("pagehide", () => abort.abort(), { once: true });
-  listCaptures(abort.signal).then(
-    (list) => {
-      waiting.remove();
-      shell.main.append(list.captures.length > 0 ? new SubmitForm(list, shell).node : noCaptures(list));
-    },
-    (error: unknown) => {
+  const panel = new UploadPanel((path) => void show(path));
+  const sent = new SentCaptures(() => void show());
+  /** Show the captures that there are; one that was just sent is chosen and checked. */
+  const show = async (uploaded = ""): Promise<void> => {
+    try {
+      const list = await listCaptures(abort.signal);
+      void sent.refresh();
+      const form = list.captures.length > 0 ? new SubmitForm(list, shell, panel.node, sent.node, uploaded).node : null;
+      body.replaceChildren(form ?? noCaptures(list, panel.node, sent.node));
+    } catch (error) {
       if (abort.signal.aborted) return;
-      waiting.remove();
+      body.replaceChildren();
       shell.problem(error);
-    },
-  );
+    }
+  };
+  void show();
 }
 
 /** What to do where there is nothing to choose from. */
-function noCaptures({ folders }: CaptureList): HTMLElement {
+function noCaptures({ folders }: CaptureList, ...sending: HTMLElement[]): HTMLElement {
   const there = folders.filter(({ exists }) => exists);
   const paths = (there.length > 0 ? there : folders).map(({ path }) => element("li", {}, element("code", {}, path)));
   const retry = element("a", { class: "button primary", href: "/new" }, "Look again");
@@ -49,17 +57,19 @@ function noCaptures({ folders }: CaptureList): HTMLElement {
       element(
         "p",
         { class: "hint" },
-        "Whoever runs it can name their folder with hgs serve --captures, and start it again.",
+        "Whoever runs it can name their folder with hgs serve --captures, and start it again. Or send one:",
       ),
+      ...sending,
     );
   return emptyState(
     "No captures yet",
+    ...sending,
     element(
       "p",
       { class: "hint" },
       there.length > 0
-        ? "Copy the folder of a capture, its videos and camera poses, into this folder of the server:"
-        : "Make this folder on the server, and copy the folder of a capture into it, its videos and camera poses:",
+        ? "Or copy the folder of a capture, its videos and camera poses, into this folder of the server:"
+        : "Or make this folder on the server, and copy the folder of a capture into it, its videos and camera poses:",
     ),
     element("ul", { class: "paths" }, ...paths),
     retry,
@@ -78,10 +88,18 @@ class SubmitForm {
   readonly #cameras = element("div", { class: "cameras" });
   readonly #fields: Readonly<Record<Field, FormField>>;
   readonly #submit = element("button", { class: "button primary" }, "Start");
+  readonly #check = new CheckPanel();
 
+  /**
+   * @param sending where people send captures, and what they have sent
+   * @param uploaded the path of what was just sent, which is or holds a capture; "" for nothing
+   */
   constructor(
     readonly list: CaptureList,
     readonly shell: Shell,
+    sending: HTMLElement,
+    sent: HTMLElement,
+    uploaded: string,
   ) {
     const usable = list.captures.filter(({ problem }) => problem === null);
     const offered = list.captures.map((capture) => ({
@@ -90,11 +108,13 @@ class SubmitForm {
       note: describeCapture(capture),
       problem: capture.problem ?? "",
     }));
-    const first = usable.length === 1 ? usable[0].capture : "";
+    const within = (path: string) => path === uploaded || path.startsWith(`${uploaded}/`);
+    const arrived = uploaded === "" ? undefined : list.captures.find(({ capture }) => within(capture));
+    const first = arrived?.problem === null ? arrived.capture : usable.length === 1 ? usable[0].capture : "";
     this.#capture = new FormField(
       "capture",
       "What was filmed",
-      [choices("capture", offered, first)],
+      [choices("capture", offered, first), this.#check.node, sending, sent],
       list.complete ? "" : "There are more captures on the server than can be listed.",
     );
     this.#fields = {
@@ -118,12 +138,20 @@ class SubmitForm {
       hold_out.node,
       element("div", { class: "form-actions" }, this.#submit, element("a", { class: "button", href: "/" }, "Cancel")),
     );
-    this.#capture.node.addEventListener("change", () => this.#choose());
+    this.#capture.node.addEventListener("change", ({ target }) => {
+      if (target instanceof HTMLInputElement && target.name === "capture") this.#choose(false);
+    });
     this.node.addEventListener("submit", (event) => {
       event.preventDefault();
       void this.#send();
     });
-    this.#choose();
+    this.#choose(arrived !== undefined);
+    if (arrived && arrived.problem !== null)
+      this.#capture.fault(
+        `What was sent is no capture yet: ${arrived.problem}. Add what is missing, and send the folder again.`,
+      );
+    if (uploaded !== "")
+      queueMicrotask(() => this.#capture.node.querySelector(":checked")?.scrollIntoView({ block: "nearest" }));
   }
 
   #chosen(): Capture | undefined {
@@ -132,10 +160,11 @@ class SubmitForm {
   }
 
   /** Offer the cameras of the capture, and its name for the scene's. */
-  #choose(): void {
+  #choose(checked: boolean): void {
     const chosen = this.#chosen();
     this.#title.placeholder = chosen?.name.split("/").at(-1) ?? "";
     this.#capture.fault("");
+    this.#check.show(chosen, checked);
     this.#fields.hold_out.node.hidden = !chosen || chosen.cameras.length <= LEAST_CAMERAS;
     this.#fields.hold_out.fault("");
     this.#cameras.replaceChildren(
@@ -163,6 +192,7 @@ class SubmitForm {
         title: this.#title.value.trim(),
         preset: chosenIn(this.#fields.preset.node),
         ...this.#heldOut(),
+        ...(this.#check.trusted ? { config: { "capture.trust_poses": true } } : {}),
       });
       location.assign(`/job/${encodeURIComponent(job.id)}`);
     } catch (error) {

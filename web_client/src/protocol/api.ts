@@ -68,7 +68,8 @@ export interface JobLog {
 export interface Capture {
   readonly capture: string;
   readonly name: string;
-  readonly layout: string;
+  /** Null of what was sent and is no capture. */
+  readonly layout: string | null;
   readonly cameras: readonly string[];
   readonly frames: number | null;
   readonly seconds: number | null;
@@ -87,6 +88,8 @@ export interface Submission {
   readonly preset: string;
   /** Without it the server chooses. */
   readonly hold_out?: readonly string[];
+  /** Overrides of the config, by path. */
+  readonly config?: Readonly<Record<string, unknown>>;
 }
 
 export const isFinal = (job: Job): boolean => job.state !== "queued" && job.state !== "running";

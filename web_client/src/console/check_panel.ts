@@ -1,0 +1,133 @@
+/** Whether the poses, clocks and pictures of a capture fit, before it is trained (docs/checking.md). */
+
+import type { Capture } from "../protocol/api";
+import { type CaptureCheck, type Finding, getCheck, startCheck } from "../protocol/uploads";
+import { element } from "../ui/element";
+import { formatDuration } from "../ui/format";
+
+const EVERY = 1000; // milliseconds between two questions
+const WITHOUT_POSES = "videos without poses"; // a layout of docs/protocol.md
+
+export class CheckPanel {
+  readonly node = element("div", { class: "check" });
+  readonly #trust = element("input", { type: "checkbox" });
+  #asking = new AbortController();
+
+  /** Whether the capture shall be trained whatever was found. */
+  get trusted(): boolean {
+    return this.#trust.isConnected && this.#trust.checked;
+  }
+
+  /** Offer the check of a capture; `atOnce` begins it. */
+  show(capture: Capture | undefined, atOnce: boolean): void {
+    this.#asking.abort();
+    this.#asking = new AbortController();
+    this.#trust.checked = false;
+    this.node.replaceChildren();
+    if (!capture || capture.problem !== null) return;
+    if (capture.layout === WITHOUT_POSES) {
+      this.#say("Nothing says where the cameras stood. The job finds that out from the videos first.");
+      return;
+    }
+    const button = element("button", { type: "button", class: "button" }, "Check it");
+    button.addEventListener("click", () => void this.#run(capture));
+    this.node.replaceChildren(
+      element("p", { class: "hint" }, "Look for wrong poses, clocks and pictures now. The job does that first, too."),
+      button,
+    );
+    if (atOnce) void this.#run(capture);
+  }
+
+  async #run(capture: Capture): Promise<void> {
+    const { signal } = this.#asking;
+    this.#say("Checking the capture …");
+    try {
+      let check = await startCheck(capture.capture);
+      while (check.state === "waiting" || check.state === "running") {
+        if (signal.aborted) return;
+        const waits = check.state === "waiting" ? "Waiting for the check of another capture" : "Checking the capture";
+        this.#say(`${waits} … ${formatDuration(Math.round(check.seconds)).replace(".0", "")}`);
+        await new Promise((resolve) => setTimeout(resolve, EVERY));
+        check = await getCheck(capture.capture, signal);
+      }
+      if (!signal.aborted) this.#tell(check);
+    } catch (error) {
+      if (!signal.aborted) this.#say(error instanceof Error ? error.message : String(error));
+    }
+  }
+
+  #say(text: string): void {
+    this.node.replaceChildren(element("p", { class: "hint" }, text));
+  }
+
+  #tell({ found, error }: CaptureCheck): void {
+    if (found === null) {
+      this.#say(`The check failed: ${error}`);
+      return;
+    }
+    const head = found.stops
+      ? "It would not come out right:"
+      : found.findings.length > 0
+        ? "It can be trained; mind this:"
+        : "Nothing stands out: poses, clocks and pictures fit.";
+    this.node.replaceChildren(
+      element("p", { class: found.stops ? "check-head wrong" : "check-head", role: "status" }, head),
+      ...(found.findings.length > 0 ? [element("ul", { class: "findings" }, ...found.findings.map(findingItem))] : []),
+      element(
+        "details",
+        {},
+        element("summary", {}, `Figures of ${found.cameras.length} cameras`),
+        element("div", { class: "check-table", tabindex: 0, role: "region", "aria-label": "Figures" }, table(found)),
+      ),
+      ...(found.stops
+        ? [element("label", { class: "camera" }, this.#trust, "Train it all the same; the job does not stop then")]
+        : []),
+    );
+  }
+}
+
+const findingItem = ({ stops, cameras, problem, cure }: Finding): HTMLElement =>
+  element(
+    "li",
+    { class: stops ? "wrong" : "" },
+    cameras.length > 0 ? element("strong", {}, `${cameras.join(", ")}: `) : null,
+    `${problem}. `,
+    element("span", { class: "cure" }, `${cure.charAt(0).toUpperCase()}${cure.slice(1)}.`),
+  );
+
+function table(found: NonNullable<CaptureCheck["found"]>): HTMLElement {
+  const about = (name: string) => found.findings.filter(({ cameras }) => cameras.includes(name));
+  const mark = (name: string) => {
+    const all = about(name);
+    return all.length === 0 ? "" : all.some(({ stops }) => stops) ? "stop" : "look";
+  };
+  return element(
+    "table",
+    {},
+    element(
+      "thead",
+      {},
+      element(
+        "tr",
+        {},
+        ...["Camera", "Partners", "Matches", "Off, px", "Ahead, frames", ""].map((name) => element("th", {}, name)),
+      ),
+    ),
+    element(
+      "tbody",
+      {},
+      ...found.cameras.map(({ name, partners, matches, error, ahead }) =>
+        element(
+          "tr",
+          { class: mark(name) },
+          element("th", { scope: "row" }, name),
+          element("td", {}, String(partners)),
+          element("td", {}, matches.toLocaleString("en")),
+          element("td", {}, error === null ? "–" : error.toFixed(2)),
+          element("td", {}, ahead === null ? "–" : (Math.round(10 * ahead) / 10 + 0).toFixed(1)),
+          element("td", {}, mark(name)),
+        ),
+      ),
+    ),
+  );
+}
