@@ -3,56 +3,33 @@
 from __future__ import annotations
 
 import importlib
-import re
-import secrets
 import shutil
-import unicodedata
-from collections.abc import Collection
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Collection, Sequence
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import Self
+
+import sqlalchemy as sa
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
+from jobs.job_filter import JobFilter
+from jobs.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
+from jobs.run_trash import empty_trash, throw_away
 from jobs.store import Job, JobState, JobTable, Place, metadata
 from jobs.training_queue import enqueue, workflow_id
+from jobs.worker_register import Worker, list_workers
 
-if TYPE_CHECKING:
-    from hgs_core.runs.config import RunConfig
-
-__all__ = ["MAX_TITLE", "JobClient", "JobConflictError", "JobRequest", "readable_id"]
-
-MAX_TITLE = 200  # characters
-_MAX_PATH = 4096  # characters, as Linux
+__all__ = ["JobClient", "JobConflictError", "KeyReusedError"]
 
 
 class JobConflictError(Exception):
     """The job is in a state that does not allow what was asked; the API answers 409."""
 
 
-@dataclass(frozen=True)
-class JobRequest:
-    """A capture to train with a config. The title is for people; it defaults to the capture's name."""
-
-    capture: Path
-    config: RunConfig
-    title: str = ""
-    masks: Path | None = None  # a folder of masks to use instead of the capture's own
-
-    def __post_init__(self) -> None:
-        """Check what people and pages will read.
-
-        Raises:
-            InputError: the title is too long or holds control characters, or a path is no text.
-        """
-        require_storable("title", self.title, MAX_TITLE)
-        if _one_line(self.title) != self.title:
-            raise InputError("title", f"{self.title!a} holds control characters", "give one line of text")
-        for where, path in (("capture", self.capture), ("masks", self.masks)):
-            require_storable(where, str(path or ""), _MAX_PATH)
+class KeyReusedError(JobConflictError):
+    """Another job was asked for with this idempotency key; the API answers 422."""
 
 
 class JobClient:
@@ -76,25 +53,38 @@ class JobClient:
     def submit(self, request: JobRequest) -> str:
         """Check the capture and the masks, create its run folder, queue the job and return the job's id.
 
+        A request with the key of an earlier one makes no second job; the id is that of the first.
+
         Raises:
             InputError: the capture or the config is unusable.
+            KeyReusedError: the earlier request with this key asked for something else.
             OSError: the run folder cannot be written, for example because the disk is full.
 
         Whatever is raised, nothing stays behind.
         """
         capture = request.capture.expanduser().resolve()
-        require_storable("capture", str(capture), _MAX_PATH)  # a symbolic link may lead to any name
-        title = request.title.strip() or _one_line(capture.name)[:MAX_TITLE]
+        require_storable("capture", str(capture), MAX_PATH)  # a symbolic link may lead to any name
+        if earlier := self._earlier(request):
+            return earlier
+        title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
         job_id = readable_id(title, "job")
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
         try:
             config = pipeline.create_run(run, capture, request.config, masks=request.masks)
-            job = Job(id=job_id, title=title, capture=str(capture), config=config.to_json())
+            job = Job(
+                id=job_id, title=title, capture=str(capture), config=config.to_json(),
+                labels=request.labels, priority=request.priority, time_limit=request.time_limit,
+            )  # fmt: skip
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
-                self._table.insert(connection, job)
-                enqueue(self._queue, connection, job.id, job.attempt)
+                self._table.insert(connection, job, (request.key, request.digest) if request.key else None)
+                self._enqueue(connection, job, job.attempt)
+        except sa.exc.IntegrityError:
+            shutil.rmtree(run, ignore_errors=True)
+            if earlier := self._earlier(request):  # asked for at the same moment
+                return earlier
+            raise
         except BaseException:
             shutil.rmtree(run, ignore_errors=True)
             raise
@@ -108,16 +98,26 @@ class JobClient:
         """Return those of the jobs that exist, by id, with one query for every 10,000."""
         return self._table.many(job_ids)
 
-    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:
+    def list(
+        self,
+        limit: int = 100,
+        state: JobState | None = None,
+        after: Place | None = None,
+        wanted: JobFilter | None = None,
+    ) -> list[Job]:
         """Return a page of jobs: those that run, those that wait, those that are finished, each newest first.
 
-        Only jobs in `state`, and only those behind the place `after`, where they are given.
+        Only jobs in `state`, only those behind the place `after`, and only those `wanted`, where they are given.
         """
-        return self._table.page(limit, state, after)
+        return self._table.page(limit, state, after, wanted)
 
     def ahead_of(self, job: Job) -> int:
-        """Return how many jobs were queued before a queued job, and are still: about as many are taken before it."""
+        """Return about how many jobs are taken before a queued job."""
         return self._table.ahead_of(job)
+
+    def workers(self) -> Sequence[Worker]:
+        """Return the workers that live, by host and age."""
+        return list_workers(self._engine)
 
     def cancel(self, job_id: str) -> Job:
         """Cancel a job and return it as it then is; a finished job stays as it is.
@@ -147,8 +147,32 @@ class JobClient:
                 raise JobConflictError(
                     f"job {job_id} is {job.state.value}; only a failed or cancelled job can be retried"
                 )
-            enqueue(self._queue, connection, job.id, job.attempt + 1)
+            self._enqueue(connection, job, job.attempt + 1)
         return self._known(job_id)
+
+    def delete(self, job_id: str) -> None:
+        """Forget a finished job and remove its run folder; a scene that it published stays.
+
+        Should this process die half-way, the job is still there without its files: it can be deleted again.
+
+        Raises:
+            KeyError: there is no such job.
+            JobConflictError: the job is queued or running, or its last process still saves what it has.
+            OSError: the run folder cannot be moved.
+        """
+        job = self._known(job_id)
+        if not job.state.finished:
+            raise JobConflictError(f"job {job_id} is {job.state.value}; cancel it before it is deleted")
+        with self._engine.begin() as connection:
+            if not self._table.delete(connection, job_id):
+                raise JobConflictError(f"job {job_id} was queued again; cancel it before it is deleted")
+            try:
+                throw_away(self.home, job_id)
+            except InputError as error:
+                detail = f"job {job_id}: its last process still saves what it has; try again in some seconds"
+                raise JobConflictError(detail) from error
+        self._queue.delete_workflows([workflow_id(job_id, attempt) for attempt in range(1, job.attempt + 1)])
+        empty_trash(self.home, job_id)
 
     def close(self) -> None:
         """Close the connections."""
@@ -163,19 +187,21 @@ class JobClient:
     ) -> None:
         self.close()
 
+    def _earlier(self, request: JobRequest) -> str:
+        """Return the job that an earlier request with the same key made; "" if there is none."""
+        found = self._table.requested(request.key) if request.key else None
+        if found is None:
+            return ""
+        job_id, digest = found
+        if digest != request.digest:
+            raise KeyReusedError(f"the key {request.key!a} was given before, with another request (job {job_id})")
+        return job_id
+
+    def _enqueue(self, connection: sa.Connection, job: Job, attempt: int) -> None:
+        enqueue(self._queue, connection, job.id, attempt, priority=job.priority, time_limit=job.time_limit)
+
     def _known(self, job_id: str) -> Job:
         job = self.get(job_id)
         if job is None:
             raise KeyError(job_id)
         return job
-
-
-def _one_line(text: str) -> str:
-    """Return the text with spaces for control characters and the ends of lines and paragraphs."""
-    return "".join(" " if unicodedata.category(one) in ("Cc", "Zl", "Zp") else one for one in text)
-
-
-def readable_id(title: str, otherwise: str) -> str:
-    """Return a unique id that is safe in URLs and file names, such as "studio-1f9c03ab", or that of `otherwise`."""
-    slug = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:40].strip("-")
-    return f"{slug or otherwise}-{secrets.token_hex(4)}"

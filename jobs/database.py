@@ -87,7 +87,7 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
                 connection.exec_driver_sql("PRAGMA journal_mode=WAL")
         run_dbos_database_migrations(dbos_url(home))
         metadata.create_all(engine)
-        _add_missing_columns(engine, metadata)
+        _add_what_is_missing(engine, metadata)
         identity = identify_home(home.folder, engine)
     home.runs.mkdir(parents=True, exist_ok=True)
     return identity
@@ -124,8 +124,8 @@ def _one_at_a_time(home: Home, engine: sa.Engine) -> Iterator[None]:
             connection.execute(sa.select(sa.func.pg_advisory_unlock(MIGRATION_LOCK)))
 
 
-def _add_missing_columns(engine: sa.Engine, metadata: sa.MetaData) -> None:
-    """Add the columns that a table of an earlier version lacks; new columns have a default."""
+def _add_what_is_missing(engine: sa.Engine, metadata: sa.MetaData) -> None:
+    """Add the columns and indexes that a table of an earlier version lacks; new columns have a default, or are NULL."""
     with engine.begin() as connection:
         for table in metadata.sorted_tables:
             present = {column["name"] for column in sa.inspect(connection).get_columns(table.name)}
@@ -133,3 +133,5 @@ def _add_missing_columns(engine: sa.Engine, metadata: sa.MetaData) -> None:
                 if column.name not in present:
                     definition = sa.schema.CreateColumn(column).compile(dialect=engine.dialect)
                     connection.exec_driver_sql(f"ALTER TABLE {table.name} ADD COLUMN {definition}")
+            for index in table.indexes:
+                index.create(connection, checkfirst=True)

@@ -85,7 +85,10 @@ class Recovery:
         for workflow in DBOS.list_workflows(workflow_ids=list(jobs), load_input=False):
             job = jobs[workflow.workflow_id]
             if workflow.status == "CANCELLED":
-                self._table.cancel(job.id, job.attempt)
+                if job.time_limit and 0 < (workflow.workflow_deadline_epoch_ms or 0) <= 1000 * time.time():
+                    self._table.fail(job.id, job.attempt, f"took longer than its time limit of {job.time_limit:g} s")
+                else:
+                    self._table.cancel(job.id, job.attempt)
             elif workflow.status == "ERROR":
                 self._table.fail(job.id, job.attempt, f"internal error: {workflow.error}")
             elif workflow.status == "MAX_RECOVERY_ATTEMPTS_EXCEEDED":

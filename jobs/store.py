@@ -12,30 +12,10 @@ from typing import Any
 import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
+from jobs.job_filter import JobFilter
+from jobs.job_schema import job_labels, job_rows, metadata
 
 __all__ = ["Job", "JobState", "JobTable", "Place", "metadata"]
-
-metadata = sa.MetaData()
-
-_jobs = sa.Table(
-    "hgs_job",
-    metadata,
-    sa.Column("id", sa.String(64), primary_key=True),
-    sa.Column("title", sa.Text, nullable=False),
-    sa.Column("capture", sa.Text, nullable=False),
-    sa.Column("config", sa.JSON, nullable=False),
-    sa.Column("state", sa.String(16), nullable=False, index=True),
-    sa.Column("attempt", sa.Integer, nullable=False),
-    sa.Column("stage", sa.String(32), nullable=False),
-    sa.Column("done", sa.BigInteger, nullable=False),
-    sa.Column("total", sa.BigInteger, nullable=False),
-    sa.Column("figures", sa.JSON, nullable=False),
-    sa.Column("error", sa.Text, nullable=False),
-    sa.Column("scene_id", sa.String(64), nullable=False),
-    sa.Column("waiting", sa.Text, nullable=False, server_default=""),
-    sa.Column("created", sa.Float(53), nullable=False, index=True),
-    sa.Column("updated", sa.Float(53), nullable=False),
-)
 
 SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s, after which a running job says so
 
@@ -79,6 +59,10 @@ class Job:
     waiting: str = ""  # one line: why a queued or running job does not go on at the moment
     created: float = 0.0  # seconds since the epoch
     updated: float = 0.0
+    labels: tuple[str, ...] = ()  # for people to find it by
+    priority: int = 0  # higher ones are taken first
+    time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
+    stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields as plain JSON values."""
@@ -109,16 +93,40 @@ class JobTable:
     def __init__(self, engine: sa.Engine) -> None:
         self._engine = engine
 
-    def insert(self, connection: sa.Connection, job: Job) -> None:
-        """Add a row inside the caller's transaction."""
+    def insert(self, connection: sa.Connection, job: Job, request: tuple[str, str] | None = None) -> None:
+        """Add a row inside the caller's transaction; `request` is the key and the digest of what was asked.
+
+        Raises:
+            sqlalchemy.exc.IntegrityError: another job has this key.
+        """
         row = job.to_json()
         row["created"] = row["updated"] = time.time()
-        connection.execute(sa.insert(_jobs).values(row))
+        if request is not None:
+            row["request_key"], row["request_digest"] = request
+        connection.execute(sa.insert(job_rows).values(row))
+        if job.labels:
+            labels = [{"label": label, "job_id": job.id} for label in job.labels]
+            connection.execute(sa.insert(job_labels), labels)
+
+    def requested(self, key: str) -> tuple[str, str] | None:
+        """Return the id of the job that was asked for with this key, and the digest of what was asked; or None."""
+        query = sa.select(job_rows.c.id, job_rows.c.request_digest).where(job_rows.c.request_key == key)
+        with self._engine.connect() as connection:
+            row = connection.execute(query).one_or_none()
+        return None if row is None else (row.id, row.request_digest)
+
+    def delete(self, connection: sa.Connection, job_id: str) -> bool:
+        """Remove the row of a finished job, inside the caller's transaction."""
+        finished = job_rows.c.state.not_in(_ACTIVE)
+        if connection.execute(sa.delete(job_rows).where(job_rows.c.id == job_id, finished)).rowcount != 1:
+            return False
+        connection.execute(sa.delete(job_labels).where(job_labels.c.job_id == job_id))
+        return True
 
     def get(self, job_id: str) -> Job | None:
         """Return a job, or None if there is no such job."""
         with self._engine.connect() as connection:
-            row = connection.execute(sa.select(_jobs).where(_jobs.c.id == job_id)).one_or_none()
+            row = connection.execute(sa.select(job_rows).where(job_rows.c.id == job_id)).one_or_none()
         return None if row is None else _job(row)
 
     def many(self, job_ids: Collection[str]) -> dict[str, Job]:
@@ -126,39 +134,46 @@ class JobTable:
         ids, jobs = list(job_ids), {}
         with self._engine.connect() as connection:
             for start in range(0, len(ids), _MOST_IDS):
-                query = sa.select(_jobs).where(_jobs.c.id.in_(ids[start : start + _MOST_IDS]))
+                query = sa.select(job_rows).where(job_rows.c.id.in_(ids[start : start + _MOST_IDS]))
                 jobs.update({row.id: _job(row) for row in connection.execute(query)})
         return jobs
 
-    def page(self, limit: int, state: JobState | None = None, after: Place | None = None) -> list[Job]:
+    def page(
+        self, limit: int, state: JobState | None = None, after: Place | None = None, wanted: JobFilter | None = None
+    ) -> list[Job]:
         """Return at most `limit` jobs: those that run, those that wait, those that are finished, each newest first.
 
-        Only jobs in `state`, and only those behind the place `after`, where they are given.
+        Only jobs in `state`, only those behind the place `after`, and only those `wanted`, where they are given.
         """
-        turn = sa.case((_jobs.c.state == JobState.RUNNING, 0), (_jobs.c.state.in_(_ACTIVE), 1), else_=2)
-        order = (turn, _jobs.c.created.desc(), _jobs.c.id)
-        query = sa.select(_jobs.c.id).order_by(*order).limit(limit)
+        turn = sa.case((job_rows.c.state == JobState.RUNNING, 0), (job_rows.c.state.in_(_ACTIVE), 1), else_=2)
+        order = (turn, job_rows.c.created.desc(), job_rows.c.id)
+        query = sa.select(job_rows.c.id).order_by(*order).limit(limit)
         if state is not None:
-            query = query.where(_jobs.c.state == state)
+            query = query.where(job_rows.c.state == state)
         if after is not None:
-            same = sa.and_(_jobs.c.created == after.created, _jobs.c.id > after.job_id)
-            behind = sa.and_(turn == after.turn, sa.or_(_jobs.c.created < after.created, same))
+            same = sa.and_(job_rows.c.created == after.created, job_rows.c.id > after.job_id)
+            behind = sa.and_(turn == after.turn, sa.or_(job_rows.c.created < after.created, same))
             query = query.where(sa.or_(turn > after.turn, behind))
+        if wanted is not None:
+            query = query.where(*wanted.conditions())
         # All jobs are sorted, so without their configs; those of the page alone are then read whole.
-        whole = sa.select(_jobs).where(_jobs.c.id.in_(query)).order_by(*order)
+        whole = sa.select(job_rows).where(job_rows.c.id.in_(query)).order_by(*order)
         with self._engine.connect() as connection:
             return [_job(row) for row in connection.execute(whole)]
 
     def ahead_of(self, job: Job) -> int:
-        """Return how many jobs were queued before a queued job, and are still: about as many are taken before it."""
-        query = sa.select(sa.func.count()).select_from(_jobs)
-        query = query.where(_jobs.c.state == JobState.QUEUED, _jobs.c.updated < job.updated, _jobs.c.id != job.id)
+        """Return how many queued jobs have a higher priority, or the same and were queued before: about as many are
+        taken before it.
+        """
+        before = sa.and_(job_rows.c.priority == job.priority, job_rows.c.updated < job.updated)
+        query = sa.select(sa.func.count()).select_from(job_rows).where(job_rows.c.state == JobState.QUEUED)
+        query = query.where(sa.or_(job_rows.c.priority > job.priority, before), job_rows.c.id != job.id)
         with self._engine.connect() as connection:
             return connection.execute(query).scalar_one()
 
     def active(self) -> list[Job]:
         """Return the jobs that are queued or running."""
-        query = sa.select(_jobs).where(_jobs.c.state.in_(_ACTIVE))
+        query = sa.select(job_rows).where(job_rows.c.state.in_(_ACTIVE))
         with self._engine.connect() as connection:
             return [_job(row) for row in connection.execute(query)]
 
@@ -174,8 +189,8 @@ class JobTable:
         """Mark an attempt as queued again, because its worker works on it no more; not if its row has changed since."""
         return self._update(job.id, job.attempt, if_updated=job.updated, state=JobState.QUEUED, waiting=reason)
 
-    def progress(self, job_id: str, attempt: int, progress: Progress) -> bool:
-        """Record how far a running attempt is."""
+    def progress(self, job_id: str, attempt: int, progress: Progress, stage_ends: float = 0.0) -> bool:
+        """Record how far a running attempt is, and when its stage will probably end."""
         return self._update(
             job_id,
             attempt,
@@ -183,6 +198,7 @@ class JobTable:
             done=progress.done,
             total=progress.total,
             figures=dict(progress.figures),
+            stage_ends=stage_ends,
         )
 
     def succeed(self, job_id: str, attempt: int, scene_id: str) -> bool:
@@ -200,9 +216,9 @@ class JobTable:
     def requeue(self, connection: sa.Connection, job_id: str, attempt: int) -> bool:
         """Turn a failed or cancelled attempt into the next one, inside the caller's transaction."""
         statement = (
-            sa.update(_jobs)
-            .where(_jobs.c.id == job_id, _jobs.c.attempt == attempt)
-            .where(_jobs.c.state.in_((JobState.FAILED, JobState.CANCELLED)))
+            sa.update(job_rows)
+            .where(job_rows.c.id == job_id, job_rows.c.attempt == attempt)
+            .where(job_rows.c.state.in_((JobState.FAILED, JobState.CANCELLED)))
             .values(state=JobState.QUEUED, attempt=attempt + 1, stage="", done=0, total=0, error="", waiting="")
             .values(updated=time.time())
         )
@@ -216,19 +232,21 @@ class JobTable:
     def _update(self, job_id: str, attempt: int, *, if_updated: float | None = None, **values: Any) -> bool:
         statement = _unfinished(job_id, attempt).values(updated=time.time(), **values)
         if if_updated is not None:
-            statement = statement.where(_jobs.c.updated == if_updated)
+            statement = statement.where(job_rows.c.updated == if_updated)
         with self._engine.begin() as connection:
             return connection.execute(statement).rowcount == 1
 
 
 def _unfinished(job_id: str, attempt: int) -> sa.Update:
     """Return the change of an attempt's row that does nothing once the attempt is finished or followed by another."""
-    return sa.update(_jobs).where(_jobs.c.id == job_id, _jobs.c.attempt == attempt, _jobs.c.state.in_(_ACTIVE))
+    return sa.update(job_rows).where(
+        job_rows.c.id == job_id, job_rows.c.attempt == attempt, job_rows.c.state.in_(_ACTIVE)
+    )
 
 
 def _job(row: sa.Row[Any]) -> Job:
-    values = dict(row._mapping)
-    values["state"] = JobState(values["state"])
+    values = {name: value for name, value in row._mapping.items() if not name.startswith("request_")}
+    values["state"], values["labels"] = JobState(values["state"]), tuple(values["labels"])
     silence = time.time() - values["updated"]
     if values["state"] is JobState.RUNNING and silence > SILENCE:
         values["waiting"] = f"no worker has reported on it for {silence / 60:.0f} min"

@@ -9,12 +9,14 @@ from dbos import DBOSClient, EnqueueOptions
 
 from jobs.stage import STAGES
 
-__all__ = ["TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
+__all__ = ["MAX_PRIORITY", "TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
 
 TRAINING_QUEUE = "training"
 TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
 
-RESUMED, NEW = 1, 2  # priorities: the lower is taken first
+MAX_PRIORITY = 100  # of a job, and the least is -100: the higher is taken first
+
+RESUMED, NEW = 1, 1000  # priorities of DBOS, of which the lower is taken first; a job's own is taken off NEW
 
 
 def workflow_id(job_id: str, attempt: int) -> str:
@@ -31,18 +33,23 @@ def enqueue(
     delay: float = 0.0,
     waits: int = 0,
     first: str = STAGES[0],
+    priority: int = 0,
+    time_limit: float = 0.0,
 ) -> None:
     """Queue an attempt that begins with the stage `first`, inside the caller's transaction.
 
     With a `delay`, in seconds, it is a job that was put off: it is taken no sooner, and then before all that are new.
-    `waits` counts how often in a row that has happened.
+    `waits` counts how often in a row that has happened. Of new ones those of the highest `priority` are taken first. A
+    `time_limit`, in seconds, begins when a worker takes the attempt; DBOS cancels it when that has passed.
     """
     options: dict[str, Any] = {
         "queue_name": TRAINING_QUEUE,
         "workflow_name": TRAIN_JOB,
         "workflow_id": workflow_id(job_id, attempt),
-        "priority": RESUMED if delay else NEW,
+        "priority": RESUMED if delay else NEW - priority,
     }
     if delay:
         options["delay_seconds"] = delay
+    if time_limit:
+        options["workflow_timeout"] = time_limit  # counted from when a worker takes it
     queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, attempt, waits, first)

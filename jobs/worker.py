@@ -26,6 +26,7 @@ from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
 from jobs.training_queue import TRAINING_QUEUE
+from jobs.worker_register import WorkerRegister
 from jobs.workflows import TrainingWorkflow
 
 __all__ = ["main", "run_worker", "start_worker"]
@@ -86,6 +87,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     workflow = TrainingWorkflow(home, identity, engine, queue, stages)
     workflow.register()
     recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended)
+    register = WorkerRegister(engine, executor)
     gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
     DBOS.listen_queues([TRAINING_QUEUE])
     DBOS.launch()
@@ -95,8 +97,10 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
         try:
             recovery.give_up_lost()
             recovery.keep_alive()
-            gate.close_for(_refusal(identity, doubtful=recovery.take_over()))
+            refusal = _refusal(identity, doubtful=recovery.take_over())
+            gate.close_for(refusal)
             recovery.settle()
+            register.tell(next((job_id for job_id, _ in list(workflow.attended)), ""), refusal)
         except Exception:
             log.exception("will look after the other workers again in %g s", ROUND_INTERVAL)
         stop.wait(ROUND_INTERVAL)
@@ -107,7 +111,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     while stages.workflows() and time.monotonic() < deadline:
         time.sleep(0.05)
     stages.kill()
-    _leave(recovery)
+    _leave(recovery, register)
     os._exit(0)  # the workflow stays unfinished: now queued, or under this executor's name, for another worker to find
 
 
@@ -143,9 +147,14 @@ def _refusal(identity: HomeIdentity, *, doubtful: bool) -> str:
     return "another worker seems to have died, and its job comes before younger ones" if doubtful else ""
 
 
-def _leave(recovery: Recovery) -> None:
+def _leave(recovery: Recovery, register: WorkerRegister) -> None:
     """Hand over what this worker worked on, unless the database keeps it waiting."""
-    thread = threading.Thread(target=recovery.leave, daemon=True)
+
+    def leave() -> None:
+        recovery.leave()
+        register.leave()
+
+    thread = threading.Thread(target=leave, daemon=True)
     thread.start()
     thread.join(LEAVE_SECONDS)
 

@@ -20,6 +20,7 @@ from jobs.home import Home
 from jobs.home_identity import HomeIdentity
 from jobs.job_history import CourseWriter
 from jobs.stage import STAGES
+from jobs.stage_pace import StagePace
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.training_queue import TRAIN_JOB, enqueue, workflow_id
@@ -91,9 +92,10 @@ class TrainingWorkflow:
 
     async def _run_stage(self, stage: str, job_id: str, attempt: int) -> StageOutcome:
         course = CourseWriter(self._home.run(job_id), attempt)
+        pace = StagePace()
 
         def write_down(progress: Progress) -> None:
-            if self._table.progress(job_id, attempt, progress):
+            if self._table.progress(job_id, attempt, progress, pace.ends(progress, time.time())):
                 course.add(progress)
 
         async def unless_it_fails(write: Callable[[Progress], object], progress: Progress) -> None:
@@ -128,10 +130,16 @@ class TrainingWorkflow:
     def _put_off(self, job_id: str, attempt: int, reason: str, waits: int, first: str) -> None:
         """Queue the job's next attempt for later, unless the job is finished."""
         delay = min(FIRST_WAIT * 2.0**waits, LONGEST_WAIT)
+        job = self._table.get(job_id)
+        if job is None:
+            return
         with self._engine.begin() as connection:
             if self._table.put_off(connection, job_id, attempt, reason):
                 more = min(waits + 1, 10)
-                enqueue(self._queue, connection, job_id, attempt + 1, delay=delay, waits=more, first=first)
+                enqueue(
+                    self._queue, connection, job_id, attempt + 1,
+                    delay=delay, waits=more, first=first, time_limit=job.time_limit,
+                )  # fmt: skip
                 log.warning("%s waits for %g s: %s", job_id, delay, reason)
 
     def _finish(self, job_id: str, attempt: int) -> None:

@@ -22,7 +22,19 @@ from server.allowed_hosts import AllowedHosts, HostCheck
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
 from server.problems import ProblemError, install_problem_handlers
-from server.routes import capture_checks, chunks, health, job_runs, jobs, links, scenes, session, stream, upload_files
+from server.routes import (
+    capture_checks,
+    chunks,
+    health,
+    job_runs,
+    jobs,
+    links,
+    scenes,
+    session,
+    stream,
+    upload_files,
+    workers,
+)
 from server.routes import captures as capture_routes
 from server.routes import uploads as upload_routes
 from server.security_headers import SecurityHeaders
@@ -98,8 +110,8 @@ def create_app(
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
     for module in (
-        health, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, scenes,
-        chunks, stream,
+        health, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, workers,
+        scenes, chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, cast
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.runs.config_names import by_stage
-from jobs.store import Job
+from jobs.store import Job, JobState
+from jobs.worker_register import Worker
 from server.encodable import encodable
 
 if TYPE_CHECKING:
     from server.service import Jobs
 
-__all__ = ["JobFollowers", "describe_job", "job_events", "revision"]
+__all__ = ["JobFollowers", "describe_job", "describe_worker", "job_events", "revision"]
 
 POLL_SECONDS = 0.25
 KEEP_ALIVE_SECONDS = 15.0
@@ -45,10 +46,28 @@ def describe_job(job: Job) -> dict[str, Any]:
         "error": job.error or None,
         "waiting": job.waiting or None,
         "scene": job.scene_id or None,
+        "labels": list(job.labels),
+        "priority": job.priority,
+        "time_limit": job.time_limit or None,
+        "stage_ends": (job.stage_ends or None) if job.state is JobState.RUNNING else None,
         "created": job.created,
         "updated": job.updated,
     }
     return cast(dict[str, Any], encodable(description))
+
+
+def describe_worker(worker: Worker) -> dict[str, Any]:
+    """Return the worker object of docs/protocol.md."""
+    return {
+        "id": worker.id,
+        "host": worker.host,
+        "pid": worker.pid,
+        "device": worker.device or None,
+        "job": worker.job_id or None,
+        "idle_because": worker.idle_because or None,
+        "started": worker.started,
+        "seen": worker.seen,
+    }
 
 
 def revision(job: Job) -> str:

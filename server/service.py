@@ -11,9 +11,11 @@ from fastapi import Depends
 from starlette.requests import HTTPConnection
 
 from jobs.artifacts import SCENE_ID, SceneEntry
-from jobs.client import JobRequest
 from jobs.home import Home
+from jobs.job_filter import JobFilter
+from jobs.job_request import JobRequest
 from jobs.store import Job, JobState, Place
+from jobs.worker_register import Worker
 from server.access import Access
 from server.capture_checks import CaptureChecks
 from server.capture_folders import CaptureFolders
@@ -34,7 +36,15 @@ class Jobs(Protocol):
     def submit(self, request: JobRequest) -> str: ...  # noqa: D102
     def get(self, job_id: str) -> Job | None: ...  # noqa: D102
     def many(self, job_ids: Collection[str]) -> dict[str, Job]: ...  # noqa: D102
-    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]: ...  # noqa: D102
+    def list(  # noqa: D102
+        self,
+        limit: int = 100,
+        state: JobState | None = None,
+        after: Place | None = None,
+        wanted: JobFilter | None = None,
+    ) -> list[Job]: ...
+    def workers(self) -> Sequence[Worker]: ...  # noqa: D102
+    def delete(self, job_id: str) -> None: ...  # noqa: D102
     def ahead_of(self, job: Job) -> int: ...  # noqa: D102
     def cancel(self, job_id: str) -> Job: ...  # noqa: D102
     def retry(self, job_id: str) -> Job: ...  # noqa: D102

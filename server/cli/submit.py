@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.progress import Progress
+from server.cli.job_options import add_job_options, job_options
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_masks_option, add_training_options, training_config
 
@@ -33,6 +34,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--wait", action="store_true", help="follow the job to its end; the exit status tells how it went"
     )
+    add_job_options(parser)
     add_masks_option(parser)
     add_training_options(parser)
     parser.set_defaults(run=_run)
@@ -44,11 +46,14 @@ def _run(options: argparse.Namespace) -> int:
         from server.cli.submit_to_server import submit_to_server
 
         return submit_to_server(options)
-    from jobs.client import JobClient, JobRequest
+    from jobs.client import JobClient
     from jobs.home import Home
+    from jobs.job_request import JobRequest
 
     with JobClient(Home.from_environment()) as client:
-        job_id = client.submit(JobRequest(options.capture, config, options.title, options.masks))
+        job_id = client.submit(
+            JobRequest(options.capture, config, options.title, options.masks, **job_options(options))
+        )
         print(job_id, flush=True)
         return _follow(client, job_id) if options.wait else 0
 

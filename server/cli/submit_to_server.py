@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import secrets
 import sys
 import time
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped
 from server.cli.capture_files import capture_files, opened_capture
 from server.cli.interrupts import Interrupts
+from server.cli.job_options import job_options
 from server.cli.progress_bars import ProgressBars
 from server.cli.send_capture import send_capture
 from server.cli.server_client import ServerClient
@@ -33,7 +35,9 @@ def submit_to_server(options: argparse.Namespace) -> int:
     Raises:
         InputError: the capture cannot be sent, or the check stops it; the capture stays on the server then.
     """
-    settings = job_settings(options)
+    asked = job_options(options)
+    key = asked.pop("key") or secrets.token_hex(16)
+    settings = job_settings(options) | asked
     if options.masks is not None:
         raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
     with ServerClient(options.to) as client, Interrupts() as interrupts, ProgressBars(interrupts) as bars:
@@ -49,8 +53,10 @@ def submit_to_server(options: argparse.Namespace) -> int:
             print(f"the capture is {capture} on the server", file=sys.stderr)
             capture = _trainable(client, capture)
             _check(client, capture, bars, bool(settings["config"].get("capture.trust_poses")))
+            # A request whose answer was lost is sent again: with its key it is no second job.
             job = client.request(
-                "POST", "/v1/jobs", json_body={"capture": capture, "title": options.title, **settings}
+                "POST", "/v1/jobs", headers={"Idempotency-Key": key},
+                json_body={"capture": capture, "title": options.title, **settings},
             ).value  # fmt: skip
             print(job["id"], flush=True)
             return _follow(client, job["id"], bars) if options.wait else 0

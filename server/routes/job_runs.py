@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from hgs_core.base.tail import last_lines
 from hgs_core.runs.folder import RunFolder
 from jobs.job_history import read_course, thinned
 from jobs.store import Job, JobState
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.encodable import encodable
+from server.job_log import MOST_LOG_LINES, log_tail
 from server.problems import ProblemError
 from server.security_headers import REPORT_POLICY
 from server.service import Service, ServiceDep
@@ -23,14 +22,9 @@ __all__ = ["router"]
 router = APIRouter(prefix="/v1/jobs/{job_id}")
 
 _MILESTONES = 1000
-_LINES, _MOST_LINES = 100, 1000  # of the log
-_MOST_LOG_BYTES = 256 << 10
-_LONGEST_LINE = 2000  # characters
+_LINES = 100  # of the log, if the client does not say
 _LARGEST_PICTURE = 4 << 20  # bytes; a picture of 480 pixels' width has some ten thousand
 _LARGEST_REPORT = 64 << 20
-
-# What a terminal would show of a line: colours are left out, and a progress bar is what it was last drawn as.
-_ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f]")
 
 
 @router.api_route("/run", methods=["GET", "HEAD"])
@@ -68,9 +62,7 @@ def log(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Show the end of what the stages of a job have written."""
     service.known_job(job_id)
     count = _line_count(request.query_params.multi_items())
-    tail = last_lines(service.home.run(job_id) / "stage.log", count, _MOST_LOG_BYTES)
-    lines = [_shown(line) for line in tail.lines]
-    return respond_json(request, {"lines": lines, "complete": tail.whole})
+    return respond_json(request, log_tail(service.home.run(job_id), count))
 
 
 @router.api_route("/picture", methods=["GET", "HEAD"])
@@ -126,12 +118,7 @@ def _line_count(parameters: list[tuple[str, str]]) -> int:
     if len(parameters) > 1:
         raise ProblemError(422, "query-invalid", "lines: given twice", field="lines")
     text = parameters[0][1] if parameters else str(_LINES)
-    if not re.fullmatch("[1-9][0-9]{0,3}", text) or int(text) > _MOST_LINES:
-        detail = f"lines: {text[:40]!a} is not a number of lines; give 1 to {_MOST_LINES}"
+    if not re.fullmatch("[1-9][0-9]{0,3}", text) or int(text) > MOST_LOG_LINES:
+        detail = f"lines: {text[:40]!a} is not a number of lines; give 1 to {MOST_LOG_LINES}"
         raise ProblemError(422, "query-invalid", detail, field="lines")
     return int(text)
-
-
-def _shown(line: str) -> Any:
-    drawn = line.rstrip("\r").rpartition("\r")[2]
-    return encodable(_ESCAPES.sub("", drawn)[:_LONGEST_LINE])

@@ -14,7 +14,9 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import by_stage
-from jobs.client import MAX_TITLE, JobConflictError, JobRequest
+from jobs.client import JobConflictError, KeyReusedError
+from jobs.job_filter import MAX_LABELS
+from jobs.job_request import MAX_TITLE, JobRequest
 from jobs.store import Job, JobState
 from server.conditional import respond_json
 from server.job_events import describe_job, job_events, revision
@@ -38,6 +40,9 @@ class Submission(BaseModel):
     preset: StrictStr = "standard"
     hold_out: list[StrictStr] = Field(default=list(AUTO), max_length=1000)
     config: dict[str, Any] = {}
+    labels: list[StrictStr] = Field(default=[], max_length=MAX_LABELS)
+    priority: int = 0
+    time_limit: float = 0.0
 
 
 @router.post("")
@@ -45,7 +50,8 @@ async def submit(request: Request, service: ServiceDep) -> Response:
     """Queue a job."""
     service.require_same_site(request)
     submission = await read_json(request, Submission)
-    job = await run_in_threadpool(_submit, service, submission)
+    key = request.headers.get("Idempotency-Key", "")
+    job = await run_in_threadpool(_submit, service, submission, key)
     return JSONResponse(describe_job(job), 201, {"Location": f"/v1/jobs/{job.id}"})
 
 
@@ -53,7 +59,7 @@ async def submit(request: Request, service: ServiceDep) -> Response:
 def list_jobs(request: Request, service: ServiceDep) -> Response:
     """List the jobs: those that run, those that wait, those that are finished, each newest first."""
     query = JobQuery.read(request.query_params.multi_items())
-    jobs = service.jobs.list(query.limit + 1, query.state, query.after)
+    jobs = service.jobs.list(query.limit + 1, query.state, query.after, query.wanted)
     page = jobs[: query.limit]
     more = cursor(page[-1]) if len(jobs) > len(page) else None
     return respond_json(request, {"jobs": [describe_job(job) for job in page], "next": more})
@@ -97,17 +103,46 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
         raise ProblemError(409, "job-not-retriable", str(error)) from error
 
 
-def _submit(service: Service, submission: Submission) -> Job:
+@router.delete("/{job_id}", status_code=204)
+def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
+    """Forget a finished job and remove its run folder, and with `scene=true` the scene that it published."""
+    service.require_same_site(request)
+    with_scene = _with_scene(request.query_params.multi_items())
+    job = service.known_job(job_id)
+    try:
+        service.jobs.delete(job_id)
+    except JobConflictError as error:
+        raise ProblemError(409, "job-not-finished", str(error)) from error
+    if with_scene and job.scene_id:
+        service.artifacts.remove_scene(job.scene_id)
+    return Response(status_code=204)
+
+
+def _with_scene(parameters: list[tuple[str, str]]) -> bool:
+    for name, value in parameters:
+        if name != "scene" or value not in ("true", "false") or len(parameters) > 1:
+            raise ProblemError(422, "query-invalid", f"{name[:40]!a}: the only parameter is scene=true", field=name)
+    return ("scene", "true") in parameters
+
+
+def _submit(service: Service, submission: Submission, key: str) -> Job:
     try:
         config = _config(submission)
     except InputError as error:
         raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
     try:
         capture: Path = service.captures.locate(submission.capture)
-        job_id = service.jobs.submit(JobRequest(capture, config, submission.title))
+        asked = JobRequest(
+            capture, config, submission.title,
+            labels=tuple(submission.labels), priority=submission.priority, time_limit=submission.time_limit, key=key,
+        )  # fmt: skip
+        job_id = service.jobs.submit(asked)
+    except KeyReusedError as error:
+        raise ProblemError(422, "idempotency-key-reused", str(error), field="Idempotency-Key") from error
     except InputError as error:
-        if error.where == "title":
-            raise ProblemError(422, "body-invalid", str(error), field="title") from error
+        if error.where in ("title", "labels", "priority", "time_limit", "key"):
+            field = "Idempotency-Key" if error.where == "key" else error.where
+            raise ProblemError(422, "body-invalid", str(error), field=field) from error
         if error.where.startswith("config"):  # the capture does not fit the config
             raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
         raise ProblemError(422, "capture-invalid", str(error), field="capture") from error

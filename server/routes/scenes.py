@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from jobs.client import MAX_TITLE
+from jobs.job_request import MAX_TITLE
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.problems import ProblemError
 from server.request_body import read_json

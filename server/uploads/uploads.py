@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from jobs.client import readable_id
+from jobs.job_request import readable_id
 from server.problems import ProblemError
 from server.uploads.limits import UploadLimits, bytes_for_people
 from server.uploads.names import capture_name

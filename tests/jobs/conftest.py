@@ -21,9 +21,10 @@ sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import,
 from postgres_server import PostgresServer, missing_program
 
 from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient, JobRequest
+from jobs.client import JobClient
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
+from jobs.job_request import JobRequest
 from jobs.store import Job, metadata
 
 MODULES = Path(__file__).parent / "modules"

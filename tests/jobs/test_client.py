@@ -3,6 +3,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +11,11 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient, JobConflictError, JobRequest
+from hgs_core.runs.folder import RunFolder
+from jobs.client import JobClient, JobConflictError, KeyReusedError
 from jobs.home import Home
+from jobs.job_request import JobRequest
+from jobs.run_trash import trash
 from jobs.store import JobState
 
 
@@ -43,28 +47,6 @@ def test_a_bad_capture_raises_and_leaves_nothing(client: JobClient, tmp_path: Pa
     assert list(client.home.runs.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    ("fields", "where"),
-    [
-        ({"title": "x" * 201}, "title"),
-        ({"title": "a\0b"}, "title"),
-        ({"title": "\ud800"}, "title"),
-        ({"title": "two\nlines"}, "title"),
-        ({"title": "\x1b[2J"}, "title"),
-        ({"masks": Path("a\udc80")}, "masks"),
-        ({"capture": Path("a\udc80")}, "capture"),
-        ({"capture": Path("a" * 5000)}, "capture"),
-    ],
-)
-def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
-    tmp_path: Path, fields: dict[str, Any], where: str
-) -> None:
-    with pytest.raises(InputError) as refused:
-        JobRequest(**{"capture": tmp_path, "config": RunConfig(), **fields})
-    assert refused.value.where == where
-    str(refused.value).encode()
-
-
 def test_a_link_to_a_name_that_cannot_be_stored_is_refused(client: JobClient, tmp_path: Path) -> None:
     (tmp_path / "a\udc80").mkdir()
     (tmp_path / "a\udc80" / "behaviour").touch()
@@ -86,7 +68,7 @@ def test_the_title_of_a_capture_with_a_strange_name_is_one_line(client: JobClien
 def test_a_job_that_cannot_be_queued_leaves_nothing(
     client: JobClient, submit: Callable[..., str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object) -> None:
+    def refuse(*_: object, **__: object) -> None:
         raise OSError("the disk is full")
 
     monkeypatch.setattr("jobs.client.enqueue", refuse)
@@ -121,7 +103,7 @@ def test_a_queued_job_cannot_be_retried(client: JobClient, submit: Callable[...,
 
 def test_an_unknown_job(client: JobClient) -> None:
     assert client.get("nobody") is None
-    for action in (client.cancel, client.retry):
+    for action in (client.cancel, client.retry, client.delete):
         with pytest.raises(KeyError):
             action("nobody")
 
@@ -136,3 +118,62 @@ def test_the_queue_never_imports_torch() -> None:
     modules = "jobs.client, jobs.artifacts, jobs.worker, jobs.stage"
     code = f"import sys, {modules}; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def ask(tmp_path: Path, **fields: Any) -> JobRequest:
+    capture = tmp_path / "capture"
+    capture.mkdir(exist_ok=True)
+    (capture / "behaviour").write_text("count")
+    return JobRequest(capture, RunConfig(), **fields)
+
+
+def test_labels_priority_and_time_limit_are_kept(client: JobClient, tmp_path: Path) -> None:
+    job = client.get(client.submit(ask(tmp_path, labels=("night",), priority=7, time_limit=60.0)))
+    assert job is not None
+    assert (job.labels, job.priority, job.time_limit) == (("night",), 7, 60.0)
+
+
+def test_the_same_key_is_the_same_job(client: JobClient, tmp_path: Path) -> None:
+    first = client.submit(ask(tmp_path, key="k-1"))
+    assert client.submit(ask(tmp_path, key="k-1")) == first
+    assert client.submit(ask(tmp_path, key="k-2")) != first
+    assert len(list(client.home.runs.iterdir())) == 2
+
+
+def test_a_key_for_another_request_is_refused(client: JobClient, tmp_path: Path) -> None:
+    client.submit(ask(tmp_path, key="k-1"))
+    with pytest.raises(KeyReusedError, match="k-1"):
+        client.submit(ask(tmp_path, key="k-1", title="Another"))
+
+
+def test_the_same_key_at_the_same_moment_is_one_job(home: Home, tmp_path: Path) -> None:
+    with JobClient(home) as one, JobClient(home) as other, ThreadPoolExecutor(8) as pool:
+        clients = [one, other] * 4
+        ids = set(pool.map(lambda client: client.submit(ask(tmp_path, key="k-1")), clients))
+    assert len(ids) == 1
+    assert [path.name for path in home.runs.iterdir()] == [*ids]
+
+
+def test_a_deleted_job_is_gone_with_its_files_and_workflows(client: JobClient, submit: Callable[..., str]) -> None:
+    gone, stays = submit(), submit()
+    client.cancel(gone)
+    client.delete(gone)
+    assert client.get(gone) is None
+    assert [path.name for path in client.home.runs.iterdir()] == [stays]
+    assert trash(client.home) == []
+    assert [one.workflow_id for one in client._queue.list_workflows()] == [f"{stays}:1"]
+
+
+def test_an_unfinished_job_is_not_deleted(client: JobClient, submit: Callable[..., str]) -> None:
+    job_id = submit()
+    with pytest.raises(JobConflictError, match="cancel it"):
+        client.delete(job_id)
+    assert client.home.run(job_id).is_dir()
+
+
+def test_a_job_whose_last_process_still_saves_is_not_deleted(client: JobClient, submit: Callable[..., str]) -> None:
+    job_id = submit()
+    client.cancel(job_id)
+    with RunFolder(client.home.run(job_id)).exclusive(), pytest.raises(JobConflictError, match="still saves"):
+        client.delete(job_id)
+    assert client.get(job_id) is not None

@@ -31,6 +31,7 @@ class Workflow:
     status: str = "PENDING"
     executor_id: str = "us"
     error: Exception | None = None
+    workflow_deadline_epoch_ms: int | None = None
 
 
 @dataclass

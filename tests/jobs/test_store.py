@@ -66,6 +66,13 @@ def test_a_waiting_job_has_those_ahead_that_were_queued_before_it(engine: sa.Eng
     assert table.ahead_of(jobs["c"]) == 1
 
 
+def test_a_job_of_higher_priority_is_ahead_however_young(engine: sa.Engine, table: JobTable) -> None:
+    with engine.begin() as connection:
+        table.insert(connection, Job(id="b", title="", capture="", config={}, priority=1))
+    jobs = table.many(["a", "b"])
+    assert [table.ahead_of(jobs[job_id]) for job_id in ("a", "b")] == [1, 0]
+
+
 def test_jobs_that_run_come_first_then_those_that_wait_however_old(engine: sa.Engine, table: JobTable) -> None:
     table.start("a", 1)
     add(engine, table, "b", JobState.QUEUED)

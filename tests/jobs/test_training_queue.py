@@ -34,6 +34,21 @@ def queued(queue: DBOSClient) -> dict[str, WorkflowStatus]:
     return {status.workflow_id: status for status in queue.list_workflows()}
 
 
+def test_a_higher_priority_is_taken_first_but_not_before_what_was_put_off(engine: sa.Engine, queue: DBOSClient) -> None:
+    with engine.begin() as connection:
+        for name, priority in (("low", -100), ("plain", 0), ("high", 100)):
+            enqueue(queue, connection, name, 1, priority=priority)
+        enqueue(queue, connection, "resumed", 2, delay=1)
+    by_number = sorted(queued(queue).values(), key=lambda status: status.priority or 0)  # DBOS: the lower is first
+    assert [status.workflow_id for status in by_number] == ["resumed:2", "high:1", "plain:1", "low:1"]
+
+
+def test_a_time_limit_is_the_workflows_timeout(engine: sa.Engine, queue: DBOSClient) -> None:
+    with engine.begin() as connection:
+        enqueue(queue, connection, "a", 1, time_limit=90.0)
+    assert queued(queue)["a:1"].workflow_timeout_ms == 90_000
+
+
 def test_every_attempt_is_a_workflow_of_its_own(engine: sa.Engine, queue: DBOSClient) -> None:
     with engine.begin() as connection:
         for attempt in (1, 2):

@@ -9,10 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
 from jobs.job_history import read_course
+from jobs.job_request import JobRequest
 from jobs.stage import STAGES
 from jobs.store import Job, JobState
 from jobs.worker import start_worker
@@ -44,6 +46,17 @@ def test_a_job_becomes_a_published_scene(
     store = ArtifactStore(client.home.store_url)
     assert [scene.id for scene in store.list_scenes()] == [job.scene_id]
     assert iterations(client, job.id) == list(range(10))
+
+
+def test_a_job_that_exceeds_its_time_limit_fails_and_says_so(
+    client: JobClient, tmp_path: Path, worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    (tmp_path / "behaviour").write_text("count")
+    config = RunConfig().changed({"train.iterations": 100_000})
+    worker()
+    job = wait_for(client.submit(JobRequest(tmp_path, config, time_limit=2.0)), finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.FAILED, "took longer than its time limit of 2 s")
+    assert client.retry(job.id).state is JobState.QUEUED
 
 
 def test_the_course_and_the_log_of_a_job_are_in_its_run_folder(

@@ -123,7 +123,7 @@ class TestPuttingOff:
         self, workflow: TrainingWorkflow, table: JobTable, queued: list[dict[str, Any]]
     ) -> None:
         workflow._put_off("a", 1, "the store is away", 2, "publish")
-        assert queued == [{"attempt": 2, "delay": 20, "waits": 3, "first": "publish"}]
+        assert queued == [{"attempt": 2, "delay": 20, "waits": 3, "first": "publish", "time_limit": 0}]
         job = row(table)
         assert (job.state, job.attempt, job.waiting) == (JobState.QUEUED, 2, "the store is away")
 

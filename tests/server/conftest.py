@@ -21,9 +21,12 @@ from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
 from jobs.artifacts import SceneEntry
-from jobs.client import JobConflictError, JobRequest
+from jobs.client import JobConflictError
 from jobs.home import Home
+from jobs.job_filter import JobFilter
+from jobs.job_request import JobRequest
 from jobs.store import Job, JobState, Place
+from jobs.worker_register import Worker
 from server.app import create_app
 from server.capture_folders import CaptureFolders
 from server.scene_index import Chunk, SceneIndex, Slice
@@ -75,6 +78,7 @@ class FakeJobs:
         self.requests: list[JobRequest] = []
         self.refuse: Exception | None = None
         self.closed = False
+        self.alive: tuple[Worker, ...] = ()
 
     def submit(self, request: JobRequest) -> str:
         if self.refuse is not None:
@@ -82,7 +86,10 @@ class FakeJobs:
         self.requests.append(request)
         job_id = f"job-{len(self.jobs)}"
         title = request.title or request.capture.name
-        self.jobs[job_id] = Job(job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0)
+        self.jobs[job_id] = Job(
+            job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0,
+            labels=request.labels, priority=request.priority, time_limit=request.time_limit,
+        )  # fmt: skip
         return job_id
 
     def get(self, job_id: str) -> Job | None:
@@ -93,8 +100,25 @@ class FakeJobs:
     def many(self, job_ids: Collection[str]) -> dict[str, Job]:
         return {job_id: job for job_id in job_ids if (job := self.get(job_id)) is not None}
 
-    def list(self, limit: int = 100, state: JobState | None = None, after: Place | None = None) -> list[Job]:
-        return [job for job in reversed(self.jobs.values()) if state in (None, job.state)][:limit]
+    def list(
+        self,
+        limit: int = 100,
+        state: JobState | None = None,
+        after: Place | None = None,
+        wanted: JobFilter | None = None,
+    ) -> list[Job]:
+        labels = wanted.labels if wanted is not None else ()
+        found = [job for job in reversed(self.jobs.values()) if state in (None, job.state)]
+        return [job for job in found if set(labels) <= set(job.labels)][:limit]
+
+    def workers(self) -> Sequence[Worker]:
+        return self.alive
+
+    def delete(self, job_id: str) -> None:
+        job = self.jobs[job_id]
+        if not job.state.finished:
+            raise JobConflictError(f"job {job_id} is {job.state.value}")
+        del self.jobs[job_id]
 
     def ahead_of(self, job: Job) -> int:
         return sum(other.state is JobState.QUEUED and other.id < job.id for other in self.jobs.values())

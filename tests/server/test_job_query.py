@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jobs.job_filter import JobFilter
 from jobs.store import Job, JobState, Place
 from server.job_query import JobQuery, cursor
 from server.problems import ProblemError
@@ -29,13 +30,19 @@ def test_the_cursor_of_a_job_is_read_as_its_place(created: float, state: JobStat
     [
         ("limit", "0"), ("limit", "1001"), ("limit", "1e2"), ("limit", ""), ("limit", "99999"), ("state", "done"),
         ("state", "Running"), ("after", "zzz"), ("after", "0/1e999/a"), ("after", "0/1.2.3/a"), ("after", "\0"),
-        ("after", "3/1.0/a"), ("before", "a"), ("page", "2"),
+        ("after", "3/1.0/a"), ("before", "a"), ("page", "2"), ("label", "two words"), ("capture", ""), ("find", "a\0"),
+        ("since", "yesterday"), ("until", "-1"), ("until", "1e5"),
     ],
 )  # fmt: skip
 def test_what_is_not_understood_is_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(ProblemError, match=name) as caught:
         JobQuery.read([(name, value)])
     assert (caught.value.status, caught.value.code, caught.value.field) == (422, "query-invalid", name)
+
+
+def test_what_is_wanted_is_read() -> None:
+    given = [("label", "a"), ("capture", "/c"), ("label", "b"), ("find", "x y"), ("since", "10"), ("until", "20.5")]
+    assert JobQuery.read(given).wanted == JobFilter(("a", "b"), "/c", "x y", 10.0, 20.5)
 
 
 def test_a_parameter_is_given_once() -> None:

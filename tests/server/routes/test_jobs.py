@@ -7,6 +7,7 @@ import httpx
 import pytest
 
 from hgs_core.base.errors import InputError
+from jobs.client import KeyReusedError
 from jobs.store import JobState
 
 PROBLEM = "application/problem+json"
@@ -56,6 +57,11 @@ def test_submit_needs_the_capture_alone(server: Any) -> None:
         ({"capture": "studio", "hold_out": "cam00"}, "hold_out"),
         ({"capture": "studio", "hold_out": [0]}, "hold_out.0"),
         ({"capture": "studio", "config": []}, "config"),
+        ({"capture": "studio", "labels": "night"}, "labels"),
+        ({"capture": "studio", "labels": ["two words"]}, "labels"),
+        ({"capture": "studio", "priority": 101}, "priority"),
+        ({"capture": "studio", "priority": 1.5}, "priority"),
+        ({"capture": "studio", "time_limit": -1}, "time_limit"),
     ],
 )
 def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: str) -> None:
@@ -210,3 +216,63 @@ def test_what_is_no_job_id_is_not_looked_up(server: Any, job_id: str) -> None:
     for method, path in (("GET", ""), ("GET", "/events"), ("POST", "/cancel"), ("POST", "/retry")):
         response = server.request(method, f"/v1/jobs/{job_id}{path}")
         assert (response.status_code, response.json()["code"]) == (404, "job-not-found")
+
+
+def test_labels_priority_and_time_limit_are_in_the_job(server: Any) -> None:
+    body = {"capture": "studio", "labels": ["night", "acme"], "priority": 5, "time_limit": 3600}
+    job = server.request("POST", "/v1/jobs", json=body).json()
+    assert (job["labels"], job["priority"], job["time_limit"]) == (["night", "acme"], 5, 3600)
+    plain = server.request("POST", "/v1/jobs", json={"capture": "studio"}).json()
+    assert (plain["labels"], plain["priority"], plain["time_limit"]) == ([], 0, None)
+
+
+def test_the_end_of_the_stage_is_told_while_the_job_runs(server: Any) -> None:
+    server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    server.jobs.change("job-0", state=JobState.RUNNING, stage="train", stage_ends=99.0)
+    assert server.get("/v1/jobs/job-0").json()["stage_ends"] == 99.0
+    server.jobs.change("job-0", state=JobState.CANCELLED)
+    assert server.get("/v1/jobs/job-0").json()["stage_ends"] is None
+
+
+def test_the_idempotency_key_is_part_of_the_request(server: Any) -> None:
+    server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers={"Idempotency-Key": "k-1"})
+    assert [request.key for request in server.jobs.requests] == ["k-1"]
+
+
+def test_a_key_of_another_request_is_refused(server: Any) -> None:
+    server.jobs.refuse = KeyReusedError("the key 'k-1' was given before")
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers={"Idempotency-Key": "k-1"})
+    assert assert_problem(response, 422, "idempotency-key-reused", "k-1")["field"] == "Idempotency-Key"
+    bad = server.request("POST", "/v1/jobs", json={"capture": "studio"}, headers={"Idempotency-Key": "a b"})
+    assert assert_problem(bad, 422, "body-invalid")["field"] == "Idempotency-Key"
+
+
+def test_jobs_are_listed_by_label(server: Any) -> None:
+    for labels in (["a"], ["a", "b"], []):
+        server.request("POST", "/v1/jobs", json={"capture": "studio", "labels": labels})
+    assert [job["id"] for job in server.get("/v1/jobs?label=a&label=b").json()["jobs"]] == ["job-1"]
+
+
+def test_a_finished_job_is_deleted_and_its_scene_stays(server: Any) -> None:
+    server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    assert_problem(server.request("DELETE", "/v1/jobs/job-0"), 409, "job-not-finished")
+    server.jobs.change("job-0", state=JobState.SUCCEEDED, scene_id="job-0")
+    server.artifacts.manifests["job-0"] = b"{}"
+    assert server.request("DELETE", "/v1/jobs/job-0").status_code == 204
+    assert_problem(server.get("/v1/jobs/job-0"), 404, "job-not-found")
+    assert server.artifacts.manifest("job-0") == b"{}"
+
+
+def test_the_scene_goes_with_the_job_if_that_is_asked_for(server: Any) -> None:
+    server.request("POST", "/v1/jobs", json={"capture": "studio"})
+    server.jobs.change("job-0", state=JobState.SUCCEEDED, scene_id="job-0")
+    server.artifacts.manifests["job-0"] = b"{}"
+    for query in ("scene=yes", "scenes=true", "scene=true&scene=true"):
+        assert_problem(server.request("DELETE", f"/v1/jobs/job-0?{query}"), 422, "query-invalid")
+    assert server.request("DELETE", "/v1/jobs/job-0?scene=true").status_code == 204
+    assert server.artifacts.manifest("job-0") is None
+
+
+def test_a_page_of_another_site_deletes_nothing(server: Any) -> None:
+    response = server.request("DELETE", "/v1/jobs/job-0", headers={"Origin": "https://evil.example"})
+    assert_problem(response, 403, "origin-not-allowed")
