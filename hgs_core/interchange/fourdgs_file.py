@@ -165,7 +165,10 @@ def read_fourdgs(path: Path) -> ReadSplats:
     )
     if always.all():
         return ReadSplats(still, changes=tuple(changes))
+    if not 0 < length < np.inf:
+        raise InputError(path, f"lasts {length} s, and not all of it stands still", "export it again")
     edges = np.unique(np.clip(np.concatenate([[0.0, length], low[~always], high[~always]]), 0, length))
+    edges = edges[np.isfinite(edges)]
     half = np.sqrt(-2 * np.log(max(float(scene.header.cutoff), 1e-9))) * sigma
     first, last = np.maximum(low, found.mu_t - half), np.minimum(high, found.mu_t + half)
     segments = []

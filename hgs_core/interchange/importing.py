@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, nonzero
+from hgs_core.interchange.file_format import ReadSplats
 from hgs_core.interchange.formats import format_of
 from hgs_core.interchange.ply_sequence import read_sequence
 from hgs_core.scene.opacities import opacities_of
@@ -58,13 +59,10 @@ def import_scene(path: Path, duration: float = USUAL_DURATION, frame_rate: float
     Raises:
         InputError: an unknown suffix, or the file is missing, damaged, or holds no splat that can be seen.
     """
+    with np.errstate(all="ignore"):  # what is not finite is counted below
+        found = read_sequence(path) if path.is_dir() else _read(path)
     if path.is_dir():
-        found = read_sequence(path)
         duration = len(found.dynamic) / frame_rate
-    else:
-        read = format_of(path, lambda one: one.read is not None).read
-        assert read is not None
-        found = read(path)
     changes = list(found.changes)
     sets = found.dynamic or (DynamicSplats.empty(),)
     total = len(found.static) + sum(map(len, sets))
@@ -86,6 +84,12 @@ def import_scene(path: Path, duration: float = USUAL_DURATION, frame_rate: float
     segments = tuple(Segment(*between, dynamic) for between, dynamic in zip(pairwise(ends), sets, strict=True))
     scene = HybridScene(static, segments, antialiased=found.antialiased)
     return Imported(scene, total, nonzero(changes))
+
+
+def _read(path: Path) -> ReadSplats:
+    read = format_of(path, lambda one: one.read is not None).read
+    assert read is not None
+    return read(path)
 
 
 def _limits(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Change]:

@@ -51,4 +51,4 @@ def test_the_plain_form_has_the_action_as_a_word() -> None:
 def test_of_several_files_each_kind_is_told_once_with_the_most_splats() -> None:
     few, many = (Change(Action.LIMITED, "colour", count, 9, "to 0") for count in (2, 5))
     whole = Change.whole(Action.LEFT_OUT, "animations", "none")
-    assert most_of_any([few, whole, many, whole]) == (many, whole)
+    assert most_of_any([few, whole, many, few, whole]) == (many, whole)

@@ -1,11 +1,23 @@
 from __future__ import annotations
 
+import contextlib
+import dataclasses
+import tempfile
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from hgs_core.base.errors import InputError
+from hgs_core.interchange import import_scene
 from hgs_core.interchange.formats import FORMATS, IMPORTED, format_of
+from hgs_core.scene import DynamicSplats, HybridScene, Segment
+from hgs_core.scene.opacities import opacities_of
+from tests.hgs_core.interchange.scenes import axes_of, export, plain, statics
+
+SMALL = HybridScene(plain(), (Segment(0.0, 0.0, DynamicSplats.empty()),))
 
 
 def test_a_files_format_goes_by_its_suffix() -> None:
@@ -23,3 +35,52 @@ def test_a_suffix_that_does_not_fit_is_told_those_that_do(name: str, suffix: str
 def test_no_suffix_is_taken_twice_and_those_imported_can_be_read() -> None:
     assert len({one.suffix for one in FORMATS}) == len(FORMATS)
     assert IMPORTED == (".ply", ".splat", ".spz", ".glb", ".4dgs")
+
+
+STEPS = {  # of the numbers that a file stores: log-scale, colour, entry of a rotation's matrix, opacity
+    "x.glb": (3e-6, 1e-6, 1e-6, 1e-6),
+    "2.spz": (0.5 / 16 + 1e-6, 0.0037, 0.25, 0.5 / 255 + 1e-6),
+    "3.spz": (0.5 / 16 + 1e-6, 0.0037, 0.006, 0.5 / 255 + 1e-6),
+    "4.spz": (0.5 / 16 + 1e-6, 0.0037, 0.006, 0.5 / 255 + 1e-6),
+}
+
+
+@pytest.mark.parametrize("name", list(STEPS))
+@given(seed=st.integers(0, 2**32 - 1), reach=st.floats(-4, 6))
+@settings(max_examples=25, deadline=None)
+def test_any_still_scene_comes_back_within_a_formats_steps(name: str, seed: int, reach: float) -> None:
+    """Places too, wherever they are: floats are kept, and fixed point has half a step of what 24 bits reach."""
+    splats = statics(20, seed)
+    splats = dataclasses.replace(splats, means=splats.means * np.float32(10**reach))
+    scene = HybridScene(splats, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        export(scene, path, version=int(name[0]) if name.endswith(".spz") else None)
+        found = import_scene(path).scene.static
+    scale, colour, turn, opacity = STEPS[name]
+    largest = float(np.abs(splats.means).max())
+    place = 0 if name == "x.glb" else max(0.5 / 4096, 1.01 * largest / 2**23)
+    np.testing.assert_allclose(found.means, splats.means, rtol=1e-6, atol=place)
+    np.testing.assert_allclose(found.log_scales, splats.log_scales, atol=scale)
+    np.testing.assert_allclose(found.rgb, splats.rgb, atol=colour)
+    np.testing.assert_allclose(axes_of(found.quats), axes_of(splats.quats), atol=turn)
+    np.testing.assert_allclose(opacities_of(found.opacity_logits), opacities_of(splats.opacity_logits), atol=opacity)
+
+
+@pytest.mark.parametrize("name", [*STEPS, "x.4dgs"])
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=40, deadline=None)
+def test_a_damaged_file_is_refused_or_read_and_nothing_else(name: str, seed: int) -> None:
+    """One to four bytes replaced, or an end cut off."""
+    if name.endswith(".4dgs"):
+        pytest.importorskip("fourdgs", reason="fourdgs is not installed (extra 4dgs)")
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        export(SMALL, path, version=int(name[0]) if name.endswith(".spz") else None)
+        data = bytearray(path.read_bytes())
+        for at in rng.integers(0, min(len(data), 1500), rng.integers(0, 5)):
+            data[at] = rng.integers(256)
+        path.write_bytes(data[: rng.integers(len(data) // 2, 2 * len(data))])
+        with contextlib.suppress(InputError):
+            import_scene(path)

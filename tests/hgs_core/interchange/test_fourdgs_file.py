@@ -103,10 +103,15 @@ def file_of(gaussians: Any, **options: object) -> bytes:
 
 
 def test_a_file_of_the_makers_moves_and_fades_as_their_library_says(written: Write) -> None:
-    data = file_of(set_of(win_lo=np.float64([0, 0, 0, 0.5, 0.5, 0]), win_hi=np.float64([2, 2, 2, 2, 1.5, 1.0])))
+    """The first one is gone after 0.5 s, of its own; the second never fades."""
+    given = set_of(
+        mu_t=np.float64([0.2, *[0.8] * 5]), sigma_t=np.float64([0.05, np.inf, *[0.4] * 4]),
+        win_lo=np.float64([0, 0, 0, 0.5, 0.5, 0]), win_hi=np.float64([2, 2, 2, 2, 1.5, 1.0]),
+    )  # fmt: skip
+    data = file_of(given)
     found = read_fourdgs(written("x.4dgs", data))
     assert found.ends == (0.5, 1.0, 1.5, 2.0)
-    assert [len(part) for part in found.dynamic] == [4, 6, 5, 4]
+    assert [len(part) for part in found.dynamic] == [4, 5, 4, 3]
     scene = import_scene(written("x.4dgs", data)).scene
     for seconds in (0.1, 0.6, 1.2, 1.9):
         _, expected = state(data, seconds)
@@ -135,10 +140,16 @@ def test_a_still_scene_comes_back_still(tmp_path: Path, still: HybridScene[np.nd
     assert (found.start, found.end, found.dynamic_splats, len(found.static)) == (0.0, 0.0, 0, 50)
 
 
+TRACK = fourdgs.ObjectTrack(
+    1, times=[0.0, 1.0], rotations=[[0, 0, 0, 1.0]] * 2, translations=[[0, 0, 0.0], [1, 0, 0.0]]
+)
+
+
 @pytest.mark.parametrize(
     ("options", "problem"),
     [
         ({"temporal_model": "deformation-field"}, "is no .4dgs file that is read here"),
+        ({"objects": fourdgs.ObjectLayer(tracks=[TRACK])}, "moves splats by tracks of objects; bake them"),
         ({"metadata": {"color_space": "aces"}}, "has colours in aces; export it in srgb-rec709-display"),
         ({"provenance": fourdgs.Provenance(frames=[fourdgs.CoordinateFrame(handedness=1, up_axis=1, forward_axis=5)])},
          "has up along +y and forward along -z; turn it"),

@@ -117,15 +117,21 @@ def test_a_file_of_another_program_is_our_scene_seen_from_its_back() -> None:
     }
 
 
-def test_a_node_that_turns_and_stretches_does_so_to_every_ellipsoid(
-    still: HybridScene[np.ndarray], written: Write
+@pytest.mark.parametrize(
+    "linear",
+    [np.eye(3), 2.5 * np.eye(3)[[1, 2, 0]], np.array([[2, 0.5, 0], [0, 3, 0], [0, -1, 0.5]]), np.diag([-1.0, 1, 1])],
+    ids=["moved", "turned and scaled", "sheared", "mirrored"],
+)
+def test_a_node_does_to_every_ellipsoid_what_its_matrix_says(
+    still: HybridScene[np.ndarray], written: Write, linear: np.ndarray
 ) -> None:
     """The covariance of M x is M C M^T."""
-    matrix = np.array([[2, 0.5, 0, 1], [0, 3, 0, 2], [0, -1, 0.5, 3], [0, 0, 0, 1]])
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, (1, 2, 3)
     data = edited(still.static, lambda d: d["nodes"][0].update(matrix=matrix.T.ravel().tolist()))
     found = read_gaussian_glb(written("x.glb", data)).static
     turn = np.diag([1.0, -1, -1])
-    ours = turn @ matrix[:3, :3] @ turn
+    ours = turn @ linear @ turn
     np.testing.assert_allclose(found.means, still.static.means @ ours.T + turn @ matrix[:3, 3], atol=1e-5)
     np.testing.assert_allclose(covariances(found), ours @ covariances(still.static) @ ours.T, rtol=1e-4, atol=1e-7)
 

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.gaussian_glb import glb_file
+from hgs_core.interchange.glb_container import glb_bytes, read_glb
 from hgs_core.interchange.importing import import_scene
 from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.spacetime_ply import spacetime_ply
@@ -115,3 +117,12 @@ def test_frames_are_shown_one_after_another_each_for_its_time(tmp_path: Path) ->
     assert (len(found.scene.static), found.splats) == (0, 12)
     for seconds, part in ((0.0, 0), (0.12, 0), (0.13, 1), (0.5, 3)):
         np.testing.assert_allclose(scene_at(found.scene, seconds).means, parts[part].means, atol=1e-6)
+
+
+def test_what_overflows_on_its_way_is_told_like_what_is_not_finite_in_the_file(written: Write) -> None:
+    """A node of a GLB that stretches everything by 2e39, of which the first splats stay within floats."""
+    document, binary = read_glb(written("x.glb", glb_file(plain()).data))
+    document["nodes"][0]["scale"] = [2e39] * 3
+    found = import_scene(written("x.glb", glb_bytes(document, binary)))
+    beyond = np.abs(plain().means[:, 0].astype(np.float64) * 2e39) > np.finfo(np.float32).max
+    assert counted(found.changes)["left out", "splats"] == beyond.sum() == 9

@@ -45,10 +45,10 @@ def unpacked(data: bytes) -> tuple[tuple[object, ...], bytes]:
     return struct.unpack_from("<4sII4B", raw), raw[16:]
 
 
-def latest(planes: Sequence[bytes], count: int = 1, degree: int = 0, flags: int = 0, records: bytes = b"") -> bytes:
-    """A file of version 4: header of 32 bytes, records, table of sizes, planes of zstd."""
-    short = [zstandard.compress(plane) for plane in planes]
-    header = struct.pack("<4sII4BI12x", b"NGSP", 4, count, degree, 12, flags, len(planes), 32 + len(records))
+def latest(planes: Sequence[bytes], count: int = 1, flags: int = 0, records: bytes = b"", more: bytes = b"") -> bytes:
+    """A file of version 4: header of 32 bytes, records, table of sizes, planes of zstd, which may have too much."""
+    short = [zstandard.compress(plane + more) for plane in planes]
+    header = struct.pack("<4sII4BI12x", b"NGSP", 4, count, 0, 12, flags, len(planes), 32 + len(records))
     table = b"".join(struct.pack("<QQ", len(a), len(b)) for a, b in zip(short, planes, strict=True))
     return header + records + table + b"".join(short)
 
@@ -206,6 +206,7 @@ def test_a_quaternion_of_the_opposite_sign_is_no_change_of_rotation() -> None:
         (latest(PLANES)[:16] + b"\x10" + latest(PLANES)[17:], "has 5 planes, and their table at byte 16"),
         (latest(PLANES)[:-1], "has a plane of 4 bytes in"),
         (latest(PLANES, count=2), "has a plane of 9 bytes in"),
+        (latest(PLANES, more=b"?"), "holds a plane that is not of 9 bytes"),
         (latest(PLANES)[:112] + b"?" + latest(PLANES)[113:], "holds a damaged plane"),
         (gzip.compress(b"NGSP\x02\0\0\0\x05\0\0\0\0\x0c\0\0"), "has 16 bytes, 5 splats need 111"),
         (None, "cannot be read"),
