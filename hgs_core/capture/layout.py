@@ -180,8 +180,9 @@ def _of_pictures(names: Sequence[str], readers: Sequence[VideoReader | PictureSe
     for name, reader, own in zip(names, readers, pixels, strict=True):
         if own > _LARGE * usual:
             notes.append(
-                f"pictures of {name} have {reader.width}x{reader.height} pixels, {own / usual:.0f} times as many as most"
-                f": its steps take as much longer; --downscale {name}={round(math.sqrt(own / usual))} makes them alike"
+                f"pictures of {name} have {reader.width}x{reader.height} pixels, {own / usual:.0f} times as many as"
+                f" most: its steps take as much longer; --downscale {name}={round(math.sqrt(own / usual))} makes them"
+                " alike"
             )
     return notes
 
