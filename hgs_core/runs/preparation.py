@@ -131,11 +131,13 @@ def _by_sound(where: Path, names: list[str], videos: list[Path], by: str, progre
 
 
 def _as_cameras(progress: ProgressCallback) -> ProgressCallback:
-    """Report both halves of the search for cameras as one stage."""
-    halves = {"features": 0, "matches": 1}
+    """Report the parts of the search for cameras as one stage, which rises to its end."""
+    parts = {"features": 0, "matches": 1, "mapping": 2}
+    done = 0
 
     def report(update: Progress) -> None:
-        done = halves.get(update.stage, 1) * 100 + 100 * update.done // max(1, update.total)
-        progress(dataclasses.replace(update, stage="cameras", done=done, total=200))
+        nonlocal done  # mapping begins anew with other lenses, where the first do not fit
+        done = max(done, 100 * parts[update.stage] + 100 * update.done // max(1, update.total))
+        progress(dataclasses.replace(update, stage="cameras", done=done, total=100 * len(parts)))
 
     return report
