@@ -72,7 +72,7 @@ def test_connection_is_tried_at_once_when_the_network_or_the_page_is_back(page: 
     """
     )
     page.goto(f"{site.page}?paused=1&t=0.4")
-    page.wait_for_function("() => window.hgs && window.hgs.state.firstFrame !== null")
+    page.wait_for_function("() => window.hgs && window.hgs.state.bytes > 0")
     assert page.evaluate(f"() => {{ const before = window.pings; {event}; return window.pings - before; }}") == 1
 
 

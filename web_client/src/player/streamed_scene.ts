@@ -165,7 +165,9 @@ export class StreamedScene {
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
     const { splatBudget: budget } = this;
-    const wanted = { ...sight, exact, budget, ...this.#nextMoment(playback), version: this.#chunks.version };
+    const moment = this.#nextMoment(playback);
+    if (!moment) return { shots: [], moving: false, settled: false };
+    const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     return { shots, moving: playback.moving, settled: this.#settled(wanted) };
@@ -205,7 +207,8 @@ export class StreamedScene {
       this.#chunks.restoring ||
       !shown?.exact ||
       !playback?.buffer.staticComplete ||
-      !playback.buffer.ready(shown.time)
+      !playback.buffer.ready(shown.time) ||
+      !playback.buffer.playable(playback.clock.time)
     )
       return false;
     return playback.clock.playing
@@ -213,9 +216,14 @@ export class StreamedScene {
       : this.orders.shows(wanted);
   }
 
-  /** What to order: at rest the very moment, else the one at which the order will be shown and those about it. */
-  #nextMoment({ clock, moving, buffer }: Playback): Moment {
+  /**
+   * What to order: at rest the very moment, else the one at which the order will be shown and those about it. While that lacks
+   * its base, what was shown last; null if nothing was.
+   */
+  #nextMoment({ clock, moving, buffer }: Playback): Moment | null {
     const now = clock.time;
+    const { shown } = this.orders;
+    if (!buffer.playable(now)) return shown && momentOf(buffer.manifest, shown.time);
     if (!moving) return momentOf(buffer.manifest, now);
     const lead = this.orders.lead / 1000;
     const next = clock.after(lead);

@@ -79,6 +79,15 @@ describe("StreamedScene.step", () => {
     expect(orders()).toHaveLength(1);
   });
 
+  it("shows nothing before the base of the first moment is here", () => {
+    source.manifest(TWO_SEGMENTS);
+    expect(scene.step(0, [view(0)])).toEqual({ shots: [], moving: false, settled: false });
+    expect(orders()).toEqual([]);
+    WorkerDouble.last.decodeAll();
+    scene.step(16, [view(0)]);
+    expect(orders()).toHaveLength(1);
+  });
+
   it("has a view that moves ordered quickly, and exactly once it stands", () => {
     begin();
     const shown = [0, 1, 2, 2, 2].map((x, i) => {
@@ -204,6 +213,23 @@ describe("a scene that is too large", () => {
     expect(told().sort()).toEqual(["chunk c", "chunk d", "evict a", "evict b"]);
     decode();
     expect(scene.playback?.buffer.ranges()).toEqual([[2, 4]]);
+  });
+
+  it("goes on showing the last moment, from wherever it is seen, while the base of the next one is missing", () => {
+    beginLong();
+    scene.step(0, [view(0)]);
+    answer();
+    expect(scene.step(16, [view(0)])?.settled).toBe(true);
+    scene.playback?.seek(2.5);
+    expect(scene.step(32, [view(1)])?.settled).toBe(false);
+    expect(orders().at(-1)?.request.time).toBe(0.5);
+    answer();
+    expect(scene.pictureTime).toBe(0.5);
+    decode();
+    scene.step(48, [view(1)]);
+    answer();
+    scene.step(64, [view(1)]);
+    expect(orders().at(-1)?.request.time).toBe(2.5);
   });
 
   it("gives credit for what is decoded, and for nothing that waits", () => {
