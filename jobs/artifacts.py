@@ -7,11 +7,15 @@ all scenes. Nothing that was published is ever overwritten. A scene that was ren
 
 from __future__ import annotations
 
+import contextlib
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import obstore
 from obstore.exceptions import AlreadyExistsError
@@ -20,11 +24,14 @@ from obstore.store import LocalStore, ObjectStore, from_url
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest
+from hgs_core.codec.format.manifest import Manifest
+from jobs.home import Home
+from jobs.store_lock import StoreLock
 
 if TYPE_CHECKING:
     from obstore import ObjectMeta
 
-__all__ = ["SCENE_ID", "ArtifactStore", "SceneEntry"]
+__all__ = ["SCENE_ID", "ArtifactStore", "SceneEntry", "StoredChunk", "open_store"]
 
 SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 """Of a scene, and of the job that makes it: they have the same."""
@@ -44,19 +51,44 @@ class SceneEntry:
     renamed: str = ""  # another one after every change of the title; empty while it has the first one
 
 
+@dataclass(frozen=True)
+class StoredChunk:
+    """One chunk in the store, whether a scene names it or not."""
+
+    id: str
+    size: int  # bytes
+    stored: datetime  # UTC
+
+
 class ArtifactStore:
     """Published scenes. Reads return None for names that do not exist, malformed ones included.
 
     Safe to use from several threads; every method blocks for its input and output.
     """
 
-    def __init__(self, url: str) -> None:
-        """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows."""
+    def __init__(self, url: str, lock: Path | None = None) -> None:
+        """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows.
+
+        `lock` is a file that all who publish to an object store share (`open_store`); a folder holds its own.
+        """
         self._store: ObjectStore
         if url.startswith("file://"):
             self._store = LocalStore.from_url(url, mkdir=True)
+            lock = Path(url2pathname(urlsplit(url).path)) / "store.lock"
         else:
             self._store = from_url(url)
+        self._lock = None if lock is None else StoreLock(lock)
+
+    @property
+    def lock(self) -> StoreLock:
+        """What keeps publishing and collecting apart.
+
+        Raises:
+            ValueError: the store was opened without one.
+        """
+        if self._lock is None:
+            raise ValueError("an object store is collected with the lock of its home alone; use open_store")
+        return self._lock
 
     def put_scene(self, folder: Path, scene_id: str, progress: ProgressCallback = silent) -> None:
         """Publish an encoded scene: its chunks, then the thumbnail, then the manifest.
@@ -71,6 +103,12 @@ class ArtifactStore:
         if not SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
         manifest = load_manifest(folder)
+        total = len(manifest.chunks) + 1
+        waiting = Progress("publish", 0, total)
+        with contextlib.nullcontext() if self._lock is None else self._lock.publishing(lambda: progress(waiting)):
+            self._put_scene(folder, manifest, scene_id, progress)
+
+    def _put_scene(self, folder: Path, manifest: Manifest, scene_id: str, progress: ProgressCallback) -> None:
         total = len(manifest.chunks) + 1
         for done, (chunk, data) in enumerate(checked_chunks(folder, manifest)):
             progress(Progress("publish", done, total))
@@ -122,6 +160,22 @@ class ArtifactStore:
         """Return the bytes of the chunk with this SHA-256 (64 lower-case hexadecimal digits)."""
         return self._get(f"chunks/{chunk_id}") if _CHUNK_ID.fullmatch(chunk_id) else None
 
+    def list_chunks(self) -> Iterator[StoredChunk]:
+        """Yield every chunk in the store."""
+        for page in obstore.list(self._store, prefix="chunks"):
+            for item in page:
+                name = item["path"].rpartition("/")[2]
+                if _CHUNK_ID.fullmatch(name) and item["path"] == f"chunks/{name}":
+                    yield StoredChunk(name, item["size"], item["last_modified"])
+
+    def remove_chunks(self, chunk_ids: Sequence[str]) -> None:
+        """Remove chunks that no scene names; only `jobs.chunk_collection` can know that."""
+        for chunk_id in chunk_ids:
+            if not _CHUNK_ID.fullmatch(chunk_id):
+                raise ValueError(chunk_id)
+        with contextlib.suppress(FileNotFoundError):
+            obstore.delete(self._store, [f"chunks/{chunk_id}" for chunk_id in chunk_ids])
+
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if SCENE_ID.fullmatch(scene_id):
@@ -148,6 +202,11 @@ class ArtifactStore:
             return bytes(obstore.get(self._store, path).bytes())
         except FileNotFoundError:
             return None
+
+
+def open_store(home: Home) -> ArtifactStore:
+    """Return the store of a home, with the lock that all processes of the home share."""
+    return ArtifactStore(home.store_url, home.folder / "store.lock")
 
 
 def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:

@@ -95,9 +95,9 @@ def _explain(error: Exception, report: IO[str]) -> int:
 
 def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
     if stage == "publish":
-        from jobs.artifacts import ArtifactStore
+        from jobs.artifacts import open_store
 
-        ArtifactStore(home.store_url).put_scene(run / "scene", run.name, progress)
+        open_store(home).put_scene(run / "scene", run.name, progress)
     else:
         getattr(importlib.import_module(home.pipeline), stage)(run, progress)
 

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
 
 from hgs_core.base.progress import Progress
-from jobs.artifacts import ArtifactStore
+from jobs.artifacts import open_store
 from jobs.home import Home
 from jobs.home_identity import HomeIdentity
 from jobs.job_history import CourseWriter
@@ -147,7 +147,7 @@ class TrainingWorkflow:
             job = self._table.get(job_id)
             if job is not None and job.state is JobState.CANCELLED:
                 # Cancelled between the publication and now: what a cancelled job made is not shown.
-                ArtifactStore(self._home.store_url).remove_scene(job_id)
+                open_store(self._home).remove_scene(job_id)
 
 
 async def _persist(write: Callable[..., Result], *arguments: Any) -> Result:

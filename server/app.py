@@ -13,7 +13,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware.cors import CORSMiddleware
 
-from jobs.artifacts import ArtifactStore
+from jobs.artifacts import open_store
 from jobs.client import JobClient
 from jobs.home import Home
 from server.access import Access, Asking
@@ -69,7 +69,7 @@ def create_app(
     localhost alone, `access` who is let in, by default everybody. The queue, the store and the folder of the built
     viewer can be replaced, as tests do.
     """
-    store = artifacts or ArtifactStore(home.store_url)
+    store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads)
     service = Service(
         home=home,

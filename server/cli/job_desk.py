@@ -75,7 +75,7 @@ class HomeDesk:
 
     def delete(self, job_id: str, *, scene: bool) -> None:
         """Forget a finished job and remove its files, and its scene if that is asked for."""
-        from jobs.artifacts import ArtifactStore
+        from jobs.artifacts import open_store
 
         job = self._known(job_id)
         try:
@@ -83,7 +83,7 @@ class HomeDesk:
         except JobConflictError as error:
             raise InputError(f"job {job_id}", str(error)) from error
         if scene and job.scene_id:
-            ArtifactStore(self._home.store_url).remove_scene(job.scene_id)
+            open_store(self._home).remove_scene(job.scene_id)
 
     def workers(self) -> dict[str, Any]:
         """Return the workers that live."""

@@ -21,6 +21,7 @@ from server.cli import (
     encode,
     evaluate,
     export,
+    gc,
     import_splats,
     jobs,
     keys,
@@ -48,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        play, worker, submit, jobs, keys, bench, ablate,
+        play, worker, submit, jobs, gc, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)

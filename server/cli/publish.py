@@ -34,12 +34,12 @@ def _run(options: argparse.Namespace) -> int:
     for name, given in (("--replace", options.replace), ("--data-only", options.data_only)):
         if given:
             raise InputError(name, "needs --to", "give the folder to write, or leave it out")
-    from jobs.artifacts import ArtifactStore
+    from jobs.artifacts import open_store
     from jobs.home import Home
     from server.publishing import publish_run
 
     with ProgressBars() as bars:
-        scene_id = publish_run(ArtifactStore(Home.from_environment().store_url), options.run_folder, options.id, bars)
+        scene_id = publish_run(open_store(Home.from_environment()), options.run_folder, options.id, bars)
     print(scene_id)
     return 0
 

@@ -69,7 +69,7 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--workers", f"{options.workers} is negative", "give 0 or more")
     if options.connections_per_address is not None and options.connections_per_address < 1:
         raise InputError("--connections-per-address", f"{options.connections_per_address} is too few", "give 1 or more")
-    from jobs.artifacts import ArtifactStore
+    from jobs.artifacts import open_store
     from jobs.home import Home
     from jobs.keys import KeyTable
     from server.access import Access
@@ -91,7 +91,7 @@ def _run(options: argparse.Namespace) -> int:
     uploads = UploadLimits.configured(options.uploads)
     with bind(options.host, options.port) as listener, closing(KeyTable(home)) as keys:
         asking = _asking(listener.getsockname()[0], options.open or os.environ.get("HGS_OPEN") == "1", bool(keys.all()))
-        store = ArtifactStore(home.store_url)
+        store = open_store(home)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
         captures = CaptureFolders.configured(home.folder, options.captures)
