@@ -17,6 +17,7 @@ __all__ = ["SentBytes", "send_capture"]
 _PIECE = 8 << 20  # bytes in one request
 _SMALL = 1 << 20  # bytes of a file that is sent with its announcement
 _AT_ONCE = 4  # files
+_MOST_TRIES = 30  # of one piece while the server answers other questions: ten minutes
 _CHANGES = 3  # times that a file may turn out to be another than was announced
 _STREAM = "application/offset+octet-stream"
 _TUS = {"Tus-Resumable": "1.0.0"}
@@ -93,6 +94,8 @@ class _Sending:
                 self._send_content(address, file, sha256, known is None and attempt == 0)
                 return
             except RefusedError as error:
+                if error.code == "upload-finished":  # by another client that sent the same
+                    return
                 if error.code != "checksum-mismatch":
                     raise
         raise InputError(file.file, "changes while it is sent", "wait until it is complete, and run the command again")
@@ -129,6 +132,10 @@ class _Sending:
                 except (LostConnectionError, RefusedError) as error:
                     if isinstance(error, RefusedError) and error.code != "offset-mismatch":
                         raise
+                    if tries == _MOST_TRIES:
+                        raise InputError(
+                            file.file, f"does not get through ({error})", "run the command again"
+                        ) from error
                     self._client.wait(tries, error)
                     tries += 1
                     answer = self._client.request("HEAD", location)

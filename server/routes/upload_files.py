@@ -90,7 +90,7 @@ async def _receive(service: Service, upload: Upload, file: ArrivingFile, request
     """Write the body behind what has come, in blocks; what came before a cut is kept."""
     upload.require_unfinished()
     service.uploads.require_room()
-    turn = file.begin(offset)
+    turn = await run_in_threadpool(file.begin, offset)  # which waits where the file is being verified
     upload.heard_of()
     waiting = bytearray()
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -102,6 +103,26 @@ def test_a_lost_answer_is_asked_after(client: Direct, files: list[CaptureFile]) 
     client.before = lose
     send_capture(client, "studio", files, lambda done, total: None)
     assert client.requests.count("HEAD 0") == 2
+
+
+def test_two_clients_that_send_the_same_both_come_to_its_end(
+    server: Any, client: Direct, files: list[CaptureFile]
+) -> None:
+    with ThreadPoolExecutor(2) as pool:
+        sent = [pool.submit(send_capture, Direct(server), "studio", files, lambda done, total: None) for _ in range(2)]
+        first, second = (Path(one.result(60)) for one in sent)
+    assert first == second
+    assert (first / "cam00.mp4").read_bytes() == files[0].file.read_bytes()
+
+
+def test_a_piece_that_never_gets_through_is_given_up_on(client: Direct, files: list[CaptureFile]) -> None:
+    def lose(method: str, path: str) -> None:
+        if method == "PATCH":
+            raise LostConnectionError("cut")
+
+    client.before = lose
+    with pytest.raises(InputError, match=r"does not get through \(cut\); run the command again"):
+        send_capture(client, "studio", files, lambda done, total: None)
 
 
 def test_a_file_that_changes_all_the_time_is_given_up_on(client: Direct, files: list[CaptureFile]) -> None:

@@ -149,3 +149,20 @@ def test_what_came_before_a_cut_is_kept(server: Any, upload: str) -> None:
     asyncio.run(scenario())
     (listed,) = server.get(f"{upload}/files").json()["files"]
     assert listed["verified"]
+
+
+def test_a_client_that_sends_all_before_it_listens_hears_why_it_was_refused(server: Any, upload: str) -> None:
+    async def scenario() -> None:
+        async with running_server(server.app) as (_, address):
+            host, _, port = address.partition(":")
+            reader, writer = await asyncio.open_connection(host, int(port))
+            head = STREAM | {"Host": address, "Upload-Offset": "5", "Content-Length": str(8 << 20)}
+            lines = "".join(f"{name}: {value}\r\n" for name, value in head.items())
+            writer.write(f"PATCH {upload}/files/7 HTTP/1.1\r\n{lines}\r\n".encode())
+            for _ in range(8):
+                writer.write(bytes(1 << 20))
+                await asyncio.wait_for(writer.drain(), 10)
+            assert (await reader.readline()).startswith(b"HTTP/1.1 404 ")
+            writer.close()
+
+    asyncio.run(scenario())

@@ -1,6 +1,6 @@
 /** Sending captures, and their check; the objects and steps are those of docs/upload.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, request, sendJson } from "./http";
+import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
 
 export interface Upload {
   readonly id: string;
@@ -151,6 +151,7 @@ export async function getCheck(capture: string, signal: AbortSignal): Promise<Ca
 
 function refusal(answer: XMLHttpRequest): ApiError {
   if (answer.status === 0) return new ApiError("The server cannot be reached.");
+  if (answer.status === 401) dispatchEvent(new Event(KEY_NEEDED));
   let told: { detail?: string; code?: string; field?: string } = {};
   try {
     told = JSON.parse(answer.responseText);

@@ -129,7 +129,9 @@ export class Transfer {
         await this.#sendContent(id, { path, size: file.size, sha256 }, file, sent, signal);
         break;
       } catch (error) {
-        if (!(error instanceof ApiError && error.code === "checksum-mismatch") || attempt === CHANGES) throw error;
+        const code = error instanceof ApiError ? error.code : "";
+        if (code === "upload-finished") break; // by another page that sent the same
+        if (code !== "checksum-mismatch" || attempt === CHANGES) throw error;
         this.#hashes.delete(sent);
       }
     }

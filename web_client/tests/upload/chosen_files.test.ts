@@ -1,6 +1,6 @@
 import { createHash } from "node:crypto";
 import { describe, expect, it } from "vitest";
-import { arranged, fromPicker, uploadKey } from "../../src/upload/chosen_files";
+import { arranged, fromDrop, fromPicker, uploadKey } from "../../src/upload/chosen_files";
 
 const file = (path: string, size = 3) => ({ path, file: new File(["x".repeat(size)], path.split("/").at(-1) ?? "") });
 const paths = (all: ReturnType<typeof file>[]) => arranged(all).files.map(({ path }) => path);
@@ -38,4 +38,29 @@ it("makes the key of docs/upload.md, which is that of hgs submit", () => {
   const files = [file("b.mp4", 12), file("ﬀ.png", 2), file("😀.png", 1), file("a/ä.png", 5)];
   const lines = "a/ä.png\t5\nb.mp4\t12\nﬀ.png\t2\n😀.png\t1\n"; // by the bytes of UTF-8, not by UTF-16
   expect(uploadKey(files)).toBe(createHash("sha256").update(lines).digest("hex"));
+});
+
+/** A folder as browsers tell of it: some entries at a time. */
+function folderEntry(name: string, inside: FileSystemEntry[]): FileSystemEntry {
+  const createReader = () => {
+    const left = [...inside];
+    return { readEntries: (tell: (some: FileSystemEntry[]) => void) => tell(left.splice(0, 2)) };
+  };
+  return { name, isFile: false, createReader } as unknown as FileSystemEntry;
+}
+
+const fileEntry = (name: string): FileSystemEntry =>
+  ({
+    name,
+    isFile: true,
+    file: (tell: (file: File) => void) => tell(new File(["x"], name)),
+  }) as unknown as FileSystemEntry;
+
+it("takes a dropped folder with everything in it", async () => {
+  const pictures = Array.from({ length: 5 }, (_, k) => fileEntry(`${k}.png`));
+  const dropped = folderEntry("studio", [fileEntry("poses.npy"), folderEntry("cam00", pictures), fileEntry(".hidden")]);
+  const items = [{ webkitGetAsEntry: () => dropped }, { webkitGetAsEntry: () => null }];
+  const chosen = await fromDrop(items as unknown as DataTransferItemList);
+  expect(chosen.name).toBe("studio");
+  expect(chosen.files.map(({ path }) => path)).toEqual([...pictures.map(({ name }) => `cam00/${name}`), "poses.npy"]);
 });
