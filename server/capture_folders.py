@@ -70,11 +70,16 @@ class CaptureFolders:
             )
         if found is None:
             raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
-        self._require_inner_links(found)
+        self.require_inner_links(found)
         return found
 
-    def _require_inner_links(self, capture: Path) -> None:
-        """Refuse links that lead out: whoever may write into a capture must not read what else the server can."""
+    def require_inner_links(self, capture: Path) -> None:
+        """Refuse links that lead out: whoever may write into a capture must not read what else the server can.
+
+        Raises:
+            ProblemError: 403, there is one.
+            InputError: there is too much to look at.
+        """
         waiting, looked_at = [(capture, 0)], 0
         while waiting:
             folder, depth = waiting.pop()

@@ -22,6 +22,7 @@ from hgs_core.capture.open import open_capture
 from hgs_core.capture.video import announced_length
 from server.capture_folders import CaptureFolders
 from server.encodable import encodable
+from server.problems import ProblemError
 
 __all__ = ["CaptureList"]
 
@@ -73,13 +74,20 @@ class CaptureList:
                 mark = hash((found.cameras and found.cameras[1], found.changed, tuple(sorted(found.files.items()))))
                 before, described = self._known.get(path, (0, {}))
                 if not described or before != mark:
-                    described = _described(path, found)
+                    described = self._described(path, found)
                 known[path] = mark, described
                 captures.append({"capture": str(path), "name": name} | described)
             self._known = known
         roots = [{"path": str(folder), "exists": folder.is_dir()} for folder in self.folders.folders]
         answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": complete})
         return answer
+
+    def _described(self, path: Path, found: _Capture) -> dict[str, Any]:
+        try:
+            self.folders.require_inner_links(path)  # before anything is opened
+        except (InputError, ProblemError) as error:
+            return {"layout": None, "cameras": [], "frames": None, "seconds": None, "problem": str(error)}
+        return _described(path, found)
 
     def _candidates(self) -> Iterator[tuple[str, Path, _Capture | None]]:
         """Yield the captures in order; None last where a bound is met."""

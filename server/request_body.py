@@ -20,8 +20,11 @@ _WHOLE_DIGITS = 19  # of whole numbers that are kept as they are: those of 64 bi
 Model = TypeVar("Model", bound=BaseModel)
 
 
-async def read_json(request: Request, model: type[Model]) -> Model:
+async def read_json(request: Request, model: type[Model], *, bounded: str = "") -> Model:
     """Read a request's JSON body as `model`.
+
+    `bounded` names a field whose numbers the caller compares with ranges of their own: they may be infinite or NaN,
+    so that the refusal can name the range.
 
     Raises:
         ProblemError: 413 too large, 415 or 400 not JSON, 422 a bad field; also NaN, infinities, NUL and half
@@ -35,7 +38,7 @@ async def read_json(request: Request, model: type[Model]) -> Model:
         value = json.loads(await _read(request), parse_int=_whole_number)
     except (ValueError, RecursionError) as error:
         raise ProblemError(400, "body-not-json", f"the body is not JSON: {error}") from error
-    _require_plain(value)
+    _require_plain(value, bounded)
     try:
         return model.model_validate(value)
     except ValidationError as error:
@@ -57,12 +60,13 @@ def _whole_number(digits: str) -> float:
     return int(digits) if len(digits) <= _WHOLE_DIGITS else float(digits)
 
 
-def _require_plain(value: Any) -> None:
+def _require_plain(value: Any, bounded: str) -> None:
     """Refuse what no database and no answer could hold, by the path of the field that holds it."""
     waiting: list[tuple[str, Any]] = [("", value)]  # a stack of our own: depth is the sender's choice
     while waiting:
         path, value = waiting.pop()
-        if isinstance(value, float) and not math.isfinite(value):
+        elsewhere = bool(bounded) and path.startswith(f"{bounded}.")
+        if isinstance(value, float) and not math.isfinite(value) and not elsewhere:
             raise _bad_field(path, f"{value} is no finite number")
         if isinstance(value, str) and not is_storable(value):
             raise _bad_field(path, f"{value[:80]!a} holds NUL or half a surrogate pair")

@@ -49,7 +49,7 @@ class Submission(BaseModel):
 async def submit(request: Request, service: ServiceDep) -> Response:
     """Queue a job."""
     service.require_same_site(request)
-    submission = await read_json(request, Submission)
+    submission = await read_json(request, Submission, bounded="config")
     key = request.headers.get("Idempotency-Key", "")
     job = await run_in_threadpool(_submit, service, submission, key)
     return JSONResponse(describe_job(job), 201, {"Location": f"/v1/jobs/{job.id}"})

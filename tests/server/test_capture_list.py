@@ -183,3 +183,14 @@ def test_the_capture_inside_an_upload_is_found(captures: CaptureList, uploaded: 
     (found,) = captures.describe()["captures"]
     assert (found["name"], found["problem"]) == ("all/of/it", None)
     assert captures.describe()["folders"] == [{"path": str(captures.folders.folders[0]), "exists": True}]
+
+
+def test_a_capture_with_a_link_that_leads_out_is_not_opened(captures: CaptureList, root: Path, tmp_path: Path) -> None:
+    write_still(root / "a", "1.png")
+    secret = tmp_path / "secret.json"
+    shutil.copy(root / "a" / "transforms.json", secret)
+    (root / "a" / "transforms.json").unlink()
+    (root / "a" / "transforms.json").symlink_to(secret)
+    (found,) = captures.describe()["captures"]
+    assert "'transforms.json' is a link that leads outside" in found["problem"]
+    assert found["cameras"] == []

@@ -96,9 +96,9 @@ def test_no_bad_value_in_any_place_is_queued_or_breaks_the_server(queue: Queue) 
 @pytest.mark.parametrize(
     ("body", "field"),
     [
-        ('{"capture": "studio", "config": {"learning_rates": {"rgb": Infinity}}}', "config.learning_rates.rgb"),
+        ('{"capture": "studio", "config": {"learning_rates": {"rgb": Infinity}}}', "config.train.learning_rates.rgb"),
         ('{"capture": "studio", "config": {"learning_rates": {"rgb": 11}}}', "config.train.learning_rates.rgb"),
-        ('{"capture": "studio", "config": {"iterations": %s}}' % ("9" * 400), "config.iterations"),
+        ('{"capture": "studio", "config": {"iterations": %s}}' % ("9" * 400), "config.train.iterations"),
         ('{"capture": "studio", "config": {"iterations": 1e300}}', "config.train.iterations"),
         ('{"capture": "studio", "config": {"checkpoint_every": 1000000000}}', "config.train.checkpoint_every"),
         (r'{"capture": "studio", "title": "a\u0000b"}', "title"),
@@ -170,3 +170,13 @@ def test_pages_of_the_list_are_all_jobs_once_and_the_running_one_first(queue: Qu
     while pages[-1]["next"]:
         pages.append(queue.get(f"/v1/jobs?limit=3&after={quote(pages[-1]['next'])}").json())
     assert [[job["id"] for job in page["jobs"]] for page in pages] == [[ids[0], ids[6], ids[5]], ids[4:1:-1], [ids[1]]]
+
+
+@pytest.mark.parametrize("value", ["Infinity", "-Infinity", "NaN", "1e300", "1e400", "9" * 400])
+def test_a_number_out_of_range_is_refused_with_its_name_and_its_range(queue: Queue, value: str) -> None:
+    told = queue.post(b'{"capture": "studio", "config": {"cycles": %s}}' % value.encode()).json()
+    assert (told["code"], told["field"]) == ("config-invalid", "config.train.iterations")
+    shown = {"Infinity": "inf", "-Infinity": "-inf", "NaN": "nan", "1e300": "1e+300"}.get(value, "inf")
+    assert told["detail"] == (
+        f"config.train.iterations: {shown} is out of range; give a whole number from 1 to 1000000"
+    )

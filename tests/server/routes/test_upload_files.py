@@ -9,6 +9,8 @@ from typing import Any
 import httpx
 import pytest
 
+from server.routes.upload_files import BLOCK
+from server.uploads.arriving_file import ArrivingFile
 from tests.server.conftest import running_server
 
 CONTENT = bytes(range(256)) * 40_000  # ten blocks and a bit
@@ -109,8 +111,19 @@ def test_bytes_come_under_their_own_media_type_and_to_files_that_exist(server: A
     assert (too_much.status_code, too_much.json()["code"]) == (413, "upload-too-large")
 
 
-def test_what_came_before_a_cut_is_kept(server: Any, upload: str) -> None:
-    """The connection ends in the middle of a body; then a second client goes on, and a third takes over from it."""
+def test_what_came_before_a_cut_is_kept(server: Any, upload: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The connection ends in the middle of a body; then a second client goes on, and a third takes over from it.
+
+    However long the body is, little more than a block of it is held at a time.
+    """
+    blocks: list[int] = []
+    append = ArrivingFile.append
+
+    def noting(file: ArrivingFile, turn: int, data: bytes) -> None:
+        blocks.append(len(data))
+        append(file, turn, data)
+
+    monkeypatch.setattr(ArrivingFile, "append", noting)
     file = server.request("POST", f"{upload}/files", headers=announcement()).headers["location"]
 
     async def scenario() -> None:
@@ -149,6 +162,7 @@ def test_what_came_before_a_cut_is_kept(server: Any, upload: str) -> None:
     asyncio.run(scenario())
     (listed,) = server.get(f"{upload}/files").json()["files"]
     assert listed["verified"]
+    assert max(blocks) < 2 * BLOCK
 
 
 def test_a_client_that_sends_all_before_it_listens_hears_why_it_was_refused(server: Any, upload: str) -> None:
