@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from hgs_core.base.progress import Progress, ProgressCallback, silent
+from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.check.camera_motion import camera_shift
 from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
@@ -19,11 +20,13 @@ from hgs_core.check.poses import judge_poses
 from hgs_core.check.recordings import judge_masks, judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
 from hgs_core.check.suspects import WRONG, Suspects
+from hgs_core.check.synchronise import FEWEST_FRAMES
 
 __all__ = ["check_capture"]
 
 _FRAMES = 90  # from the first, in which motion energy is measured
-_APART = 1.0  # frames: what offsets are told from; in short captures half a frame is chance
+_APART = 1.0  # frames: what offsets are told from
+_APART_IF_SHORT = 1.5  # of fewer frames than `hgs sync` needs: 20 frames of good captures gave 1.4 by chance
 
 
 def check_capture(capture: Capture, progress: ProgressCallback = silent) -> CaptureCheck:
@@ -50,7 +53,8 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     moving = _moving_cameras(names, seen)
     ahead = _offsets(capture, rig, seen, suspects, progress)
     findings += moving
-    findings += _unsynchronous(names, ahead, {name for finding in moving for name in finding.cameras})
+    apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
+    findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
     findings += judge_pictures(names, seen.views) + judge_masks(names, seen.views) + judge_rates(capture.path, names)
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
@@ -97,14 +101,14 @@ def _offsets(
     return feature_offsets(count, match_leads(rig, [p for p in seen.pairs if trusted.issuperset(p)], seen.views))
 
 
-def _unsynchronous(names: list[str], ahead: list[float | None], moving: set[str]) -> list[Finding]:
+def _unsynchronous(names: list[str], ahead: list[float | None], apart: float, moving: set[str]) -> list[Finding]:
     findings = []
     for name, offset in zip(names, ahead, strict=True):
-        if offset is not None and abs(offset) > _APART and name not in moving:
+        if offset is not None and abs(offset) > apart and name not in moving:
             frames = float(np.round(abs(offset), 1))
             way = "ahead of" if offset > 0 else "behind"
             problem = f"by what moves, its frames are {frames:g} {way} the others'"
             cut = "the others" if offset > 0 else "it"
-            cure = f"cut the first {max(1, round(frames))} frames of {cut}, or let hgs sync write sync.json"
+            cure = f"cut the first {counted(max(1, round(frames)), 'frame')} of {cut}, or let hgs sync write sync.json"
             findings.append(Finding(False, (name,), problem, cure))
     return findings

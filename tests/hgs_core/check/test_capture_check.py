@@ -12,6 +12,7 @@ from PIL import Image
 
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
+from hgs_core.check import capture_check
 from hgs_core.check.capture_check import check_capture
 from hgs_core.check.evidence import Evidence
 from tests.hgs_core.check.conftest import STUDIO, Spoil, write_studio
@@ -133,3 +134,11 @@ def test_masks_that_mark_everything_are_told(tmp_path: Path) -> None:
     (finding,) = check_capture(open_capture(folder)).findings
     assert finding.cameras == ("cam06",)
     assert "mark 100 %" in finding.problem
+
+
+def test_offsets_are_told_beyond_a_limit_and_the_cure_counts_frames() -> None:
+    """Twenty frames of a good capture gave 1.4 by chance."""
+    assert capture_check._unsynchronous(["a", "b"], [0.0, 1.4], 1.5, set()) == []
+    (finding,) = capture_check._unsynchronous(["a", "b"], [0.0, 1.4], 1.0, set())
+    assert finding.cameras == ("b",)
+    assert "cut the first 1 frame of the others" in finding.cure
