@@ -110,7 +110,9 @@ def _like(members: Index, splats: Prepared, settings: EncodeSettings, largest: i
         if (level > 0).sum() < settings.small_chunk_splats:
             level[near] = 0  # float32 can hold them on the others' grid, and so few do not pay for a chunk
         for one in np.unique(level):
-            parts += _even_parts(group[level == one], largest)
+            same = group[level == one]
+            useful = np.argsort(-splats.values["utility"][same, 0], kind="stable")
+            parts += _even_parts(same[useful], largest)
     return parts
 
 

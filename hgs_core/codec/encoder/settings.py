@@ -36,7 +36,7 @@ class EncodeSettings:
     prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
     shortest_life: float = 0.05  # in frames: half the life of the briefest splat
     slice_seconds: float = 0.5
-    static_chunk_splats: int = 8192  # at most
+    static_chunk_splats: int = 4096  # at most
     dynamic_chunk_splats: int = 8192  # at most
     small_chunk_splats: int = 1024  # chunks of fewer splats are joined with the next
     compression_level: int = 19  # of zstd

@@ -44,6 +44,11 @@ def test_no_chunk_is_larger_than_it_may_be_and_large_groups_are_cut_evenly() -> 
     assert sorted(n for part in members(found) for n in part) == list(range(13))
 
 
+def test_large_groups_are_cut_by_what_their_splats_show() -> None:
+    utility = 1 + np.array([3, 11, 0, 8, 5, 10, 1, 7, 2, 9, 4, 6]) / 100  # of one grade
+    assert members(static_layers(prepared(12, utility=utility), SETTINGS)) == [[1, 3, 5, 7, 9, 11], [0, 2, 4, 6, 8, 10]]
+
+
 @pytest.mark.parametrize(("huge", "chunks"), [(3, 2), (2, 1)])
 def test_splats_with_far_wider_steps_of_place_go_apart_unless_they_are_few(huge: int, chunks: int) -> None:
     size = np.where(np.arange(9) < huge, 0.0, np.log(0.01))[:, None]  # a hundred times as large
