@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Protocol, Self
@@ -11,7 +12,7 @@ from hgs_core.base.errors import InputError
 from jobs.client import JobClient, JobConflictError
 from jobs.home import Home
 from jobs.store import Job, JobState
-from server.cli.server_client import ServerClient
+from server.cli.server_client import RefusedError, ServerClient
 from server.job_events import describe_job, describe_worker
 from server.job_log import log_tail
 from server.job_query import JobQuery, cursor
@@ -134,7 +135,11 @@ class ServerDesk:
 
     def delete(self, job_id: str, *, scene: bool) -> None:
         """Forget a finished job and remove its files, and its scene if that is asked for."""
-        self._ask("DELETE", f"{_path(job_id)}?scene={'true' if scene else 'false'}")
+        published = self.job(job_id)["scene"] if scene else None
+        self._ask("DELETE", _path(job_id))
+        if published is not None:
+            with contextlib.suppress(RefusedError):  # it was taken back before
+                self._ask("DELETE", f"/v1/scenes/{published}")
 
     def workers(self) -> dict[str, Any]:
         """Return the workers that live."""

@@ -105,24 +105,14 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
 
 @router.delete("/{job_id}", status_code=204)
 def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Forget a finished job and remove its run folder, and with `scene=true` the scene that it published."""
+    """Forget a finished job and remove its run folder; its scene stays published."""
     service.require_same_site(request)
-    with_scene = _with_scene(request.query_params.multi_items())
-    job = service.known_job(job_id)
+    service.known_job(job_id)
     try:
         service.jobs.delete(job_id)
     except JobConflictError as error:
         raise ProblemError(409, "job-not-finished", str(error)) from error
-    if with_scene and job.scene_id:
-        service.artifacts.remove_scene(job.scene_id)
     return Response(status_code=204)
-
-
-def _with_scene(parameters: list[tuple[str, str]]) -> bool:
-    for name, value in parameters:
-        if name != "scene" or value not in ("true", "false") or len(parameters) > 1:
-            raise ProblemError(422, "query-invalid", f"{name[:40]!a}: the only parameter is scene=true", field=name)
-    return ("scene", "true") in parameters
 
 
 def _submit(service: Service, submission: Submission, key: str) -> Job:

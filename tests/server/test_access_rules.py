@@ -25,6 +25,8 @@ CHUNK = "/v1/chunks/" + 64 * "0"
         ("DELETE", "/v1/scenes/studio", Scope.PUBLISH),
         ("POST", "/v1/links", Scope.PUBLISH),
         ("POST", "/v1/jobs", Scope.SUBMIT),
+        ("DELETE", "/v1/jobs/job-1", Scope.SUBMIT),
+        ("GET", "/v1/workers", Scope.SUBMIT),
         ("GET", "/v1/jobs/job-1/log", Scope.SUBMIT),
         ("GET", "/v1/captures", Scope.SUBMIT),
         ("PATCH", "/v1/uploads/x/files/0", Scope.SUBMIT),

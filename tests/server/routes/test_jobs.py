@@ -263,16 +263,6 @@ def test_a_finished_job_is_deleted_and_its_scene_stays(server: Any) -> None:
     assert server.artifacts.manifest("job-0") == b"{}"
 
 
-def test_the_scene_goes_with_the_job_if_that_is_asked_for(server: Any) -> None:
-    server.request("POST", "/v1/jobs", json={"capture": "studio"})
-    server.jobs.change("job-0", state=JobState.SUCCEEDED, scene_id="job-0")
-    server.artifacts.manifests["job-0"] = b"{}"
-    for query in ("scene=yes", "scenes=true", "scene=true&scene=true"):
-        assert_problem(server.request("DELETE", f"/v1/jobs/job-0?{query}"), 422, "query-invalid")
-    assert server.request("DELETE", "/v1/jobs/job-0?scene=true").status_code == 204
-    assert server.artifacts.manifest("job-0") is None
-
-
 def test_a_page_of_another_site_deletes_nothing(server: Any) -> None:
     response = server.request("DELETE", "/v1/jobs/job-0", headers={"Origin": "https://evil.example"})
     assert_problem(response, 403, "origin-not-allowed")
