@@ -19,6 +19,7 @@ from jobs.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable
 from jobs.run_trash import empty_trash, throw_away
 from jobs.store import Job, JobState, JobTable, Place, metadata
 from jobs.training_queue import enqueue, workflow_id
+from jobs.webhook_table import Announcement, WebhookTable
 from jobs.worker_register import Worker, list_workers
 
 __all__ = ["JobClient", "JobConflictError", "KeyReusedError"]
@@ -75,6 +76,7 @@ class JobClient:
             job = Job(
                 id=job_id, title=title, capture=str(capture), config=config.to_json(),
                 labels=request.labels, priority=request.priority, time_limit=request.time_limit,
+                webhook=request.webhook,
             )  # fmt: skip
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
@@ -114,6 +116,10 @@ class JobClient:
     def ahead_of(self, job: Job) -> int:
         """Return about how many jobs are taken before a queued job."""
         return self._table.ahead_of(job)
+
+    def announcement(self, job_id: str) -> Announcement | None:
+        """Return how the announcement of a job's end went, or None if there is none."""
+        return WebhookTable(self._engine).of(job_id)
 
     def workers(self) -> Sequence[Worker]:
         """Return the workers that live, by host and age."""

@@ -16,6 +16,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
 from jobs.job_filter import checked_labels
 from jobs.training_queue import MAX_PRIORITY
+from jobs.webhook_rules import WebhookRules
 
 if TYPE_CHECKING:
     from hgs_core.runs.config import RunConfig
@@ -39,6 +40,7 @@ class JobRequest:
     labels: tuple[str, ...] = ()  # for people to find the job by
     priority: int = 0  # -100 to 100: the highest are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
+    webhook: str = ""  # a URL that is told when the job ends
     key: str = ""  # idempotency key: the same request with the same key is the same job
 
     def __post_init__(self) -> None:
@@ -46,7 +48,7 @@ class JobRequest:
 
         Raises:
             InputError: the title is too long or holds control characters, a path is no text, a label or the key is
-                malformed, or a number is out of its range.
+                malformed, a number is out of its range, or the webhook is not allowed.
         """
         require_storable("title", self.title, MAX_TITLE)
         if one_line(self.title) != self.title:
@@ -60,6 +62,8 @@ class JobRequest:
             raise InputError(
                 "time_limit", f"{self.time_limit:g} s is out of range", "give 1 s to 366 days, or 0 for none"
             )
+        if self.webhook:
+            WebhookRules.configured().checked(self.webhook)
         if self.key and not _KEY.fullmatch(self.key):
             raise InputError(
                 "key", f"{self.key[:80]!a} is no idempotency key", "give 1 to 255 visible ASCII characters"
@@ -70,7 +74,7 @@ class JobRequest:
         """A hash of all that is asked for, but the key."""
         asked = [
             str(self.capture), self.config.to_json(), self.title, str(self.masks or ""), self.labels, self.priority,
-            self.time_limit,
+            self.time_limit, self.webhook,
         ]  # fmt: skip
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 

@@ -14,6 +14,7 @@ import sqlalchemy as sa
 from hgs_core.base.progress import Progress
 from jobs.job_filter import JobFilter
 from jobs.job_schema import job_labels, job_rows, metadata
+from jobs.webhook_table import announce
 
 __all__ = ["Job", "JobState", "JobTable", "Place", "metadata"]
 
@@ -62,6 +63,7 @@ class Job:
     labels: tuple[str, ...] = ()  # for people to find it by
     priority: int = 0  # higher ones are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
+    webhook: str = ""  # the URL that is told when the job ends
     stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
 
     def to_json(self) -> dict[str, Any]:
@@ -234,7 +236,10 @@ class JobTable:
         if if_updated is not None:
             statement = statement.where(job_rows.c.updated == if_updated)
         with self._engine.begin() as connection:
-            return connection.execute(statement).rowcount == 1
+            changed = connection.execute(statement).rowcount == 1
+            if changed and "state" in values and values["state"].finished:
+                announce(connection, job_id)
+            return changed
 
 
 def _unfinished(job_id: str, attempt: int) -> sa.Update:

@@ -26,6 +26,9 @@ from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
 from jobs.training_queue import TRAINING_QUEUE
+from jobs.webhook_delivery import WebhookDelivery
+from jobs.webhook_rules import WebhookRules
+from jobs.webhook_table import WebhookTable
 from jobs.worker_register import WorkerRegister
 from jobs.workflows import TrainingWorkflow
 
@@ -89,6 +92,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended)
     register = WorkerRegister(engine, executor)
     gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
+    WebhookDelivery(WebhookTable(engine), WebhookRules.configured()).start()
     DBOS.listen_queues([TRAINING_QUEUE])
     DBOS.launch()
     log.info("worker %s is ready", executor)

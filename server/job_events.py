@@ -8,6 +8,7 @@ import json
 import logging
 from collections.abc import AsyncIterator, Iterator
 from typing import TYPE_CHECKING, Any, cast
+from urllib.parse import urlsplit
 
 from starlette.concurrency import run_in_threadpool
 
@@ -49,11 +50,18 @@ def describe_job(job: Job) -> dict[str, Any]:
         "labels": list(job.labels),
         "priority": job.priority,
         "time_limit": job.time_limit or None,
+        "webhook": _origin(job.webhook) if job.webhook else None,
         "stage_ends": (job.stage_ends or None) if job.state is JobState.RUNNING else None,
         "created": job.created,
         "updated": job.updated,
     }
     return cast(dict[str, Any], encodable(description))
+
+
+def _origin(url: str) -> str:
+    """Return the scheme and host of a URL: its path may be a secret."""
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc}"
 
 
 def describe_worker(worker: Worker) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from jobs.home import Home
 from jobs.job_filter import JobFilter
 from jobs.job_request import JobRequest
 from jobs.store import Job, JobState, Place
+from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
 from server.access import Access
 from server.capture_checks import CaptureChecks
@@ -43,6 +44,7 @@ class Jobs(Protocol):
         after: Place | None = None,
         wanted: JobFilter | None = None,
     ) -> list[Job]: ...
+    def announcement(self, job_id: str) -> Announcement | None: ...  # noqa: D102
     def workers(self) -> Sequence[Worker]: ...  # noqa: D102
     def delete(self, job_id: str) -> None: ...  # noqa: D102
     def ahead_of(self, job: Job) -> int: ...  # noqa: D102

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
@@ -35,6 +36,7 @@ def run(request: Request, job_id: str, service: ServiceDep) -> Response:
     picture = _picture(folder)
     answer = {
         "ahead": service.jobs.ahead_of(job) if job.state is JobState.QUEUED else None,
+        "announcement": _announcement(service, job),
         "picture": None if picture is None else str(picture.stat().st_mtime_ns),
         "report": (folder / "report.html").is_file(),
         "scene": job.scene_id if _published(service, job) else None,
@@ -93,6 +95,14 @@ def _picture(run: Path) -> Path | None:
     """Return the thumbnail of a scene that is encoded, else the last picture of its training, else None."""
     folder = RunFolder(run)
     return next((file for file in (folder.thumbnail, folder.preview) if file.is_file()), None)
+
+
+def _announcement(service: Service, job: Job) -> dict[str, Any] | None:
+    told = service.jobs.announcement(job.id) if job.webhook else None
+    if told is None:
+        return None
+    state = "delivered" if told.delivered else "waiting" if told.next_try is not None else "given-up"
+    return {"state": state, "attempt": told.attempt, "tries": told.tries, "error": told.error or None}
 
 
 def _published(service: Service, job: Job) -> bool:

@@ -43,6 +43,7 @@ class Submission(BaseModel):
     labels: list[StrictStr] = Field(default=[], max_length=MAX_LABELS)
     priority: int = 0
     time_limit: float = 0.0
+    webhook: StrictStr = ""
 
 
 @router.post("")
@@ -124,13 +125,14 @@ def _submit(service: Service, submission: Submission, key: str) -> Job:
         capture: Path = service.captures.locate(submission.capture)
         asked = JobRequest(
             capture, config, submission.title,
-            labels=tuple(submission.labels), priority=submission.priority, time_limit=submission.time_limit, key=key,
+            labels=tuple(submission.labels), priority=submission.priority, time_limit=submission.time_limit,
+            webhook=submission.webhook, key=key,
         )  # fmt: skip
         job_id = service.jobs.submit(asked)
     except KeyReusedError as error:
         raise ProblemError(422, "idempotency-key-reused", str(error), field="Idempotency-Key") from error
     except InputError as error:
-        if error.where in ("title", "labels", "priority", "time_limit", "key"):
+        if error.where in ("title", "labels", "priority", "time_limit", "webhook", "key"):
             field = "Idempotency-Key" if error.where == "key" else error.where
             raise ProblemError(422, "body-invalid", str(error), field=field) from error
         if error.where.startswith("config"):  # the capture does not fit the config

@@ -26,6 +26,7 @@ from jobs.home import Home
 from jobs.job_filter import JobFilter
 from jobs.job_request import JobRequest
 from jobs.store import Job, JobState, Place
+from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
 from server.app import create_app
 from server.capture_folders import CaptureFolders
@@ -79,6 +80,7 @@ class FakeJobs:
         self.refuse: Exception | None = None
         self.closed = False
         self.alive: tuple[Worker, ...] = ()
+        self.announcements: dict[str, Announcement] = {}
 
     def submit(self, request: JobRequest) -> str:
         if self.refuse is not None:
@@ -89,6 +91,7 @@ class FakeJobs:
         self.jobs[job_id] = Job(
             job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0,
             labels=request.labels, priority=request.priority, time_limit=request.time_limit,
+            webhook=request.webhook,
         )  # fmt: skip
         return job_id
 
@@ -110,6 +113,9 @@ class FakeJobs:
         labels = wanted.labels if wanted is not None else ()
         found = [job for job in reversed(self.jobs.values()) if state in (None, job.state)]
         return [job for job in found if set(labels) <= set(job.labels)][:limit]
+
+    def announcement(self, job_id: str) -> Announcement | None:
+        return self.announcements.get(job_id)
 
     def workers(self) -> Sequence[Worker]:
         return self.alive

@@ -10,6 +10,7 @@ import pytest
 from hgs_core.base.progress import Progress
 from jobs.job_history import CourseWriter
 from jobs.store import JobState
+from jobs.webhook_table import Announcement
 
 
 @pytest.fixture
@@ -28,7 +29,22 @@ def test_unknown_jobs_are_404(server: Any, job_id: str, name: str) -> None:
 
 
 def test_a_new_job_has_nothing_yet(server: Any, run: Path) -> None:
-    assert server.get("/v1/jobs/job-0/run").json() == {"ahead": 0, "picture": None, "report": False, "scene": None}
+    nothing = {"ahead": 0, "announcement": None, "picture": None, "report": False, "scene": None}
+    assert server.get("/v1/jobs/job-0/run").json() == nothing
+
+
+def test_how_the_announcement_of_the_end_went_is_told(server: Any, run: Path) -> None:
+    server.jobs.change("job-0", webhook="https://hooks.example.org/secret")
+    assert server.get("/v1/jobs/job-0").json()["webhook"] == "https://hooks.example.org"
+    for fields, state in (
+        ({"next_try": 9.0, "error": "the receiver answered 500"}, "waiting"),
+        ({"delivered": 9.0}, "delivered"),
+        ({"error": "the receiver answered 410"}, "given-up"),
+    ):
+        told = Announcement("job-0", 1, "https://hooks.example.org/secret", "{}", 1.0, 2, **fields)  # type: ignore[arg-type]
+        server.jobs.announcements["job-0"] = told
+        answer = server.get("/v1/jobs/job-0/run").json()["announcement"]
+        assert answer == {"state": state, "attempt": 1, "tries": 2, "error": told.error or None}
     assert server.get("/v1/jobs/job-0/history").json() == {"points": []}
     assert server.get("/v1/jobs/job-0/log").json() == {"lines": [], "complete": True}
     for name in ("picture", "report"):

@@ -62,6 +62,7 @@ def test_submit_needs_the_capture_alone(server: Any) -> None:
         ({"capture": "studio", "priority": 101}, "priority"),
         ({"capture": "studio", "priority": 1.5}, "priority"),
         ({"capture": "studio", "time_limit": -1}, "time_limit"),
+        ({"capture": "studio", "webhook": "http://127.0.0.1/"}, "webhook"),
     ],
 )
 def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: str) -> None:

@@ -1,0 +1,76 @@
+from __future__ import annotations
+
+import base64
+import socket
+from typing import Any
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from jobs.webhook_rules import WebhookRules
+
+SECRET = "s" * 32
+RULES = WebhookRules(frozenset({"hooks.example.org", ".acme.example"}), SECRET.encode())
+
+
+def test_the_settings_are_read() -> None:
+    given = {"HGS_WEBHOOK_HOSTS": "Hooks.example.org, .acme.example", "HGS_WEBHOOK_SECRET": SECRET}
+    assert WebhookRules.configured(given) == RULES
+    encoded = {**given, "HGS_WEBHOOK_SECRET": "whsec_" + base64.b64encode(SECRET.encode()).decode()}
+    assert WebhookRules.configured(encoded) == RULES
+    assert WebhookRules.configured({**given, "HGS_WEBHOOK_PRIVATE": "1"}).private
+
+
+@pytest.mark.parametrize("secret", ["", "short", "whsec_%%"])
+def test_hosts_need_a_secret(secret: str) -> None:
+    with pytest.raises(InputError, match="HGS_WEBHOOK_SECRET"):
+        WebhookRules.configured({"HGS_WEBHOOK_HOSTS": "a.example", "HGS_WEBHOOK_SECRET": secret})
+
+
+def test_the_secret_is_not_shown() -> None:
+    assert SECRET not in repr(RULES)
+
+
+@pytest.mark.parametrize(
+    "url", ["https://hooks.example.org/a?b=c", "https://x.acme.example:8443", "https://HOOKS.example.org"]
+)
+def test_named_hosts_are_allowed(url: str) -> None:
+    RULES.checked(url)
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "http://hooks.example.org/", "ftp://hooks.example.org/", "file:///etc/passwd", "https://other.example/",
+        "https://acme.example/", "https://notacme.example/", "https://hooks.example.org.evil.example/",
+        "https://user@hooks.example.org/", "https://hooks.example.org@evil.example/", "https://hooks.example.org:0/",
+        "https://hooks.example.org:x/", "https://hooks.example.org/a b", "https://hooks.example.org/\r\nX: y",
+        "nonsense", "https://hooks.example.org/#a", "https://[::1/", "https://127.0.0.1/",
+        "https://hooks.example.org/" + "a" * 2000,
+    ],
+)  # fmt: skip
+def test_everything_else_is_refused(url: str) -> None:
+    with pytest.raises(InputError, match="webhook"):
+        RULES.checked(url)
+
+
+def test_without_settings_there_are_no_webhooks() -> None:
+    with pytest.raises(InputError, match="HGS_WEBHOOK_HOSTS"):
+        WebhookRules().checked("https://hooks.example.org/")
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "127.0.0.1", "10.0.0.5", "192.168.1.1", "172.16.0.1", "169.254.169.254", "0.0.0.0", "100.64.0.1", "224.0.0.1",
+        "::1", "fe80::1", "fd00::1", "::ffff:127.0.0.1", "::ffff:10.0.0.1", "2002:7f00:1::", "::",
+    ],
+)  # fmt: skip
+def test_a_name_that_leads_to_a_private_address_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    found: list[Any] = [(0, 0, 0, "", ("93.184.215.14", 443)), (0, 0, 0, "", (address, 443))]
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: found)
+    parts = RULES.checked("https://hooks.example.org/")
+    with pytest.raises(PermissionError, match="not a public address"):
+        RULES.addresses(parts)
+    inside = WebhookRules(RULES.hosts, RULES.secret, private=True)
+    assert inside.addresses(parts) == ["93.184.215.14", address]
