@@ -113,6 +113,10 @@ class JobClient:
         """
         return self._table.page(limit, state, after, wanted)
 
+    def counts(self) -> dict[str, int]:
+        """Return how many jobs there are in each state."""
+        return self._table.counts()
+
     def ahead_of(self, job: Job) -> int:
         """Return about how many jobs are taken before a queued job."""
         return self._table.ahead_of(job)

@@ -163,6 +163,13 @@ class JobTable:
         with self._engine.connect() as connection:
             return [_job(row) for row in connection.execute(whole)]
 
+    def counts(self) -> dict[str, int]:
+        """Return how many jobs there are in each state, 0 included."""
+        query = sa.select(job_rows.c.state, sa.func.count()).group_by(job_rows.c.state)
+        with self._engine.connect() as connection:
+            found = {row[0]: int(row[1]) for row in connection.execute(query)}
+        return {state.value: found.get(state.value, 0) for state in JobState}
+
     def ahead_of(self, job: Job) -> int:
         """Return how many queued jobs have a higher priority, or the same and were queued before: about as many are
         taken before it.

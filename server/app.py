@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import functools
 import logging
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
@@ -19,9 +20,13 @@ from jobs.home import Home
 from server.access import Access, Asking
 from server.access_control import AccessControl
 from server.allowed_hosts import AllowedHosts, HostCheck
+from server.api_description import describe_api
 from server.capture_folders import CaptureFolders
 from server.chunk_cache import ChunkCache
+from server.metrics import Metrics
+from server.open_streams import OpenStreams, StreamAdmission
 from server.problems import ProblemError, install_problem_handlers
+from server.request_log import RequestLog
 from server.routes import (
     capture_checks,
     chunks,
@@ -29,6 +34,7 @@ from server.routes import (
     job_runs,
     jobs,
     links,
+    operation,
     scenes,
     session,
     stream,
@@ -60,17 +66,19 @@ def create_app(
     job_client: Jobs | None = None,
     artifacts: Artifacts | None = None,
     access: Access | None = None,
+    max_streams: int | None = None,
     viewer: Path = VIEWER,
 ) -> FastAPI:
     """Return the application that serves `home`; creates the home and its tables where they are missing.
 
     `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
     hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
-    localhost alone, `access` who is let in, by default everybody. The queue, the store and the folder of the built
-    viewer can be replaced, as tests do.
+    localhost alone, `access` who is let in, by default everybody, `max_streams` how many streams are open at once, by
+    default as many as come. The queue, the store and the folder of the built viewer can be replaced, as tests do.
     """
     store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads)
+    metrics = Metrics()
     service = Service(
         home=home,
         jobs=job_client or JobClient(home),
@@ -81,13 +89,17 @@ def create_app(
         ),
         uploads=received,
         access=access or Access(None, Asking.NEVER),
+        metrics=metrics,
+        streams=OpenStreams(max_streams, lambda: metrics.lag),
         origins=frozenset(origins),
     )
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         sweeping = asyncio.create_task(_sweep(received))
+        lag = asyncio.create_task(metrics.watch_lag())
         yield
+        lag.cancel()
         service.stopping.set()
         sweeping.cancel()
         await service.capture_checks.close()
@@ -97,6 +109,7 @@ def create_app(
     app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
     app.state.service = service
     install_problem_handlers(app)
+    app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)
     app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
     if service.origins:
         app.add_middleware(
@@ -109,12 +122,15 @@ def create_app(
         )
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
+    app.add_middleware(RequestLog, metrics=metrics)
     for module in (
-        health, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs, workers,
+        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs,
+        workers,
         scenes, chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))
+    app.openapi = functools.cache(lambda: describe_api(app))  # type: ignore[method-assign]
     return app
 
 

@@ -23,6 +23,8 @@ from server.capture_folders import CaptureFolders
 from server.capture_list import CaptureList
 from server.chunk_cache import ChunkCache
 from server.job_events import JobFollowers
+from server.metrics import Metrics
+from server.open_streams import OpenStreams
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
 from server.scene_watchers import SceneWatchers
@@ -48,6 +50,7 @@ class Jobs(Protocol):
     def workers(self) -> Sequence[Worker]: ...  # noqa: D102
     def delete(self, job_id: str) -> None: ...  # noqa: D102
     def ahead_of(self, job: Job) -> int: ...  # noqa: D102
+    def counts(self) -> dict[str, int]: ...  # noqa: D102
     def cancel(self, job_id: str) -> Job: ...  # noqa: D102
     def retry(self, job_id: str) -> Job: ...  # noqa: D102
     def close(self) -> None: ...  # noqa: D102
@@ -78,6 +81,8 @@ class Service:
     uploads: Uploads
     access: Access
     origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
+    metrics: Metrics = field(default_factory=Metrics)
+    streams: OpenStreams = field(default_factory=OpenStreams)
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
     followers: JobFollowers = field(init=False)
     catalogue: SceneCatalogue = field(init=False)

@@ -49,9 +49,17 @@ class HttpServer(uvicorn.Server):
     """Uvicorn with the settings that docs/protocol.md asks for."""
 
     def __init__(
-        self, app: FastAPI, *, limits: ConnectionLimits | None = None, on_ready: Callable[[], None] = lambda: None
+        self,
+        app: FastAPI,
+        *,
+        limits: ConnectionLimits | None = None,
+        drain: float = 0.0,
+        on_ready: Callable[[], None] = lambda: None,
     ) -> None:
-        """Serve `app` to connections within `limits`; `on_ready` is called once when they are accepted."""
+        """Serve `app` to connections within `limits`; `on_ready` is called once when they are accepted.
+
+        When the server stops, it ends its streams evenly over `drain` seconds.
+        """
         limits = limits or ConnectionLimits.for_files(open_file_limit())
         super().__init__(
             uvicorn.Config(
@@ -71,6 +79,7 @@ class HttpServer(uvicorn.Server):
         )
         self.server_state = OpenConnections(limits)
         self._service: Service = app.state.service
+        self._drain = drain
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
@@ -83,6 +92,9 @@ class HttpServer(uvicorn.Server):
             self._on_ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """End event streams, close WebSockets with 1012, let the rest finish."""
+        """Accept no more, close WebSockets with 1012, end event streams, let the rest finish."""
+        for server in self.servers:
+            server.close()
+        await self._service.streams.drain(self._drain)
         self._service.stopping.set()
         await super().shutdown(sockets)

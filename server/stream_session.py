@@ -87,6 +87,7 @@ class StreamSession:
 
     def __init__(self, scene: SceneIndex) -> None:
         self._scene = scene
+        self.waits = 0  # pauses of a client to which data was on its way: the viewer says so when it has to wait
         self._greeted = False
         self._ended = False
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
@@ -129,6 +130,7 @@ class StreamSession:
             case Play():
                 self._playhead.set(message.time, clock, message.rate)
             case Pause():
+                self.waits += not self._ended and self._playhead.rate > 0
                 self._playhead.set(message.time, clock, 0.0)
             case Limits():
                 self._limit(message)

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 __all__ = ["add_parser"]
 
+MOST_DRAIN = 300
+
 
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
@@ -61,6 +63,15 @@ def add_parser(commands: Any) -> None:
         "--connections-per-address", metavar="N", type=int, default=None,
         help="connections that one address may have open; give more if it is a proxy's (default: a quarter of all)",
     )  # fmt: skip
+    parser.add_argument(
+        "--max-streams", metavar="N", type=int, default=None,
+        help="streams that may be open at once; others are told to come again (default: as many as it can carry)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--drain", metavar="SECONDS", type=float, default=5.0,
+        help="over which streams are ended when the server stops, so that their clients do not all come back at once",
+    )  # fmt: skip
+    parser.add_argument("--access-log", action="store_true", help="write a line of JSON for every request to stderr")
     parser.set_defaults(run=_run)
 
 
@@ -69,6 +80,10 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--workers", f"{options.workers} is negative", "give 0 or more")
     if options.connections_per_address is not None and options.connections_per_address < 1:
         raise InputError("--connections-per-address", f"{options.connections_per_address} is too few", "give 1 or more")
+    if options.max_streams is not None and options.max_streams < 1:
+        raise InputError("--max-streams", f"{options.max_streams} is too few", "give 1 or more")
+    if not 0 <= options.drain <= MOST_DRAIN:
+        raise InputError("--drain", f"{options.drain} is no number of seconds", f"give 0 to {MOST_DRAIN}")
     from jobs.artifacts import open_store
     from jobs.home import Home
     from jobs.keys import KeyTable
@@ -79,11 +94,14 @@ def _run(options: argparse.Namespace) -> int:
     from server.connection_limits import ConnectionLimits, open_file_limit, raise_open_file_limit
     from server.log import configure_log
     from server.publishing import publish_run
+    from server.request_log import configure_access_log
     from server.serving import HttpServer, bind
     from server.uploads.limits import UploadLimits
     from server.worker_processes import WorkerProcesses
 
     configure_log()
+    if options.access_log:
+        configure_access_log()
     raise_open_file_limit()
     limits = ConnectionLimits.for_files(open_file_limit(), options.connections_per_address)
     hosts = AllowedHosts.configured(options.host, options.hosts)
@@ -103,12 +121,15 @@ def _run(options: argparse.Namespace) -> int:
             hosts=hosts,
             artifacts=store,
             access=Access(keys, asking),
+            max_streams=options.max_streams,
         )
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
         host = f"[{host}]" if ":" in host else host
         address = f"http://{host}:{listener.getsockname()[1]}"
         pages = [f"{address}/view/{scene}" for scene in scenes] or [f"{address}/"]
-        server = HttpServer(app, limits=limits, on_ready=lambda: print(*pages, sep="\n", flush=True))
+        server = HttpServer(
+            app, limits=limits, drain=options.drain, on_ready=lambda: print(*pages, sep="\n", flush=True)
+        )
         # Uvicorn handles the signals while it serves, and raises them again after its shutdown.
         signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
         with WorkerProcesses(home, options.workers):

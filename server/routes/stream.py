@@ -40,7 +40,11 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
     try:
         with service.watchers.join(scene_id) as gone:  # before the look: what is deleted after it is told
             scene = await run_in_threadpool(service.catalogue.scene, scene_id)
-            await _converse(socket, StreamSession(scene), service.chunks, gone)
+            session = StreamSession(scene)
+            try:
+                await _converse(socket, session, service.chunks, gone)
+            finally:
+                service.metrics.stream_waits.inc(session.waits)
     except WebSocketDisconnect:
         return
     except ProtocolError as error:

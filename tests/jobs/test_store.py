@@ -56,6 +56,12 @@ def add(engine: sa.Engine, table: JobTable, job_id: str, state: JobState) -> Non
         table.insert(connection, Job(id=job_id, title="", capture="", config={}, state=state))
 
 
+def test_jobs_are_counted_by_state(engine: sa.Engine, table: JobTable) -> None:
+    for name in ("running", "second"):
+        add(engine, table, name, JobState.RUNNING)
+    assert table.counts() == {"queued": 1, "running": 2, "succeeded": 0, "failed": 0, "cancelled": 0}
+
+
 def test_a_waiting_job_has_those_ahead_that_were_queued_before_it(engine: sa.Engine, table: JobTable) -> None:
     add(engine, table, "running", JobState.RUNNING)
     for job_id in ("b", "c"):

@@ -126,6 +126,11 @@ class FakeJobs:
             raise JobConflictError(f"job {job_id} is {job.state.value}")
         del self.jobs[job_id]
 
+    def counts(self) -> dict[str, int]:
+        if self.refuse is not None:
+            raise self.refuse
+        return {state.value: sum(job.state is state for job in self.jobs.values()) for state in JobState}
+
     def ahead_of(self, job: Job) -> int:
         return sum(other.state is JobState.QUEUED and other.id < job.id for other in self.jobs.values())
 

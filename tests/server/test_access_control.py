@@ -78,7 +78,7 @@ def routes(routes: list[BaseRoute]) -> Iterator[tuple[str, str]]:
             yield from globals()["routes"](nested)
 
 
-PUBLIC = {"/v1/health", "/v1/session", "/studio"}  # the last is a file of the viewer
+PUBLIC = {"/v1/health", "/healthz", "/readyz", "/v1/session", "/studio"}  # the last is a file of the viewer
 
 
 def test_no_route_answers_without_a_key_but_health_the_session_and_the_viewers_files(guarded: Server) -> None:

@@ -11,7 +11,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -137,3 +137,14 @@ def test_a_server_that_others_can_reach_needs_keys_or_to_be_called_open(tmp_path
     with serving(home, *everywhere, HGS_OPEN="") as (_, page):
         assert httpx.get(f"{page}v1/scenes").status_code == 401
         assert httpx.get(f"{page}v1/scenes", headers=bearer).status_code == 200
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        (["--max-streams", "0"], "--max-streams: 0 is too few"),
+        (["--drain", "1e9"], "is no number of seconds; give 0 to 300"),
+    ],
+)
+def test_bad_limits_are_refused(refused: Callable[..., str], options: list[str], problem: str) -> None:
+    assert problem in refused("serve", "--port", 0, *options)
