@@ -75,6 +75,10 @@ ROWS: Mapping[str, Row] = {
             {"train.density.birth_rounds": 0},
         ),
         Row(
+            "no-opacity-penalty", "Does a steady pull of all opacities towards transparency help?",
+            {"train.density.static_opacity_penalty": 0.0, "train.density.dynamic_opacity_penalty": 0.0},
+        ),
+        Row(
             "no-infill", "Do statics that are added where still pixels stay wrong help?",
             {"train.density.infill": 0.0},
         ),

@@ -58,12 +58,28 @@ class TrainState:
         self.static, self.dynamic = static, dynamic
         self.statistics = ScreenStatistics.zeros(len(static) + len(dynamic))
 
+    def move_static(self, rates: Mapping[str, float | Tensor], seen: ScreenStatistics, opacity_penalty: float) -> None:
+        """Step the statics by their gradients, and all of their opacities down; count what was seen.
+
+        The penalty is a share of an opacity's step, towards transparency. What pictures ask for comes back; what none
+        or few of them do is gone in the end.
+        """
+        self.statistics.add(seen, slice(0, len(self.static)))
+        self.static_optimiser.step(self.static, rates)
+        self.static.opacity_logits.sub_(opacity_penalty * rates["opacity_logits"])
+
     def move_dynamic(
-        self, living: DynamicSplats[Tensor], rows: Tensor, rates: Mapping[str, float | Tensor], seen: ScreenStatistics
+        self,
+        living: DynamicSplats[Tensor],
+        rows: Tensor,
+        rates: Mapping[str, float | Tensor],
+        seen: ScreenStatistics,
+        opacity_penalty: float,
     ) -> None:
-        """Step the dynamics `rows` [R] by the gradients of `living`, which are these, and count what was seen."""
+        """Step the dynamics `rows` [R] by the gradients of `living`, which are these, as `move_static` does."""
         self.statistics.add(seen, len(self.static) + rows.cpu().numpy())
         self.dynamic_optimiser.step(self.dynamic, rates, living, rows)
+        self.dynamic.opacity_logits[rows] -= opacity_penalty * rates["opacity_logits"]
 
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""

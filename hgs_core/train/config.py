@@ -28,6 +28,8 @@ class DensityConfig:
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # remove splats of less blending weight in every training pixel; 0: none
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
+    static_opacity_penalty: float = 0.1  # share of an opacity's step by which every static fades in a step; 0: none
+    dynamic_opacity_penalty: float = 0.02  # the same, of the dynamics that live then
     infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
 
     def __post_init__(self) -> None:
@@ -50,6 +52,8 @@ _DENSITY: dict[str, Range] = {
     "clone_scale": (0.0, 1e3),  # a splat of many times the scene's extent: none is split
     "prune_opacity": _SHARE,
     "prune_contribution": _SHARE,
+    "static_opacity_penalty": _SHARE,
+    "dynamic_opacity_penalty": _SHARE,
     "infill": _SHARE,
 }
 

@@ -183,11 +183,12 @@ class Trainer:
             )  # fmt: skip
         with timed("optimiser"):
             if stage in ("static", "all"):
-                state.statistics.add(seen.rows(slice(0, len(static))), slice(0, len(static)))
-                state.static_optimiser.step(state.static, self.schedule.static_rates(iteration))
+                rates = self.schedule.static_rates(iteration)
+                state.move_static(rates, seen.rows(slice(0, len(static))), config.density.static_opacity_penalty)
             if stage in ("dynamic", "all"):
                 rates = self.schedule.dynamic_rates(iteration, dynamic)
-                state.move_dynamic(dynamic, rows, rates, seen.rows(slice(len(static), None)))
+                seen = seen.rows(slice(len(static), None))
+                state.move_dynamic(dynamic, rows, rates, seen, config.density.dynamic_opacity_penalty)
             if step.colour_gradient is not None and stage != "dynamic" and self.statics_learn:
                 assert state.correction is not None
                 state.correction.step(view.place, step.colour_gradient, config.learning_rates.colour_correction)

@@ -63,5 +63,6 @@ class MovingSteps:
         picture.backward(loss_gradient(picture.detach(), view.target, affine, moving, self.config.dssim))  # type: ignore[no-untyped-call]
         living.map(lambda array: array.requires_grad_(False))
         rates = context.schedule.dynamic_rates(context.iteration, living)
-        state.move_dynamic(living, rows, rates, seen.rows(slice(len(state.static), None)))
+        seen = seen.rows(slice(len(state.static), None))
+        state.move_dynamic(living, rows, rates, seen, self.config.density.dynamic_opacity_penalty)
         state.dynamic.rgb.clamp_(0, 1)

@@ -100,10 +100,21 @@ def test_moving_dynamics_changes_their_rows_alone(state: TrainState) -> None:
     seen = ScreenStatistics.zeros(2)
     seen.count[:] = [5, 6]
     counted = state.statistics.count.copy()
-    state.move_dynamic(living, rows, {name: 0.01 for name, _ in living.items()}, seen)
+    opacities = state.dynamic.opacity_logits.clone()
+    state.move_dynamic(living, rows, {name: 0.01 for name, _ in living.items()}, seen, 0.5)
     moved = (state.dynamic.rgb != before).any(1)
     assert moved.tolist() == [False, True, False, True]
     assert (state.statistics.count - counted).tolist() == [0] * 7 + [0, 5, 0, 6]
+    faded = opacities - state.dynamic.opacity_logits
+    assert faded.tolist() == pytest.approx([0, 0.005, 0, 0.005], abs=1e-6)
+
+
+def test_moving_statics_fades_those_that_no_picture_shows_too(state: TrainState) -> None:
+    before = state.static.map(torch.clone)
+    state.static.rgb.grad = torch.ones_like(state.static.rgb)
+    state.move_static(dict.fromkeys(("rgb", "opacity_logits"), 0.01), ScreenStatistics.zeros(len(before)), 0.5)
+    assert (state.static.rgb < before.rgb).all()
+    assert (before.opacity_logits - state.static.opacity_logits).tolist() == pytest.approx([0.005] * 7, abs=1e-6)
 
 
 def test_other_splats_begin_with_statistics_of_their_own(state: TrainState) -> None:

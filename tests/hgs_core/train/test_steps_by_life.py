@@ -120,9 +120,8 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
         torch.tensor(r.uniform(-0.5, 0.5, (8, 3)), dtype=torch.float32), torch.full((8, 3), -1.5),
         torch.tensor([[1.0, 0, 0, 0]]).repeat(8, 1), torch.zeros(8), torch.full((8, 3), 0.5),
     )  # fmt: skip
-    config = TrainConfig(
-        iterations=1, coarse_until=0.0, steps_by_life=by_life, density=DensityConfig(prune_contribution=0.0)
-    )
+    density = DensityConfig(prune_contribution=0.0, static_opacity_penalty=0.0, dynamic_opacity_penalty=0.0)
+    config = TrainConfig(iterations=1, coarse_until=0.0, steps_by_life=by_life, density=density)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     before = static.opacity_logits.clone(), dynamic.opacity_logits.clone()
     training = Trainer(
