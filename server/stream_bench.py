@@ -9,7 +9,7 @@ import json
 import random
 import tempfile
 import time
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Collection, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -117,15 +117,28 @@ class _OneScene:
     def manifest(self, scene_id: str) -> bytes | None:
         return self._scene.document if scene_id == "bench" else None
 
+    def title(self, scene_id: str) -> str | None:
+        return None
+
+    def thumbnail(self, scene_id: str) -> bytes | None:
+        return None
+
     def chunk(self, chunk_id: str) -> bytes | None:
         return self._scene.chunks.get(chunk_id)
 
 
+class _NoJobs:
+    """A queue that has never had a job."""
+
+    def many(self, job_ids: Collection[str]) -> dict[str, Any]:
+        return {}
+
+
 @asynccontextmanager
 async def serving(scene: BenchScene) -> AsyncIterator[int]:
-    """Serve a scene as `bench` in this process; gives the port."""
+    """Serve a scene as `bench` in this process, with the pages; gives the port."""
     with tempfile.TemporaryDirectory() as home, contextlib.closing(bind("127.0.0.1", 0)) as listener:
-        store, nothing = cast(Artifacts, _OneScene(scene)), cast(Jobs, object())
+        store, nothing = cast(Artifacts, _OneScene(scene)), cast(Jobs, _NoJobs())
         ready = asyncio.Event()
         app = create_app(Home(Path(home), "", ""), job_client=nothing, artifacts=store)
         app.router.lifespan_context = _no_lifespan
