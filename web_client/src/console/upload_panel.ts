@@ -31,6 +31,7 @@ const SAID: Readonly<Record<TransferState, string>> = {
 };
 
 const LINE: Line = {
+  uploads: async (signal) => (await uploads.listUploads(signal)).uploads,
   begin: uploads.beginUpload,
   files: uploads.listRemoteFiles,
   announce: uploads.announceFile,

@@ -12,6 +12,8 @@ const MAY_PASS = new Set([0, 408, 429, 502, 503, 504]); // statuses that another
 
 /** The requests of docs/upload.md, as protocol/uploads.ts makes them. */
 export interface Line {
+  /** All uploads that the server knows of. */
+  uploads(signal: AbortSignal): Promise<readonly Upload[]>;
   begin(announced: Announcement, signal: AbortSignal): Promise<{ upload: Upload; resumed: boolean }>;
   files(id: string, signal: AbortSignal): Promise<readonly RemoteFile[]>;
   announce(
@@ -98,6 +100,11 @@ export class Transfer {
   async #send(signal: AbortSignal): Promise<void> {
     const { name, files } = this.chosen;
     const announced = { name, files: files.length, bytes: this.total, key: uploadKey(files) };
+    const there = await this.#present(announced, signal);
+    if (there) {
+      this.upload = there;
+      return;
+    }
     const { upload, resumed } = await this.#patiently(() => this.line.begin(announced, signal), signal);
     this.upload = upload;
     const listed = resumed ? await this.#patiently(() => this.line.files(upload.id, signal), signal) : [];
@@ -113,6 +120,29 @@ export class Transfer {
     await Promise.all(Array.from({ length: AT_ONCE }, sendNext));
     this.#set("finishing");
     this.upload = await this.#patiently(() => this.line.finish(upload.id, signal), signal);
+  }
+
+  /** The upload that has become a capture of the same content before, if there is one. */
+  async #present({ name, files, bytes }: Announcement, signal: AbortSignal): Promise<Upload | null> {
+    const all = await this.#patiently(() => this.line.uploads(signal), signal);
+    const alike = all.filter((one) => one.capture && one.name === name && one.files === files && one.bytes === bytes);
+    for (const upload of alike) {
+      const listed = await this.#patiently(() => this.line.files(upload.id, signal), signal);
+      if (await this.#same(new Map(listed.map((file) => [file.path, file])), signal)) return upload;
+    }
+    return null;
+  }
+
+  async #same(known: ReadonlyMap<string, RemoteFile>, signal: AbortSignal): Promise<boolean> {
+    for (const [place, sent] of this.files.entries()) {
+      const other = known.get(sent.path);
+      if (other?.offset !== sent.size) return false;
+      const sha256 =
+        this.#hashes.get(sent) ?? (await this.#read(sent.path, this.chosen.files[place].file, sent, signal));
+      if (other.sha256 !== sha256) return false;
+      sent.state = "waiting";
+    }
+    return true;
   }
 
   async #sendFile(

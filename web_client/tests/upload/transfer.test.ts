@@ -1,6 +1,7 @@
 import { createHash } from "node:crypto";
 import { beforeEach, describe, expect, it } from "vitest";
 import { ApiError } from "../../src/protocol/http";
+import type { Upload } from "../../src/protocol/uploads";
 import { arranged } from "../../src/upload/chosen_files";
 import { type Line, Transfer } from "../../src/upload/transfer";
 
@@ -37,6 +38,11 @@ class FakeServer implements Line {
     expires: 1,
   } as const;
 
+  finished: Upload[] = [];
+  async uploads(signal: AbortSignal) {
+    this.#ask("uploads", signal);
+    return this.finished;
+  }
   async begin(_: unknown, signal: AbortSignal) {
     this.#ask("begin", signal);
     return { upload: { ...this.#upload, capture: null }, resumed: this.begun++ > 0 };
@@ -84,6 +90,8 @@ class FakeServer implements Line {
   }
   async finish(_: string, signal: AbortSignal) {
     this.#ask("finish", signal);
+    const capture = "/captures/studio";
+    this.finished = [{ ...this.#upload, bytes: LARGE + 5, state: "finished", capture }];
     return { ...this.#upload, state: "finished", capture: "/captures/studio" } as const;
   }
   async wait(seconds: number) {
@@ -181,6 +189,23 @@ describe("a transfer", () => {
     );
     await wrong.run();
     expect([wrong.state, wrong.problem]).toEqual(["failed", "changed"]);
+  });
+
+  it("sends nothing of what is a capture already, and all of what only looks like it", async () => {
+    await transferTo(server).run();
+    server.requests.length = 0;
+    const again = transferTo(server);
+    await again.run();
+    expect([again.state, again.upload?.capture]).toEqual(["done", "/captures/studio"]);
+    expect(server.requests).toEqual(["uploads", "files"]);
+    const other = new Transfer(
+      chosen,
+      server,
+      async (file) => (await hashOf(file)).replace(/^./, "g"),
+      () => {},
+    );
+    await other.run();
+    expect(server.requests).toContain("begin");
   });
 
   it("says which file cannot be read", async () => {
