@@ -69,6 +69,11 @@ export class Transfer {
     this.total = this.files.reduce((sum, { size }) => sum + size, 0);
   }
 
+  /** Whether nothing is sent yet because files are read for their hashes. */
+  get reading(): boolean {
+    return this.files.some(({ state }) => state === "reading") && !this.files.some(({ state }) => state === "sending");
+  }
+
   get sent(): number {
     return this.files.reduce((sum, { sent }) => sum + sent, 0);
   }

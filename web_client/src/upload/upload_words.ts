@@ -14,12 +14,13 @@ export function describeRest(bytes: number, perSecond: number | null): string {
 
 /** "1.2 GB of 2.0 GB · 34 MB/s · about 3 min left". */
 export function describeTransfer(
-  { state, sent, total, problem }: Pick<Transfer, "state" | "sent" | "total" | "problem">,
+  { state, reading, sent, total, problem }: Pick<Transfer, "state" | "reading" | "sent" | "total" | "problem">,
   perSecond: number | null,
 ): string {
   const amount = `${formatBytes(sent)} of ${formatBytes(total)}`;
   switch (state) {
     case "sending": {
+      if (reading) return `Reading the files · ${amount}`;
       const parts = [amount];
       if (perSecond !== null) parts.push(`${formatBytes(perSecond)}/s`, describeRest(total - sent, perSecond));
       return parts.join(" · ");

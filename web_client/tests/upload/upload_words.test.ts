@@ -10,11 +10,12 @@ it.each([
   expect(describeRest(bytes, speed)).toBe(words);
 });
 
-const transfer = { state: "sending", sent: 5e8, total: 2e9, problem: "" } as const;
+const transfer = { state: "sending", reading: false, sent: 5e8, total: 2e9, problem: "" } as const;
 
 it.each([
   [transfer, null, "500 MB of 2.0 GB"],
   [transfer, 5e6, "500 MB of 2.0 GB · 5.0 MB/s · about 5 min left"],
+  [{ ...transfer, reading: true }, null, "Reading the files · 500 MB of 2.0 GB"],
   [{ ...transfer, state: "paused" } as const, null, "Paused · 500 MB of 2.0 GB"],
   [
     { ...transfer, state: "waiting", problem: "The server cannot be reached." } as const,
