@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.base.errors import InputError
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["SOUND_RATE", "read_sound"]
 
@@ -47,10 +47,7 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
                 if samples > (_LONGEST + max(0.0, begin - first)) * SOUND_RATE:
                     break
     except (av.FFmpegError, OSError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            path, f"the sound is unreadable ({reason})", "export it again, or use --sync motion"
-        ) from error
+        raise unreadable(path, error, "export it again, or use --sync motion", "the sound is unreadable") from error
     if first is None or samples == 0:
         return None
     sound = np.concatenate(parts)

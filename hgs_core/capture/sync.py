@@ -28,6 +28,7 @@ import numpy as np
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.clock import CameraTime
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = [
     "SYNC_FILE",
@@ -73,7 +74,7 @@ def read_sync(capture: Path) -> Sync:
     try:
         content: Any = json.loads(file.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(file, f"unreadable ({error})", cure) from error
+        raise unreadable(file, error, cure) from error
     if not isinstance(content, dict) or not content or set(content) - _KEYS:
         raise InputError(file, f"has {list(content) if isinstance(content, dict) else content!r}", cure)
     if "seconds" in content and "frames" in content:
@@ -182,7 +183,7 @@ def _by_table(cameras: Sequence[OwnTime], table: Path) -> list[CameraTime]:
     except (OSError, UnicodeDecodeError, csv.Error, TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(table, f"unreadable ({error})", "remove it to go by the videos' own time stamps") from error
+        raise unreadable(table, error, "remove it to go by the videos' own time stamps") from error
     numbers = {_number(name): name for name in times}
     found = []
     for camera in cameras:

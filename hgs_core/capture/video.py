@@ -14,6 +14,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.display_matrix import quarter_turns
+from hgs_core.capture.unreadable import unreadable
 from hgs_core.capture.wide_colours import wide_colours_of
 
 if TYPE_CHECKING:
@@ -37,8 +38,7 @@ def announced_length(path: Path) -> tuple[int | None, float | None]:
             stream = container.streams.video[0]
             return stream.frames or None, float(stream.average_rate or 0) or None
     except (av.FFmpegError, OSError) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(path, f"the video is unreadable ({reason})", "copy or export it again") from error
+        raise unreadable(path, error, "copy or export it again", "the video is unreadable") from error
 
 
 class VideoReader:
@@ -237,5 +237,4 @@ class VideoReader:
 
     def _unreadable(self, error: Exception, index: int | None = None) -> InputError:
         what = "the video" if index is None else f"frame {index}"
-        reason = getattr(error, "strerror", None) or error
-        return InputError(self.path, f"{what} is unreadable ({reason})", "copy or export the camera's video again")
+        return unreadable(self.path, error, "copy or export the camera's video again", f"{what} is unreadable")

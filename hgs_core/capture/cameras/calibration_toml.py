@@ -15,6 +15,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
 from hgs_core.capture.lens import opencv_lens
 from hgs_core.capture.picture import list_folder, list_folders
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["CALIBRATION_TOML", "OPENCV_CENTRE"]
 
@@ -29,7 +30,7 @@ def _read(capture: Path, file: Path) -> Rig:
     try:
         content = tomllib.loads(file.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(file, f"unreadable ({error})", "restore the file from its source") from error
+        raise unreadable(file, error, "restore the file from its source") from error
     tables = content.get("cameras", content)
     cameras = {name: table for name, table in tables.items() if isinstance(table, dict) and "matrix" in table}
     used = {name: table for name, table in cameras.items() if table.get("ignore") is not True}

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.colmap_lens import COLMAP_MODELS
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["ColmapCamera", "ColmapImage", "model_files", "read_model"]
 
@@ -73,7 +74,7 @@ def _checked(file: Path, read):  # type: ignore[no-untyped-def]
     except (OSError, struct.error, ValueError, IndexError, KeyError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(file, f"unreadable ({error})", "export the model again") from error
+        raise unreadable(file, error, "export the model again") from error
 
 
 def _binary_cameras(file: Path) -> dict[int, ColmapCamera]:

@@ -14,6 +14,7 @@ from typing import Any
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
 from hgs_core.capture.lens import Polynomial
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["IMMERSIVE", "MODELS_FILE"]
 
@@ -24,7 +25,7 @@ def _read(capture: Path, file: Path) -> Rig:
     try:
         models: Any = json.loads(file.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(file, f"unreadable ({error})", "restore the file from its source") from error
+        raise unreadable(file, error, "restore the file from its source") from error
     if not isinstance(models, list) or not models or not all(isinstance(model, dict) for model in models):
         raise InputError(file, "is not a list of cameras", "restore the file from its source")
     return Rig((file,), [_camera(model, f"{file}, camera {number}") for number, model in enumerate(models)])

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["LLFF", "POSES_FILE", "camera_of_row"]
 
@@ -44,7 +45,7 @@ def _read(capture: Path, file: Path) -> Rig:
     try:
         rows = np.asarray(np.load(file, allow_pickle=False), np.float64)
     except (OSError, ValueError, EOFError) as error:
-        raise InputError(file, f"unreadable ({error})", "restore the file from its source") from error
+        raise unreadable(file, error, "restore the file from its source") from error
     if rows.ndim != 2 or rows.shape[1] != 17:
         raise InputError(file, f"the array is {rows.shape}", "LLFF writes one row of 17 values per camera")
     return Rig((file,), [camera_of_row(row, f"{file}, row {number}") for number, row in enumerate(rows)])

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["OpenCvYaml", "is_opencv_yaml"]
 
@@ -39,7 +40,7 @@ class OpenCvYaml:
         try:
             text = file.read_text("utf-8")
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(file, f"unreadable ({error})", "restore the file from its source") from error
+            raise unreadable(file, error, "restore the file from its source") from error
         self._blocks: dict[str, str] = {}
         name = ""
         for line in text.splitlines():

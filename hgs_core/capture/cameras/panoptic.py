@@ -16,6 +16,7 @@ import numpy as np
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["META_FILE", "PANOPTIC_SPORTS"]
 
@@ -38,7 +39,7 @@ def _read_meta(path: Path) -> dict[str, Any]:
     try:
         meta: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(path, f"unreadable ({error})", "restore the file from its source") from error
+        raise unreadable(path, error, "restore the file from its source") from error
     if not isinstance(meta, dict):
         raise InputError(path, f"holds a {type(meta).__name__}, not an object", "restore the file from its source")
     missing = [name for name in ("w", "h", *_FIELDS) if name not in meta]

@@ -23,6 +23,7 @@ from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
 from hgs_core.capture.cameras.transforms_frame import camera_of_frame, number_of
 from hgs_core.capture.footage import is_picture, is_video, natural_order
 from hgs_core.capture.picture import list_folder, picture_size
+from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["NERFSTUDIO", "TRANSFORMS_FILE"]
 
@@ -163,7 +164,7 @@ def _frames(capture: Path, file: Path) -> list[_Frame]:
     try:
         meta: Any = json.loads(file.read_text("utf-8"))
     except (OSError, ValueError) as error:
-        raise InputError(file, f"unreadable ({error})", "restore the file from its source") from error
+        raise unreadable(file, error, "restore the file from its source") from error
     frames = meta.get("frames") if isinstance(meta, dict) else None
     one_file = file.name == TRANSFORMS_FILE
     if not isinstance(frames, list) or (one_file and not frames) or not all(isinstance(f, dict) for f in frames):
