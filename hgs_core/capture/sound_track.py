@@ -9,12 +9,23 @@ import numpy.typing as npt
 
 from hgs_core.capture.unreadable import unreadable
 
-__all__ = ["SOUND_RATE", "read_sound"]
+__all__ = ["SOUND_RATE", "has_sound", "read_sound"]
 
 SOUND_RATE = 16_000
 """Samples per second: claps and voices lie below 8 kHz."""
 
 _LONGEST = 120.0  # seconds that are read: clocks of two phones drift by a few milliseconds over more
+
+
+def has_sound(path: Path) -> bool:
+    """Return whether a video has a sound track, as far as it can be read."""
+    import av
+
+    try:
+        with av.open(str(path)) as container:
+            return bool(container.streams.audio)
+    except (av.FFmpegError, OSError):
+        return False
 
 
 def read_sound(path: Path) -> npt.NDArray[np.float32] | None:

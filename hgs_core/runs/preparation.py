@@ -16,6 +16,7 @@ from hgs_core.calibrate.find_cameras import COLMAP_FOLDER, find_cameras
 from hgs_core.calibrate.uncalibrated import find_videos, has_poses
 from hgs_core.capture.layout import clock_of_videos
 from hgs_core.capture.open import open_capture
+from hgs_core.capture.sound_track import has_sound
 from hgs_core.capture.sync import SYNC_FILE
 from hgs_core.capture.video import VideoReader
 from hgs_core.check.starts import Starts, starts_by_energy, starts_by_motion, starts_by_sound
@@ -80,11 +81,7 @@ def _of_posed(spec: RunSpec, found: Path | None, by: str, progress: ProgressCall
         return starts_by_motion(capture, progress)
     rough = starts_by_energy(names, capture.frame, frames, progress)
     if rough is None:
-        if frames >= FEWEST_FRAMES:
-            log.warning(
-                "%s: nothing tells whether the videos are in step, and they are taken to be; hgs sync looks closer",
-                spec.capture,
-            )
+        _say_unsure(spec.capture, frames)
         return None
     if rough.apart <= 2 * _IN_STEP:
         return None
@@ -115,18 +112,31 @@ def _of_unposed(folder: Path, found: Path | None, by: str, progress: ProgressCal
         raise InputError(
             folder, problem, f"write the offsets to {SYNC_FILE} by hand (docs/captures.md), or --sync none"
         )
-    return rough if rough is not None and (by == "motion" or rough.apart > 2 * _IN_STEP) else None
+    if rough is None:
+        _say_unsure(folder, len(clock.times))
+        return None
+    return rough if by == "motion" or rough.apart > 2 * _IN_STEP else None
+
+
+def _say_unsure(where: Path, frames: int) -> None:
+    """Say that nothing tells whether videos are in step; not of a few frames, of which nothing could."""
+    if frames >= FEWEST_FRAMES:
+        log.warning(
+            "%s: nothing tells whether the videos are in step, and they are taken to be; hgs sync looks closer", where
+        )
 
 
 def _by_sound(where: Path, names: list[str], videos: list[Path], by: str, progress: ProgressCallback) -> Starts | None:
     """Return what the sound tells; where it was not asked for, None unless it tells clearly that they began apart."""
+    if by == "auto" and not any(has_sound(video) for video in videos):
+        return None
     try:
         starts = starts_by_sound(where, names, videos, progress)
         return starts if by == "audio" or starts.apart > _SOUND_IN_STEP else None
     except InputError as error:
         if by == "audio":
             raise
-        log.info("%s: the sound does not synchronise the videos: %s", where, error.problem)
+        log.warning("%s: %s; what moves is asked", where, error.problem)
         return None
 
 

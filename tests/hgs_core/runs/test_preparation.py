@@ -128,3 +128,25 @@ def test_two_videos_without_poses_are_refused_at_once(folder: Path, tmp_path: Pa
     with pytest.raises(InputError, match="no file of the cameras' poses"):
         create_run(tmp_path / "run", folder, CONFIG)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_sound_that_does_not_tell_of_every_camera_is_said(
+    folder: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.WARNING)
+    write_sounding_video(folder / "c.mkv", 20, None)
+    create_run(tmp_path / "run", folder, CONFIG)
+    prepare(tmp_path / "run", silent)
+    assert "there is no sound track in the video of c; what moves is asked" in caplog.text
+    assert not (folder / "sync.json").exists()
+
+
+def test_videos_that_nothing_puts_in_step_are_taken_to_be_so_and_that_is_said(
+    folder: Path, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    for seed, name in enumerate(NAMES):
+        write_sounding_video(folder / f"{name}.mkv", 30, None, seed=seed)
+    create_run(tmp_path / "run", folder, CONFIG)
+    prepare(tmp_path / "run", silent)
+    assert "nothing tells whether the videos are in step" in caplog.text
+    assert "no sound track" not in caplog.text
