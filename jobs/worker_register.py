@@ -1,5 +1,6 @@
 """The workers that there are, and what each does: for people to look at, not for the queue to decide by.
 
+`python -m jobs.worker_register` is the health check of a container: is there a worker on this host that speaks?
 Whether a worker is dead is told by its lock (`jobs.liveness`).
 """
 
@@ -7,14 +8,17 @@ from __future__ import annotations
 
 import os
 import socket
+import sys
 import time
 from dataclasses import dataclass
 
 import sqlalchemy as sa
 
+from jobs.database import create_engine
+from jobs.home import Home
 from jobs.job_schema import worker_rows
 
-__all__ = ["Worker", "WorkerRegister", "list_workers"]
+__all__ = ["Worker", "WorkerRegister", "list_workers", "main"]
 
 INTERVAL = 10.0  # seconds between two words of a worker with nothing new to say
 SILENCE = 60.0  # seconds without a word after which a worker is not counted
@@ -74,3 +78,15 @@ def list_workers(engine: sa.Engine) -> list[Worker]:
     with engine.connect() as connection:
         rows = connection.execute(query.order_by(worker_rows.c.host, worker_rows.c.started, worker_rows.c.id))
         return [Worker(**row._mapping) for row in rows]
+
+
+def main() -> None:
+    """End with status 0 if a worker on this host has spoken within the last minute, else with one line and 1."""
+    host = socket.gethostname()
+    engine = create_engine(Home.from_environment())
+    if not any(worker.host == host for worker in list_workers(engine)):
+        sys.exit(f"no worker on {host} has spoken within {SILENCE:g} s")
+
+
+if __name__ == "__main__":
+    main()

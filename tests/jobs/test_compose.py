@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 import socket
+import subprocess
 import urllib.request
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -11,8 +13,10 @@ from typing import Any
 
 import pytest
 import sqlalchemy as sa
-from composition import DATABASE, Composition
+import yaml
+from composition import DATABASE, FILE, SECRETS, Composition, substituted
 from postgres_server import PostgresServer
+from s3_server import S3Server, missing_program
 
 Poll = Callable[[Callable[[], bool], str], None]
 
@@ -26,8 +30,20 @@ def port() -> int:
 
 
 @pytest.fixture
-def composition(tcp_server: PostgresServer, tmp_path: Path, port: int) -> Iterator[Composition]:
-    composition = Composition(tmp_path, ("127.0.0.1", tcp_server.port), port, {})
+def store() -> Iterator[str]:
+    """An S3 server with the bucket that the file names; returns its address."""
+    if missing := missing_program():
+        pytest.skip(missing)
+    server = S3Server()
+    server.start()
+    urllib.request.urlopen(urllib.request.Request(f"{server.address}/hgs", method="PUT")).close()
+    yield server.address
+    server.stop()
+
+
+@pytest.fixture
+def composition(tcp_server: PostgresServer, tmp_path: Path, port: int, store: str) -> Iterator[Composition]:
+    composition = Composition(tmp_path, ("127.0.0.1", tcp_server.port), port, store)
     composition.captures.mkdir()
     user = composition.services[DATABASE]["environment"]
     assert user["POSTGRES_USER"] == "hgs"  # that of the test's server, which believes every password
@@ -46,20 +62,94 @@ def ask(port: int, path: str, body: dict[str, Any] | None = None) -> Any:
         return json.load(answer)
 
 
-def test_everything_that_the_file_starts_is_started_here(composition: Composition) -> None:
-    assert set(composition.services) == {"api", "worker", DATABASE}
-    for service in ("api", "worker"):
-        assert composition.services[service]["depends_on"] == {DATABASE: {"condition": "service_healthy"}}
-        assert composition.services[service]["restart"] == "unless-stopped"
-        environment = composition.environment(service)
-        assert environment["HGS_HOME"].startswith(str(composition.captures.parent))
-        assert environment["HGS_CAPTURES"] == str(composition.captures)
-        url = sa.make_url(composition.services[service]["environment"]["HGS_DATABASE_URL"])
-        database = composition.services[DATABASE]["environment"]
-        assert (url.username, url.password, url.database) == (
-            database["POSTGRES_USER"], database["POSTGRES_PASSWORD"], database["POSTGRES_DB"],
-        )  # fmt: skip
-    assert composition.services["api"]["environment"] == composition.services["worker"]["environment"]
+def services(**variables: str) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = yaml.safe_load(substituted(FILE.read_text(), {**SECRETS, **variables}))[
+        "services"
+    ]
+    return found
+
+
+OURS = ("api", "worker", "worker-gpu", "gc")
+
+
+def test_our_services_agree_with_each_other_and_with_the_others() -> None:
+    found = services()
+    assert set(found) == {*OURS, DATABASE, "store", "bucket"}
+    for service in OURS:
+        assert found[service]["environment"] == found["api"]["environment"]
+        assert found[service]["volumes"] == found["api"]["volumes"]
+        assert found[service]["restart"] == "unless-stopped"
+        assert found[service]["depends_on"] == {
+            DATABASE: {"condition": "service_healthy"}, "bucket": {"condition": "service_completed_successfully"},
+        }  # fmt: skip
+    environment, database = found["api"]["environment"], found[DATABASE]["environment"]
+    url = sa.make_url(environment["HGS_DATABASE_URL"])
+    assert (url.username, url.password, url.database) == (
+        database["POSTGRES_USER"], database["POSTGRES_PASSWORD"], database["POSTGRES_DB"],
+    )  # fmt: skip
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        assert environment[name] == found["store"]["environment"][name]
+    assert environment["HGS_STORE_URL"].startswith("s3://hgs/")
+    assert "s3.bucket.create -name hgs" in found["bucket"]["command"][0]
+
+
+@pytest.mark.parametrize("name", sorted(SECRETS))
+def test_no_secret_has_a_default(name: str) -> None:
+    with pytest.raises(KeyError, match=name):
+        services(**{name: ""})
+
+
+def test_nothing_listens_to_other_machines_unless_that_is_asked_for() -> None:
+    for service in services().values():
+        assert all(port.startswith("127.0.0.1:") for port in service.get("ports", ()))
+    ports = services(HGS_PRIVATE_ADDRESS="10.0.0.1")[DATABASE]["ports"]
+    assert ports == ["10.0.0.1:5432:5432"]
+
+
+def test_logs_do_not_grow_without_end() -> None:
+    for service in services().values():
+        assert service["logging"] == {"driver": "json-file", "options": {"max-size": "10m", "max-file": "5"}}
+
+
+def test_a_gpu_is_asked_for_by_its_profile_alone() -> None:
+    found = services(HGS_GPU="1")
+    assert [name for name in found if "profiles" in found[name] or "deploy" in found[name]] == ["worker-gpu"]
+    assert found["worker-gpu"]["profiles"] == ["gpu"]
+    (device,) = found["worker-gpu"]["deploy"]["resources"]["reservations"]["devices"]
+    assert device == {"driver": "nvidia", "device_ids": ["1"], "capabilities": ["gpu"]}
+    assert found["worker-gpu"]["build"]["args"] == {"TORCH": "cuda"}
+    assert found["worker-gpu"]["image"] != found["worker"]["image"]
+
+
+def test_torch_for_the_cpu_comes_from_its_own_index() -> None:
+    text = (FILE.parent / "Dockerfile").read_text()
+    assert "ARG TORCH=cpu" in text
+    (line,) = [line for line in text.splitlines() if line.strip().startswith("cpu)")]
+    assert "--index-url" in line
+    assert line.split("--index-url ")[1].split(";")[0].endswith("/cpu")
+
+
+PAGE = FILE.parent / "docs" / "deploy-several-machines.md"
+
+
+def test_the_page_for_several_machines_has_ten_commands_that_fit_the_file() -> None:
+    first, others = re.findall(r"```\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    commands = (*first.splitlines(), *others.splitlines())
+    assert len(first.splitlines()) + len(others.splitlines()) <= 10
+    for command in commands:
+        assert subprocess.run(["sh", "-n", "-c", command], check=False).returncode == 0
+    settings = dict(re.findall(r"(HGS_[A-Z_]+)=([^\\]+)", first.split("printf")[1].split("'")[1]))
+    assert {name for name, value in settings.items() if value == "%s"} == set(SECRETS)
+    found = services(**settings | SECRETS)
+    assert found["worker-gpu"]["environment"]["AWS_ENDPOINT"] == "http://10.0.0.1:8333"
+    assert "@10.0.0.1:5432/" in found["worker-gpu"]["environment"]["HGS_DATABASE_URL"]
+    assert found["worker-gpu"]["volumes"] == ["/srv/hgs/home:/data", "/srv/hgs/captures:/captures:ro"]
+    assert found["api"]["environment"]["HGS_OPEN"] == "0"
+    assert {*found[DATABASE]["ports"], *found["store"]["ports"]} == {"10.0.0.1:5432:5432", "10.0.0.1:8333:8333"}
+    for name in re.findall(r"HGS_[A-Z_]+(?==)", PAGE.read_text()):
+        assert name == "HGS_KEY" or f"${{{name}:" in FILE.read_text(), f"{name} is no setting of docker-compose.yml"
+    for service in re.findall(r"--scale (\w+)=|--no-deps ([\w-]+)|compose (?:run --rm|exec) (\w+)", PAGE.read_text()):
+        assert "".join(service) in found
 
 
 def test_it_becomes_healthy_and_runs_a_job(composition: Composition, port: int, wait_until: Poll) -> None:
@@ -84,3 +174,4 @@ def test_it_becomes_healthy_and_runs_a_job(composition: Composition, port: int, 
     assert (job["state"], job["error"]) == ("succeeded", None)
     assert [scene["id"] for scene in ask(port, "/v1/scenes")["scenes"]] == [job["id"]]
     assert all(process.poll() is None for process in processes)
+    wait_until(lambda: composition.healthy("worker"), "the worker's health check")

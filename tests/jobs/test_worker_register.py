@@ -3,10 +3,13 @@ from __future__ import annotations
 import os
 import time
 
+import pytest
 import sqlalchemy as sa
 
+from jobs.client import JobClient
+from jobs.home import Home
 from jobs.job_schema import worker_rows
-from jobs.worker_register import WorkerRegister, list_workers
+from jobs.worker_register import WorkerRegister, list_workers, main
 
 
 def test_a_worker_tells_what_it_does(engine: sa.Engine) -> None:
@@ -30,6 +33,18 @@ def test_a_worker_that_was_stopped_is_gone_at_once(engine: sa.Engine) -> None:
     register.tell("", "")
     register.leave()
     assert list_workers(engine) == []
+
+
+def test_the_health_check_asks_for_a_worker_on_this_host(home: Home, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in home.environment().items():
+        monkeypatch.setenv(name, value)
+    with JobClient(home) as client:
+        WorkerRegister(client._engine, "here").tell("", "")
+        main()
+        with client._engine.begin() as connection:
+            connection.execute(sa.update(worker_rows).values(host="another"))
+        with pytest.raises(SystemExit, match="has spoken"):
+            main()
 
 
 def test_one_that_died_is_not_listed_a_minute_later(engine: sa.Engine) -> None:

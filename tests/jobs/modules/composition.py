@@ -18,20 +18,22 @@ from urllib.parse import urlsplit
 import yaml
 
 FILE = Path(__file__).resolve().parents[3] / "docker-compose.yml"
-DATABASE = "postgres"  # the service that is no process of ours
+DATABASE, STORE = "postgres", "store"  # services that are no processes of ours
+SECRETS = {"HGS_DATABASE_PASSWORD": "secret-1", "HGS_STORE_SECRET": "secret-2"}
 
 
 class Composition:
     """The services of docker-compose.yml, with `folders` in the place of its volumes."""
 
-    def __init__(self, folder: Path, database: tuple[str, int], port: int, variables: Mapping[str, str]) -> None:
-        """Keep the volumes under `folder`; `database` and `port` are where Postgres and the API listen here."""
-        text = _substitute(FILE.read_text(), {"HGS_CAPTURE_FOLDER": str(folder / "captures"), **variables})
+    def __init__(self, folder: Path, database: tuple[str, int], port: int, store: str) -> None:
+        """Keep the volumes under `folder`; `database`, `port` and `store` are where the services listen here."""
+        text = substituted(FILE.read_text(), {"HGS_CAPTURE_FOLDER": str(folder / "captures"), **SECRETS})
         self.services: dict[str, dict[str, Any]] = yaml.safe_load(text)["services"]
         self.captures = folder / "captures"
         self._folder = folder
         self._database = database
         self._port = port
+        self._store = store
         self._processes: list[subprocess.Popen[bytes]] = []
 
     def start(self, service: str, **more: str) -> subprocess.Popen[bytes]:
@@ -46,10 +48,12 @@ class Composition:
         return process
 
     def healthy(self, service: str) -> bool:
-        """Run the service's health check once."""
+        """Run the service's health check once, in its environment."""
         kind, *command = self.services[service]["healthcheck"]["test"]
         assert kind == "CMD"
-        done = subprocess.run([self._outside(word) for word in command], capture_output=True, check=False)
+        environment = {**os.environ, **self.environment(service)}
+        checked = [self._outside(word) for word in command]
+        done = subprocess.run(checked, env=environment, capture_output=True, check=False)
         return done.returncode == 0
 
     def environment(self, service: str) -> dict[str, str]:
@@ -65,6 +69,8 @@ class Composition:
         assert url.hostname == DATABASE
         host, port = self._database
         environment["HGS_DATABASE_URL"] = url._replace(netloc=f"{url.username}:{url.password}@{host}:{port}").geturl()
+        assert urlsplit(environment["AWS_ENDPOINT"]).hostname == STORE
+        environment["AWS_ENDPOINT"] = self._store
         return environment
 
     def log(self) -> str:
@@ -82,6 +88,17 @@ class Composition:
         return programs.get(word, re.sub(r"\b8000\b", str(self._port), word))
 
 
-def _substitute(text: str, variables: Mapping[str, str]) -> str:
-    """Replace ${NAME:-DEFAULT} as docker compose does."""
-    return re.sub(r"\$\{(\w+):-([^}]*)\}", lambda match: variables.get(match[1]) or match[2], text)
+def substituted(text: str, variables: Mapping[str, str]) -> str:
+    """Replace ${NAME:-DEFAULT} and ${NAME:?MESSAGE} as docker compose does.
+
+    Raises:
+        KeyError: a variable without a default is missing.
+    """
+
+    def value(match: re.Match[str]) -> str:
+        given = variables.get(match[1], "")
+        if not given and match[2] == "?":
+            raise KeyError(match[1])
+        return given or match[3]
+
+    return re.sub(r"\$\{(\w+):([-?])([^}]*)\}", value, text)
