@@ -82,7 +82,8 @@ class RunConfig:
     def to_json(self) -> dict[str, Any]:
         """Return the plain form that run.json stores."""
         plain = dataclasses.asdict(self)
-        plain["capture"]["hold_out"] = list(self.capture.hold_out)
+        for name in ("hold_out", "downscale_cameras"):
+            plain["capture"][name] = list(plain["capture"][name])
         return plain
 
     @classmethod

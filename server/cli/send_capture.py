@@ -109,6 +109,10 @@ class _Sending:
             self._client.once("POST", f"{address}/files", headers=headers | {"Content-Type": _STREAM}, body=body)
         except LostConnectionError:
             return False
+        except RefusedError as error:
+            if error.code == "offset-mismatch":  # another client has sent it, or is at it
+                return False
+            raise
         self._note(file.path, file.size)
         return True
 

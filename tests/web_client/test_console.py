@@ -157,7 +157,7 @@ def test_what_the_server_refuses_stands_at_its_field(console: Console, page: Pag
     assert page.evaluate("() => document.activeElement.name") == "capture"
 
     page.get_by_role("radio", name=re.compile("^broken")).check()
-    assert capture.locator(".field-error").inner_text() == ""
+    assert capture.locator("#capture-error").inner_text() == ""
     page.get_by_role("button", name="Start").click()
     capture.get_by_text("the picture is unreadable; restore the file").wait_for()
 

@@ -70,7 +70,7 @@ def test_scenes_can_be_shown_in_a_frame_and_the_list_of_jobs_cannot(browser: Bro
         page.close()
 
 
-@pytest.mark.parametrize("path", ["/metrics", "/docs", "/assets/none.js", "/view/a/b"])
+@pytest.mark.parametrize("path", ["/docs", "/assets/none.js", "/view/a/b"])
 def test_address_of_no_page_is_said_to_be_none(browser: Browser, site: Site, path: str) -> None:
     page = browser.new_page()
     try:

@@ -115,6 +115,21 @@ def test_two_clients_that_send_the_same_both_come_to_its_end(
     assert (first / "cam00.mp4").read_bytes() == files[0].file.read_bytes()
 
 
+def test_a_small_file_that_another_client_sends_meanwhile_is_asked_after(
+    client: Direct, files: list[CaptureFile]
+) -> None:
+    class BehindAnother(Direct):
+        def once(self, method: str, path: str, **arguments: Any) -> Answer:
+            answer = super().once(method, path, **arguments)
+            if method == "POST" and path.endswith("/files") and arguments.get("body"):
+                told = {"code": "offset-mismatch", "detail": "has 100 bytes, not 0"}
+                raise RefusedError("server", Answer(409, answer.headers, told))
+            return answer
+
+    sent = Path(send_capture(BehindAnother(client.server), "studio", files, lambda done, total: None))
+    assert len((sent / "sparse" / "cameras.txt").read_bytes()) == 100
+
+
 def test_a_piece_that_never_gets_through_is_given_up_on(client: Direct, files: list[CaptureFile]) -> None:
     def lose(method: str, path: str) -> None:
         if method == "PATCH":
