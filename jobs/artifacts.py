@@ -66,17 +66,18 @@ class ArtifactStore:
     Safe to use from several threads; every method blocks for its input and output.
     """
 
-    def __init__(self, url: str, lock: Path | None = None) -> None:
+    def __init__(self, url: str, lock: Path | None = None, *, once: bool = False) -> None:
         """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows.
 
-        `lock` is a file that all who publish to an object store share (`open_store`); a folder holds its own.
+        `lock` is a file that all who publish to an object store share (`open_store`); a folder holds its own. With
+        `once`, a server that does not answer is not asked again.
         """
         self._store: ObjectStore
         if url.startswith("file://"):
             self._store = LocalStore.from_url(url, mkdir=True)
             lock = Path(url2pathname(urlsplit(url).path)) / "store.lock"
-        else:
-            self._store = from_url(url)
+        else:  # no options of the client's: they would take the place of what the environment says, all of it
+            self._store = from_url(url, retry_config={"max_retries": 0} if once else None)
         self._lock = None if lock is None else StoreLock(lock)
 
     @property

@@ -145,17 +145,21 @@ class JobClient:
         return self._known(job_id)
 
     def retry(self, job_id: str) -> Job:
-        """Queue a failed or cancelled job again; it goes on from what its run folder holds.
+        """Queue a failed or cancelled job again, or try a waiting one now; it goes on from what its run folder holds.
 
         Raises:
             KeyError: there is no such job.
             JobConflictError: the job is queued, running or succeeded.
         """
         job = self._known(job_id)
+        if job.state is JobState.WAITING:
+            self._queue.set_workflow_delay(workflow_id(job.id, job.attempt), delay_seconds=0)
+            self._table.wake(job)
+            return self._known(job_id)
         with self._engine.begin() as connection:
             if not self._table.requeue(connection, job.id, job.attempt):
                 raise JobConflictError(
-                    f"job {job_id} is {job.state.value}; only a failed or cancelled job can be retried"
+                    f"job {job_id} is {job.state.value}; only a failed, cancelled or waiting job can be retried"
                 )
             self._enqueue(connection, job, job.attempt + 1)
         return self._known(job_id)

@@ -24,6 +24,7 @@ job_rows = sa.Table(
     sa.Column("error", sa.Text, nullable=False),
     sa.Column("scene_id", sa.String(64), nullable=False),
     sa.Column("waiting", sa.Text, nullable=False, server_default=""),
+    sa.Column("cause", sa.String(16), nullable=False, server_default=""),
     sa.Column("created", sa.Float(53), nullable=False, index=True),
     sa.Column("updated", sa.Float(53), nullable=False),
     sa.Column("labels", sa.JSON, nullable=False, server_default="[]"),

@@ -9,18 +9,21 @@ from __future__ import annotations
 import logging
 import time
 from collections.abc import Collection
+from pathlib import Path
 
 from dbos import DBOS
 
 from jobs.liveness import Liveness
 from jobs.store import JobTable
 from jobs.subprocesses import StageRunner
+from jobs.surroundings import Cause, Surroundings
 from jobs.training_queue import TRAINING_QUEUE, workflow_id
 from jobs.workflows import MAX_TAKE_OVERS
 
 __all__ = ["Recovery"]
 
 UNATTENDED = 10.0  # seconds after which a workflow of ours that nothing here works on is queued again
+WAKE = 5.0  # seconds between two looks whether what jobs wait for is back
 KEEP_ALIVE = 20.0  # seconds between two words of a worker about the job that it works on
 
 log = logging.getLogger(__name__)
@@ -39,6 +42,7 @@ class Recovery:
         stages: StageRunner,
         liveness: Liveness,
         attended: Collection[Attempt],
+        surroundings: Surroundings,
     ) -> None:
         """Act as `executor`, whose process works on the `attended` attempts at the moment."""
         self._dbos = dbos
@@ -47,8 +51,10 @@ class Recovery:
         self._stages = stages
         self._liveness = liveness
         self._attended = attended
+        self._surroundings = surroundings
         self._unattended: dict[str, float] = {}  # our pending workflows without anybody, and since when
         self._next_word = 0.0
+        self._next_wake = 0.0
 
     def give_up_lost(self) -> None:
         """Kill the stages of workflows that another worker has taken over."""
@@ -102,6 +108,22 @@ class Recovery:
             self._next_word = time.monotonic() + KEEP_ALIVE
             for attempt in list(self._attended):
                 self._table.keep_alive(*attempt)
+
+    def wake(self) -> None:
+        """Queue the jobs at once that wait for what this machine sees; their pauses may be hours long."""
+        if time.monotonic() < self._next_wake:
+            return
+        self._next_wake = time.monotonic() + WAKE
+        back: dict[tuple[str, str], bool] = {}
+        for job in self._table.waiting():
+            seen = (job.cause, job.capture if job.cause == Cause.CAPTURE else "")
+            if seen not in back:
+                back[seen] = self._surroundings.is_back(Cause(job.cause), Path(job.capture))
+            if back[seen]:
+                # The delay first: if this process dies in between, the row waits, and a worker brings it in line.
+                DBOS.set_workflow_delay(workflow_id(job.id, job.attempt), delay_seconds=0)
+                if self._table.wake(job):
+                    log.info("%s need not wait any more", job.id)
 
     def leave(self) -> None:
         """Queue what this worker worked on again, at its end; its stages have ended and it takes nothing any more."""

@@ -22,10 +22,14 @@ SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s,
 
 
 class JobState(StrEnum):
-    """Where a job is: queued -> running -> succeeded, failed or cancelled; a retry queues it again."""
+    """Where a job is: queued -> running -> succeeded, failed or cancelled; a retry queues it again.
+
+    A running job that meets a fault that passes waits; it runs again by itself.
+    """
 
     QUEUED = "queued"
     RUNNING = "running"
+    WAITING = "waiting"
     SUCCEEDED = "succeeded"
     FAILED = "failed"
     CANCELLED = "cancelled"
@@ -36,7 +40,7 @@ class JobState(StrEnum):
         return self not in _ACTIVE
 
 
-_ACTIVE = (JobState.QUEUED, JobState.RUNNING)
+_ACTIVE = (JobState.QUEUED, JobState.RUNNING, JobState.WAITING)
 
 _MOST_IDS = 10_000  # in one query: SQLite takes 32,766 values, Postgres 65,535
 
@@ -57,7 +61,8 @@ class Job:
     figures: Mapping[str, float] = field(default_factory=dict)  # e.g. loss, psnr, splats
     error: str = ""  # one line, when failed
     scene_id: str = ""  # the published scene, when succeeded
-    waiting: str = ""  # one line: why a queued or running job does not go on at the moment
+    waiting: str = ""  # one line: why an unfinished job does not go on at the moment
+    cause: str = ""  # of a waiting job: what could not be seen, a `Cause` of surroundings.py; "" if that is not known
     created: float = 0.0  # seconds since the epoch
     updated: float = 0.0
     labels: tuple[str, ...] = ()  # for people to find it by
@@ -181,14 +186,20 @@ class JobTable:
             return connection.execute(query).scalar_one()
 
     def active(self) -> list[Job]:
-        """Return the jobs that are queued or running."""
-        query = sa.select(job_rows).where(job_rows.c.state.in_(_ACTIVE))
+        """Return the jobs that are not finished."""
+        return self._where(job_rows.c.state.in_(_ACTIVE))
+
+    def waiting(self) -> list[Job]:
+        """Return the jobs that wait for something which can be looked for, their `cause`."""
+        return self._where(job_rows.c.state == JobState.WAITING, job_rows.c.cause != "")
+
+    def _where(self, *conditions: sa.ColumnElement[bool]) -> list[Job]:
         with self._engine.connect() as connection:
-            return [_job(row) for row in connection.execute(query)]
+            return [_job(row) for row in connection.execute(sa.select(job_rows).where(*conditions))]
 
     def start(self, job_id: str, attempt: int) -> bool:
         """Mark an attempt as running; also when a worker takes it over."""
-        return self._update(job_id, attempt, state=JobState.RUNNING, waiting="")
+        return self._update(job_id, attempt, state=JobState.RUNNING, waiting="", cause="")
 
     def keep_alive(self, job_id: str, attempt: int) -> bool:
         """Renew the date of a running attempt that has nothing to report."""
@@ -197,6 +208,10 @@ class JobTable:
     def put_back(self, job: Job, reason: str) -> bool:
         """Mark an attempt as queued again, because its worker works on it no more; not if its row has changed since."""
         return self._update(job.id, job.attempt, if_updated=job.updated, state=JobState.QUEUED, waiting=reason)
+
+    def wake(self, job: Job) -> bool:
+        """Mark a waiting attempt as queued: it is tried again as soon as a worker is free."""
+        return self._update(job.id, job.attempt, if_updated=job.updated, state=JobState.QUEUED, waiting="", cause="")
 
     def progress(self, job_id: str, attempt: int, progress: Progress, stage_ends: float = 0.0) -> bool:
         """Record how far a running attempt is, and when its stage will probably end."""
@@ -233,9 +248,13 @@ class JobTable:
         )
         return connection.execute(statement).rowcount == 1
 
-    def put_off(self, connection: sa.Connection, job_id: str, attempt: int, reason: str) -> bool:
-        """Turn an unfinished attempt into the next one, inside the caller's transaction; it keeps its progress."""
-        values = {"state": JobState.QUEUED, "attempt": attempt + 1, "waiting": reason, "updated": time.time()}
+    def put_off(self, connection: sa.Connection, job_id: str, attempt: int, reason: str, cause: str = "") -> bool:
+        """Turn an unfinished attempt into the next one, which waits, inside the caller's transaction.
+
+        It keeps its progress. `cause` is what to look for, if that is known.
+        """
+        values: dict[str, Any] = {"state": JobState.WAITING, "attempt": attempt + 1, "waiting": reason, "cause": cause}
+        values["updated"] = time.time()
         return connection.execute(_unfinished(job_id, attempt).values(values)).rowcount == 1
 
     def _update(self, job_id: str, attempt: int, *, if_updated: float | None = None, **values: Any) -> bool:

@@ -36,6 +36,7 @@ class StageOutcome:
     error: str = ""
     waiting: str = ""  # the fault passes: the stage shall be run again later
     killed: bool = False  # a signal ended it and not its own code
+    cause: str = ""  # with `waiting`: the `Cause` that this machine found, if it found one
 
 
 @dataclass

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
+import re
 from collections.abc import Iterator
-from pathlib import Path
 
 from obstore.exceptions import BaseError
 
-from jobs.home_identity import HomeIdentity
-
-__all__ = ["one_line", "reason_to_wait", "unreachable"]
+__all__ = ["one_line", "reason_to_wait"]
 
 LONGEST = 200  # characters of a reason
-# Bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write.
-FULL = 1 << 20
+_TOOK = re.compile(r" in \d[\d.]*[nµm]?s(?= )")  # how long a request took: another time each time
 
 _PASSING = {
     *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO),  # the disk
@@ -34,29 +30,10 @@ def reason_to_wait(error: BaseException) -> str:
     """
     for cause in _chain(error):
         if isinstance(cause, BaseError):
-            return f"the store fails: {one_line(cause)}"
+            return f"the store fails: {one_line(_TOOK.sub('', str(cause)))}"
         if isinstance(cause, OSError) and cause.errno in _PASSING:
             where = f"{cause.filename}: " if cause.filename else ""
             return one_line(f"{where}{os.strerror(cause.errno)}")
-    return ""
-
-
-def unreachable(home: HomeIdentity, capture: Path) -> str:
-    """Return in one line what a stage needs that this machine does not see now; "" if nothing is missing.
-
-    Asked after a stage has failed, and before that failure is believed.
-    """
-    mismatch = home.mismatch()
-    if mismatch is not None:
-        return one_line(mismatch)
-    try:
-        if shutil.disk_usage(home.folder).free < FULL:
-            return f"{home.folder}: {os.strerror(errno.ENOSPC)}"
-        if capture.is_dir() and not any(capture.iterdir()):
-            return f"{capture}: the capture's folder is empty; is it mounted?"
-        capture.stat()
-    except OSError as error:
-        return f"{capture}: the capture cannot be reached ({error.strerror})"
     return ""
 
 

@@ -19,12 +19,12 @@ from dbos import DBOS, DBOSPortableJSONSerializer
 from hgs_core.base.errors import InputError
 from jobs.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
 from jobs.home import Home
-from jobs.home_identity import HomeIdentity
 from jobs.liveness import open_liveness
 from jobs.parent_process import when_parent_is_gone
 from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
+from jobs.surroundings import Surroundings
 from jobs.training_queue import TRAINING_QUEUE
 from jobs.webhook_delivery import WebhookDelivery
 from jobs.webhook_rules import WebhookRules
@@ -87,9 +87,11 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             "log_level": "WARNING",
         }
     )
-    workflow = TrainingWorkflow(home, identity, engine, queue, stages)
+    surroundings = Surroundings(home, identity)
+    surroundings.watch_store()
+    workflow = TrainingWorkflow(home, surroundings, engine, queue, stages)
     workflow.register()
-    recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended)
+    recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended, surroundings)
     register = WorkerRegister(engine, executor)
     gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
     WebhookDelivery(WebhookTable(engine), WebhookRules.configured()).start()
@@ -101,8 +103,9 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
         try:
             recovery.give_up_lost()
             recovery.keep_alive()
-            refusal = _refusal(identity, doubtful=recovery.take_over())
+            refusal = _refusal(surroundings, workflow, doubtful=recovery.take_over())
             gate.close_for(refusal)
+            recovery.wake()
             recovery.settle()
             register.tell(next((job_id for job_id, _ in list(workflow.attended)), ""), refusal)
         except Exception:
@@ -143,11 +146,11 @@ class _Gate:
         return self._running.add("no workflow", TRAINING_QUEUE)
 
 
-def _refusal(identity: HomeIdentity, *, doubtful: bool) -> str:
+def _refusal(surroundings: Surroundings, workflow: TrainingWorkflow, *, doubtful: bool) -> str:
     """Return why this worker must not take a job now; "" if it may."""
-    mismatch = identity.mismatch()
-    if mismatch is not None:
-        return str(mismatch)
+    lacking = surroundings.of_machine() or workflow.missed_capture()
+    if lacking is not None:
+        return lacking.reason
     return "another worker seems to have died, and its job comes before younger ones" if doubtful else ""
 
 

@@ -17,20 +17,22 @@ from dbos import DBOS, DBOSClient
 from hgs_core.base.progress import Progress
 from jobs.artifacts import open_store
 from jobs.home import Home
-from jobs.home_identity import HomeIdentity
 from jobs.job_history import CourseWriter
 from jobs.stage import STAGES
 from jobs.stage_pace import StagePace
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.training_queue import TRAIN_JOB, enqueue, workflow_id
-from jobs.transient_faults import one_line, reason_to_wait, unreachable
+from jobs.transient_faults import one_line, reason_to_wait
 
 __all__ = ["MAX_TAKE_OVERS", "TrainingWorkflow"]
 
 MAX_TAKE_OVERS = 20  # workers that may die under one attempt before it is given up
 STAGE_TRIES = 3  # times that a stage is started again after a signal ended it
-FIRST_WAIT, LONGEST_WAIT = 5.0, 300.0  # seconds that a job is put off for when a fault passes: doubled each time
+FIRST_WAIT, LONGEST_WAIT = 5.0, 7200.0  # seconds that a job is put off for when a fault passes: doubled each time
+AWAY = 60.0  # seconds that a worker leaves jobs to others after it has not seen the capture of one
+WELL = 300.0  # seconds of work after which the next wait is again the first
 
 log = logging.getLogger(__name__)
 
@@ -41,11 +43,12 @@ class TrainingWorkflow:
     """The workflow as one worker runs it."""
 
     def __init__(
-        self, home: Home, identity: HomeIdentity, engine: sa.Engine, queue: DBOSClient, stages: StageRunner
+        self, home: Home, surroundings: Surroundings, engine: sa.Engine, queue: DBOSClient, stages: StageRunner
     ) -> None:
         self.attended: set[tuple[str, int]] = set()  # the attempts that this process works on, as (job id, attempt)
         self._home = home
-        self._identity = identity
+        self._missed: tuple[Path, float] | None = None  # the last capture that this machine did not see, and when
+        self._surroundings = surroundings
         self._engine = engine
         self._table = JobTable(engine)
         self._queue = queue
@@ -81,14 +84,26 @@ class TrainingWorkflow:
                 except sa.exc.DBAPIError as error:  # the outcome of a stage could not be recorded
                     outcome = StageOutcome(waiting=f"the job database fails: {one_line(error.orig)}")
                 if outcome.waiting:
-                    again = 0 if time.monotonic() - began > LONGEST_WAIT else waits  # it was well in between
-                    await _persist(self._put_off, job_id, attempt, outcome.waiting, again, stage)
+                    again = 0 if time.monotonic() - began > WELL else waits  # it was well in between
+                    await _persist(self._put_off, job_id, attempt, outcome, again, stage)
                 elif outcome.error:
                     await _persist(self._table.fail, job_id, attempt, outcome.error)
                 else:
                     await _persist(self._finish, job_id, attempt)
             finally:
                 self.attended.discard((job_id, attempt))
+
+    def missed_capture(self) -> Missing | None:
+        """Return the capture that this machine lately did not see and still does not: another machine may see it.
+
+        After a minute that is forgotten, since the capture may be gone for good.
+        """
+        if self._missed is None or time.monotonic() - self._missed[1] > AWAY:
+            return None
+        lacking = self._surroundings.of_job(self._missed[0])
+        if lacking is None:
+            self._missed = None
+        return lacking
 
     async def _run_stage(self, stage: str, job_id: str, attempt: int) -> StageOutcome:
         course = CourseWriter(self._home.run(job_id), attempt)
@@ -109,6 +124,9 @@ class TrainingWorkflow:
 
         # The course has none of this: a stage that goes on from a checkpoint does not begin anew.
         await unless_it_fails(functools.partial(self._table.progress, job_id, attempt), Progress(stage, 0, 1))
+        lacking = await _persist(self._lacking, job_id, stage)
+        if lacking is not None:  # seen before the stage begins: encoding does with less where there is no capture
+            return StageOutcome(waiting=lacking.reason, cause=lacking.cause)
         outcome = StageOutcome()
         for _ in range(STAGE_TRIES):
             try:
@@ -118,29 +136,40 @@ class TrainingWorkflow:
                 outcome = StageOutcome(one_line(error), reason_to_wait(error))
             if not outcome.killed:
                 break
-        if outcome.error and not outcome.waiting:
-            reason = await _persist(self._unreachable, job_id)
-            outcome = dataclasses.replace(outcome, waiting=reason)
+        if outcome.error or outcome.waiting:
+            lacking = await _persist(self._lacking, job_id, stage)
+            if lacking is None and outcome.waiting and stage == "publish":
+                lacking = await asyncio.to_thread(self._surroundings.store)
+            if lacking is not None:
+                outcome = dataclasses.replace(outcome, waiting=outcome.waiting or lacking.reason, cause=lacking.cause)
         return outcome
 
-    def _unreachable(self, job_id: str) -> str:
+    def _lacking(self, job_id: str, stage: str) -> Missing | None:
+        """Return what this machine lacks for a stage, the store left aside."""
         job = self._table.get(job_id)
-        return "" if job is None else unreachable(self._identity, Path(job.capture))
+        if job is None:
+            return None
+        if stage == "publish":  # needs no capture
+            return self._surroundings.home()
+        lacking = self._surroundings.of_job(Path(job.capture))
+        if lacking is not None and lacking.cause is Cause.CAPTURE:
+            self._missed = Path(job.capture), time.monotonic()
+        return lacking
 
-    def _put_off(self, job_id: str, attempt: int, reason: str, waits: int, first: str) -> None:
+    def _put_off(self, job_id: str, attempt: int, outcome: StageOutcome, waits: int, first: str) -> None:
         """Queue the job's next attempt for later, unless the job is finished."""
         delay = min(FIRST_WAIT * 2.0**waits, LONGEST_WAIT)
         job = self._table.get(job_id)
         if job is None:
             return
         with self._engine.begin() as connection:
-            if self._table.put_off(connection, job_id, attempt, reason):
-                more = min(waits + 1, 10)
+            if self._table.put_off(connection, job_id, attempt, outcome.waiting, outcome.cause):
+                more = min(waits + 1, 20)
                 enqueue(
                     self._queue, connection, job_id, attempt + 1,
                     delay=delay, waits=more, first=first, time_limit=job.time_limit,
                 )  # fmt: skip
-                log.warning("%s waits for %g s: %s", job_id, delay, reason)
+                log.warning("%s waits for %g s: %s", job_id, delay, outcome.waiting)
 
     def _finish(self, job_id: str, attempt: int) -> None:
         if not self._table.succeed(job_id, attempt, job_id):

@@ -35,7 +35,7 @@ def add_parser(commands: Any) -> None:
     common.add_argument("--json", action="store_true", help="print JSON, as the REST interface answers")
 
     listing = _action(actions, common, "ls", "list jobs: those that run, those that wait, those that are finished", _ls)
-    listing.add_argument("--state", choices=("queued", "running", "succeeded", "failed", "cancelled"))
+    listing.add_argument("--state", choices=("queued", "running", "waiting", "succeeded", "failed", "cancelled"))
     listing.add_argument("--label", action="append", default=[], help="only jobs with this label; may be repeated")
     listing.add_argument("--capture", help="only jobs of this capture: its absolute path")
     listing.add_argument("--find", metavar="TEXT", help="only jobs with this text in their title or id")
@@ -126,7 +126,7 @@ def _watch(desk: JobDesk, options: argparse.Namespace) -> int:
             elif progress is not None and not options.json:
                 bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]))
             told = job
-            if job["state"] not in ("queued", "running"):
+            if job["state"] not in ("queued", "running", "waiting"):
                 break
             time.sleep(POLL_SECONDS)
     if job["state"] != "succeeded":

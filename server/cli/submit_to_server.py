@@ -113,7 +113,7 @@ def _result(found: dict[str, Any]) -> CaptureCheck:
 
 def _follow(client: ServerClient, job_id: str, bars: ProgressBars) -> int:
     """Draw the job's progress until it is finished; return 0 if it succeeded."""
-    while (job := client.request("GET", f"/v1/jobs/{job_id}").value)["state"] in ("queued", "running"):
+    while (job := client.request("GET", f"/v1/jobs/{job_id}").value)["state"] in ("queued", "running", "waiting"):
         if progress := job["progress"]:
             bars(Progress(progress["stage"], progress["done"], progress["total"], progress["figures"]))
         time.sleep(POLL_SECONDS)

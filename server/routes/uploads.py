@@ -83,7 +83,7 @@ def _require_unused(service: Service, upload: Upload) -> None:
     if not upload.capture:
         return
     folder = service.uploads.captures / upload.capture
-    for state in (JobState.RUNNING, JobState.QUEUED):
+    for state in (JobState.RUNNING, JobState.WAITING, JobState.QUEUED):
         after: Place | None = None
         while jobs := service.jobs.list(_MOST_JOBS, state, after):
             for job in jobs:

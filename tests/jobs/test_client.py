@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -17,6 +18,7 @@ from jobs.home import Home
 from jobs.job_request import JobRequest
 from jobs.run_trash import trash
 from jobs.store import JobState
+from jobs.training_queue import enqueue, workflow_id
 
 
 def test_a_submitted_job_is_queued_with_its_run_folder(
@@ -99,6 +101,20 @@ def test_a_cancelled_job_can_be_retried(client: JobClient, submit: Callable[...,
 def test_a_queued_job_cannot_be_retried(client: JobClient, submit: Callable[..., str]) -> None:
     with pytest.raises(JobConflictError, match="is queued"):
         client.retry(submit())
+
+
+def test_a_waiting_job_is_tried_at_once(client: JobClient, submit: Callable[..., str]) -> None:
+    job_id = submit()
+    client.cancel(job_id)
+    with client._engine.begin() as connection:
+        client._table.requeue(connection, job_id, 1)
+        client._table.put_off(connection, job_id, 2, "the store fails", "store")
+        enqueue(client._queue, connection, job_id, 3, delay=7200.0)
+    job = client.retry(job_id)
+    assert (job.state, job.attempt, job.waiting) == (JobState.QUEUED, 3, "")
+    (status,) = client._queue.list_workflows(workflow_ids=[workflow_id(job_id, 3)])
+    assert status.delay_until_epoch_ms is not None
+    assert status.delay_until_epoch_ms / 1000 <= time.time()
 
 
 def test_an_unknown_job(client: JobClient) -> None:

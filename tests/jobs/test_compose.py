@@ -168,7 +168,7 @@ def test_it_becomes_healthy_and_runs_a_job(composition: Composition, port: int, 
     def finished() -> bool:
         nonlocal job
         job = ask(port, f"/v1/jobs/{job['id']}")
-        return job["state"] not in ("queued", "running")
+        return job["state"] not in ("queued", "running", "waiting")
 
     wait_until(finished, "the end of the job")
     assert (job["state"], job["error"]) == ("succeeded", None)

@@ -159,6 +159,6 @@ def test_the_real_trainer_resumes_from_its_checkpoint(
     wait_for(job_id, lambda job: (job.stage, job.total) == ("train", 1), "the second start of the stage")
     job = wait_for(job_id, report, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
-    assert min(reports) >= config.checkpoint_every
+    assert min(reports) >= config.train.checkpoint_every
     assert (run / "train.json").exists()
     assert ArtifactStore(client.home.store_url).manifest(job_id) is not None

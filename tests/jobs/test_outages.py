@@ -15,6 +15,7 @@ from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
 from jobs.store import Job, JobState
+from jobs.training_queue import enqueue
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
@@ -52,7 +53,7 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     worker()
     job_id = submit()
     job = wait_for(job_id, waits, "the fault")
-    assert (job.state, job.stage, job.attempt, job.error) == (JobState.QUEUED, "publish", 2, "")
+    assert (job.state, job.stage, job.attempt, job.error) == (JobState.WAITING, "publish", 2, "")
     assert job.waiting.startswith("the store fails: ")
     assert len(job.waiting) <= 220
     assert "\n" not in job.waiting
@@ -71,6 +72,19 @@ def test_a_store_that_is_away_keeps_the_job_waiting(
     after = client.get(younger.id)
     assert after is not None
     assert (after.state, after.waiting) == (JobState.CANCELLED, "")
+
+
+def test_a_job_that_waits_for_hours_goes_on_when_its_capture_is_seen(
+    client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
+) -> None:
+    job_id = submit()
+    client.cancel(job_id)
+    with client._engine.begin() as connection:
+        client._table.requeue(connection, job_id, 1)
+        client._table.put_off(connection, job_id, 2, "the capture cannot be reached", "capture")
+        enqueue(client._queue, connection, job_id, 3, delay=7200.0, waits=12)
+    worker()
+    assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
 
 
 @pytest.mark.slow
@@ -96,7 +110,7 @@ def test_a_database_that_does_not_take_the_outcome_of_a_stage_is_waited_for(
     worker()
     job_id = submit()
     job = wait_for(job_id, waits, "the fault")
-    assert (job.state, job.waiting) == (JobState.QUEUED, "the job database fails: refused")
+    assert (job.state, job.waiting) == (JobState.WAITING, "the job database fails: refused")
     with client._engine.begin() as connection:
         connection.exec_driver_sql("DROP TRIGGER refuse")
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED

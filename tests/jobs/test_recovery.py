@@ -9,6 +9,7 @@ import contextlib
 import time
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -21,6 +22,7 @@ from jobs.liveness import Liveness
 from jobs.recovery import Recovery
 from jobs.store import Job, JobState, JobTable
 from jobs.subprocesses import StageRunner
+from jobs.surroundings import Surroundings
 
 
 @dataclass
@@ -39,6 +41,10 @@ class FakeDbos:
     """A list of workflows, and DBOS's conditional way back into the queue."""
 
     workflows: list[Workflow] = field(default_factory=list)
+    delays: dict[str, float] = field(default_factory=dict)
+
+    def set_workflow_delay(self, workflow_id: str, *, delay_seconds: float) -> None:
+        self.delays[workflow_id] = delay_seconds
 
     def list_workflows(
         self,
@@ -90,6 +96,20 @@ class FakeLiveness:
         return executor in self.suspected
 
 
+@dataclass
+class FakeSurroundings:
+    seen: set[str]
+
+    def is_back(self, cause: str, capture: Path) -> bool:
+        return cause in self.seen
+
+
+@pytest.fixture
+def seen() -> set[str]:
+    """What this machine sees of what jobs wait for."""
+    return set()
+
+
 @pytest.fixture
 def table(engine: sa.Engine) -> JobTable:
     """The table with the jobs "a" and "b", whose first attempts run."""
@@ -126,11 +146,17 @@ def attended() -> set[tuple[str, int]]:
 
 @pytest.fixture
 def ours(
-    dbos: FakeDbos, table: JobTable, stages: FakeStages, liveness: FakeLiveness, attended: set[tuple[str, int]]
+    dbos: FakeDbos,
+    table: JobTable,
+    stages: FakeStages,
+    liveness: FakeLiveness,
+    attended: set[tuple[str, int]],
+    seen: set[str],
 ) -> Recovery:
     """This worker's part; it is "us"."""
     system = cast(DBOS, SimpleNamespace(_sys_db=dbos))
-    return Recovery(system, "us", table, cast(StageRunner, stages), cast(Liveness, liveness), attended)
+    machine = cast(Surroundings, FakeSurroundings(seen))
+    return Recovery(system, "us", table, cast(StageRunner, stages), cast(Liveness, liveness), attended, machine)
 
 
 @pytest.fixture
@@ -298,3 +324,27 @@ def test_a_worker_that_leaves_queues_its_own_work_again_and_nothing_else(
     assert [workflow.status for workflow in dbos.workflows] == ["ENQUEUED", "PENDING"]
     assert row(table).waiting == "its worker was stopped; the next free one goes on with it"
     assert row(table, "b").state is JobState.RUNNING
+
+
+class TestWaking:
+    """Jobs whose pause is long, but what they wait for is back."""
+
+    @pytest.fixture(autouse=True)
+    def _waiting(self, table: JobTable, engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(recovery, "WAKE", 0.0)
+        with engine.begin() as connection:
+            table.put_off(connection, "a", 1, "the store fails", "store")
+            table.put_off(connection, "b", 1, "the capture's folder is empty", "capture")
+
+    def test_while_nothing_is_seen_they_wait(self, ours: Recovery, dbos: FakeDbos, table: JobTable) -> None:
+        ours.wake()
+        assert dbos.delays == {}
+        assert row(table, "a").state is JobState.WAITING
+
+    def test_what_is_seen_again_ends_the_pause(
+        self, ours: Recovery, dbos: FakeDbos, table: JobTable, seen: set[str]
+    ) -> None:
+        seen.add("store")
+        ours.wake()
+        assert dbos.delays == {"a:2": 0}
+        assert (row(table, "a").state, row(table, "b").state) == (JobState.QUEUED, JobState.WAITING)

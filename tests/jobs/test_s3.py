@@ -104,12 +104,18 @@ class TestOutage:
         worker: Callable[[], subprocess.Popen[bytes]],
         wait_for: Callable[[str, Callable[[Job], bool], str], Job],
     ) -> None:
+        server.start()
         worker()
-        job_id = submit()
+        job_id = submit(iterations=50)
+        wait_for(job_id, lambda job: job.stage == "train", "training")
+        server.stop()
         job = wait_for(job_id, lambda job: bool(job.waiting) or job.state.finished, "the fault")
-        assert job.state is JobState.QUEUED
+        assert job.state is JobState.WAITING
         assert job.waiting.startswith("the store fails: Generic S3 error: Error performing PUT ")
         assert "RetryError" not in job.waiting  # none of the pages that the library adds
+        assert job.cause == "store"
+        another = submit()
         server.start()
         assert wait_for(job_id, lambda job: job.state.finished, "the end of the job").state is JobState.SUCCEEDED
-        assert [scene.id for scene in ArtifactStore(client.home.store_url).list_scenes()] == [job_id]
+        assert wait_for(another, lambda job: job.state.finished, "the end of the other").state is JobState.SUCCEEDED
+        assert {scene.id for scene in ArtifactStore(client.home.store_url).list_scenes()} == {job_id, another}

@@ -59,7 +59,7 @@ def add(engine: sa.Engine, table: JobTable, job_id: str, state: JobState) -> Non
 def test_jobs_are_counted_by_state(engine: sa.Engine, table: JobTable) -> None:
     for name in ("running", "second"):
         add(engine, table, name, JobState.RUNNING)
-    assert table.counts() == {"queued": 1, "running": 2, "succeeded": 0, "failed": 0, "cancelled": 0}
+    assert table.counts() == {"queued": 1, "running": 2, "waiting": 0, "succeeded": 0, "failed": 0, "cancelled": 0}
 
 
 def test_a_waiting_job_has_those_ahead_that_were_queued_before_it(engine: sa.Engine, table: JobTable) -> None:
@@ -174,7 +174,7 @@ def test_an_attempt_that_is_put_off_becomes_the_next_and_keeps_its_progress(engi
     job = table.get("a")
     assert job is not None
     assert (job.state, job.attempt, job.waiting, job.stage, job.done) == (
-        JobState.QUEUED, 2, "the store fails", "publish", 5,
+        JobState.WAITING, 2, "the store fails", "publish", 5,
     )  # fmt: skip
     assert table.start("a", 2)
     assert not waiting(table)
@@ -191,6 +191,27 @@ def test_a_job_that_does_not_wait_any_more_says_nothing(engine: sa.Engine, table
     else:
         {"succeed": table.succeed, "fail": table.fail}.get(finish, lambda *_: table.cancel("a", 2))("a", 2, "b")
     assert not waiting(table)
+
+
+def test_jobs_that_wait_for_what_can_be_looked_for(engine: sa.Engine, table: JobTable) -> None:
+    add(engine, table, "b", JobState.RUNNING)
+    with engine.begin() as connection:
+        assert table.put_off(connection, "a", 1, "the capture cannot be reached", "capture")
+        assert table.put_off(connection, "b", 1, "the store fails")
+    (waits,) = table.waiting()
+    assert (waits.id, waits.cause) == ("a", "capture")
+    assert table.wake(waits)
+    assert (state(table), waiting(table)) == (JobState.QUEUED, "")
+    assert table.waiting() == []
+
+
+def test_a_job_that_has_begun_is_not_woken(engine: sa.Engine, table: JobTable) -> None:
+    with engine.begin() as connection:
+        table.put_off(connection, "a", 1, "the capture cannot be reached", "capture")
+    (waits,) = table.waiting()
+    table.start("a", 2)
+    assert not table.wake(waits)
+    assert state(table) is JobState.RUNNING
 
 
 def test_an_attempt_is_put_back_unless_somebody_has_begun_it_anew(table: JobTable) -> None:

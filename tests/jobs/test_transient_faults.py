@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from obstore.exceptions import BaseError
 
 from hgs_core.base.errors import InputError
 from jobs.artifacts import ArtifactStore
-from jobs.home_identity import FILE, HomeIdentity
-from jobs.transient_faults import one_line, reason_to_wait, unreachable
+from jobs.transient_faults import one_line, reason_to_wait
 
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.ESTALE, errno.EROFS, errno.ECONNREFUSED])
@@ -63,33 +63,12 @@ def test_a_store_is_waited_for_in_one_short_line(tmp_path: Path) -> None:
     assert "Debug source" not in reason
 
 
+def test_how_long_a_store_did_not_answer_is_left_out() -> None:
+    error = BaseError("Error performing HEAD http://127.0.0.1:9/a in 75.423µs - HTTP error")
+    assert reason_to_wait(error) == "the store fails: Error performing HEAD http://127.0.0.1:9/a - HTTP error"
+
+
 def test_long_messages_are_cut() -> None:
     assert one_line("a\n b") == "a b"
     assert one_line("first\n\nsecond") == "first"
     assert one_line("x" * 1000) == "x" * 198 + " …"
-
-
-class TestUnreachable:
-    @pytest.fixture
-    def home(self, tmp_path: Path) -> HomeIdentity:
-        (tmp_path / FILE).write_text("1234")
-        return HomeIdentity(tmp_path, "1234")
-
-    def test_nothing_is_missing(self, home: HomeIdentity, tmp_path: Path) -> None:
-        assert unreachable(home, tmp_path) == ""
-
-    def test_the_home(self, home: HomeIdentity, tmp_path: Path) -> None:
-        (tmp_path / FILE).unlink()
-        assert "is not the home of this database" in unreachable(home, tmp_path)
-
-    def test_the_capture(self, home: HomeIdentity, tmp_path: Path) -> None:
-        reason = unreachable(home, tmp_path / "capture")
-        assert reason == f"{tmp_path}/capture: the capture cannot be reached (No such file or directory)"
-
-    def test_an_empty_mount_point(self, home: HomeIdentity, tmp_path: Path) -> None:
-        (tmp_path / "capture").mkdir()
-        assert unreachable(home, tmp_path / "capture").endswith("the capture's folder is empty; is it mounted?")
-
-    def test_a_full_disk(self, home: HomeIdentity, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("jobs.transient_faults.FULL", 1 << 80)
-        assert unreachable(home, tmp_path) == f"{tmp_path}: No space left on device"

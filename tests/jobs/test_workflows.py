@@ -24,7 +24,10 @@ from jobs.home import Home
 from jobs.job_history import read_course
 from jobs.store import Job, JobState, JobTable, metadata
 from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.workflows import TrainingWorkflow
+
+AWAY = StageOutcome(waiting="the store is away", cause="store")
 
 OnProgress = Callable[[Progress], Awaitable[None]]
 
@@ -35,11 +38,13 @@ class FakeStages:
     def __init__(self) -> None:
         self.outcomes: list[StageOutcome | OSError] = []
         self.reports: list[Progress] = []
+        self.on_report: Callable[[], object] = lambda: None
         self.started: list[tuple[str, str, Path]] = []
 
     async def run(self, workflow: str, stage: str, run: Path, on_progress: OnProgress) -> StageOutcome:
         self.started.append((workflow, stage, run))
         for report in self.reports:
+            self.on_report()
             await on_progress(report)
         outcome = self.outcomes.pop(0)
         if isinstance(outcome, OSError):
@@ -82,8 +87,8 @@ def table(engine: sa.Engine, queue: DBOSClient, home: Home, tmp_path: Path) -> J
 
 @pytest.fixture
 def workflow(home: Home, engine: sa.Engine, queue: DBOSClient, table: JobTable, stages: FakeStages) -> TrainingWorkflow:
-    identity = prepare_database(home, engine, metadata)
-    return TrainingWorkflow(home, identity, engine, queue, cast(StageRunner, stages))
+    surroundings = Surroundings(home, prepare_database(home, engine, metadata))
+    return TrainingWorkflow(home, surroundings, engine, queue, cast(StageRunner, stages))
 
 
 def row(table: JobTable) -> Job:
@@ -114,24 +119,24 @@ class TestPuttingOff:
     ) -> None:
         waits = 0
         for attempt in range(1, 30):
-            workflow._put_off("a", attempt, "the store is away", waits, "encode")
+            workflow._put_off("a", attempt, AWAY, waits, "encode")
             waits = queued[-1]["waits"]
-        assert [one["delay"] for one in queued[:9]] == [5, 10, 20, 40, 80, 160, 300, 300, 300]
+        assert [one["delay"] for one in queued[:13]] == [5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560, 5120, 7200, 7200]
         assert queued[-1] == queued[-2] | {"attempt": 30}  # and the count stops where 2.0**waits is far from too large
 
     def test_the_next_attempt_begins_with_the_stage_that_failed(
         self, workflow: TrainingWorkflow, table: JobTable, queued: list[dict[str, Any]]
     ) -> None:
-        workflow._put_off("a", 1, "the store is away", 2, "publish")
+        workflow._put_off("a", 1, AWAY, 2, "publish")
         assert queued == [{"attempt": 2, "delay": 20, "waits": 3, "first": "publish", "time_limit": 0}]
         job = row(table)
-        assert (job.state, job.attempt, job.waiting) == (JobState.QUEUED, 2, "the store is away")
+        assert (job.state, job.attempt, job.waiting, job.cause) == (JobState.WAITING, 2, "the store is away", "store")
 
     def test_a_job_that_was_cancelled_is_not_queued(
         self, workflow: TrainingWorkflow, table: JobTable, queued: list[dict[str, Any]]
     ) -> None:
         table.cancel("a", 1)
-        workflow._put_off("a", 1, "the store is away", 0, "train")
+        workflow._put_off("a", 1, AWAY, 0, "train")
         assert queued == []
         assert row(table).state is JobState.CANCELLED
 
@@ -169,12 +174,65 @@ class TestStages:
         stages.outcomes = [OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "/runs/a/stage.log")]
         assert run_stage(workflow).waiting == "/runs/a/stage.log: No space left on device"
 
-    def test_a_failure_is_not_believed_while_the_capture_cannot_be_seen(
+    def test_a_stage_does_not_begin_without_its_capture(
         self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path
     ) -> None:
         (tmp_path / "capture" / "frame.jpg").unlink()
-        stages.outcomes = [StageOutcome("frame 0 is missing")]
-        assert run_stage(workflow).waiting.endswith("the capture's folder is empty; is it mounted?")
+        outcome = run_stage(workflow, "encode")
+        assert outcome.waiting.endswith("the capture's folder is empty; is it mounted?")
+        assert (outcome.error, outcome.cause) == ("", "capture")
+        assert stages.started == []
+
+    def test_publication_needs_no_capture(self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path) -> None:
+        (tmp_path / "capture" / "frame.jpg").unlink()
+        stages.outcomes = [StageOutcome()]
+        assert run_stage(workflow, "publish") == StageOutcome()
+
+    def test_a_failure_is_not_believed_while_the_capture_cannot_be_seen(
+        self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path
+    ) -> None:
+        stages.outcomes, stages.reports = [StageOutcome("frame 0 is missing")], [Progress("train", 1, 2)]
+        stages.on_report = (tmp_path / "capture" / "frame.jpg").unlink
+        outcome = run_stage(workflow)
+        assert outcome.waiting.endswith("the capture's folder is empty; is it mounted?")
+        assert outcome.cause == "capture"
+
+    def test_a_store_that_is_seen_to_be_away_is_the_cause(
+        self, workflow: TrainingWorkflow, stages: FakeStages, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        stages.outcomes = [StageOutcome(waiting="the store fails: no route"), StageOutcome(waiting="the store fails")]
+        assert run_stage(workflow, "publish").cause == ""  # it fails for writes alone: nobody can look for its end
+        monkeypatch.setattr(Surroundings, "store", lambda self: Missing(Cause.STORE, "the store fails: no answer"))
+        outcome = run_stage(workflow, "publish")
+        assert (outcome.waiting, outcome.cause) == ("the store fails", "store")
+
+
+class TestMissedCapture:
+    """A worker that did not see a job's capture leaves jobs to others for a while."""
+
+    def test_it_is_told_while_the_capture_is_away(
+        self, workflow: TrainingWorkflow, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        assert workflow.missed_capture() is None
+        (tmp_path / "capture" / "frame.jpg").unlink()
+        run_stage(workflow)
+        missed = workflow.missed_capture()
+        assert missed is not None
+        assert missed.cause is Cause.CAPTURE
+        (tmp_path / "capture" / "frame.jpg").touch()
+        assert workflow.missed_capture() is None
+
+    def test_it_is_forgotten_after_a_while(
+        self, workflow: TrainingWorkflow, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        (tmp_path / "capture" / "frame.jpg").unlink()
+        run_stage(workflow)
+        monkeypatch.setattr(workflows, "AWAY", 0.0)
+        assert workflow.missed_capture() is None
+
+
+class TestReports:
+    """What a stage says while it runs."""
 
     def test_reports_that_cannot_be_written_do_not_end_the_stage(
         self, workflow: TrainingWorkflow, stages: FakeStages, monkeypatch: pytest.MonkeyPatch
@@ -219,7 +277,7 @@ class TestFinish:
         with engine.begin() as connection:
             table.put_off(connection, "a", 1, "its worker was slow")
         workflow._finish("a", 1)
-        assert row(table).state is JobState.QUEUED
+        assert row(table).state is JobState.WAITING
         assert self.scenes(home) == ["a"]
 
 

@@ -7,6 +7,7 @@ import {
   getJobHistory,
   getJobRun,
   isFinal,
+  isRetriable,
   type Job,
   type JobRun,
   reportUrl,
@@ -147,7 +148,7 @@ class JobView {
     setText(this.#fault, describeFault(job));
     this.#steps.show(job);
     this.#cancel.hidden = isFinal(job);
-    this.#retry.hidden = job.state !== "failed" && job.state !== "cancelled";
+    this.#retry.hidden = !isRetriable(job);
     this.#chart.show(this.#course);
     this.#log.follow(!isFinal(job));
     if (ended) void this.#look();

@@ -1,6 +1,6 @@
 /** The jobs as rows: title, stage, progress with its figures, error, cancel. */
 
-import { cancelJob, isFinal, type Job, retryJob } from "../protocol/api";
+import { cancelJob, isFinal, isRetriable, type Job, retryJob } from "../protocol/api";
 import { element, setText } from "../ui/element";
 import { JobSteps } from "./job_steps";
 import { describeFault, describeFigures, describeProgress, titleOf } from "./job_words";
@@ -58,7 +58,7 @@ class JobRow {
     this.#steps.show(job);
     this.#cancel.hidden = isFinal(job);
     this.#cancel.disabled = this.#retry.disabled = false;
-    this.#retry.hidden = job.state !== "failed" && job.state !== "cancelled";
+    this.#retry.hidden = !isRetriable(job);
     this.#open.hidden = job.scene === null || !published.has(job.scene);
     if (job.scene !== null) this.#open.href = `/view/${encodeURIComponent(job.scene)}`;
     for (const button of [this.#cancel, this.#retry, this.#open])

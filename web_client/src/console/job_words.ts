@@ -13,8 +13,9 @@ export const STEPS: readonly { readonly name: string; readonly stages: readonly 
 ];
 
 const STATE_NAMES: Readonly<Record<Job["state"], string>> = {
-  queued: "Waiting",
+  queued: "Queued",
   running: "Running",
+  waiting: "Waiting",
   succeeded: "Done",
   failed: "Failed",
   cancelled: "Cancelled",
@@ -78,7 +79,7 @@ export function describeFigures(job: Job): string {
   return figures.map(([name, value]) => `${figureName(name)} ${figureText(name, value)}`).join(" · ");
 }
 
-/** Where a waiting job stands, if that is known. */
+/** Where a queued job stands, if that is known. */
 export function describeQueue(ahead: number | null): string {
   if (ahead === null) return "";
   if (ahead === 0) return "Next in line: it begins as soon as a worker is free.";

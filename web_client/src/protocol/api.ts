@@ -22,7 +22,7 @@ export interface JobProgress {
   readonly figures: Readonly<Record<string, number>>;
 }
 
-export type JobState = "queued" | "running" | "succeeded" | "failed" | "cancelled";
+export type JobState = "queued" | "running" | "waiting" | "succeeded" | "failed" | "cancelled";
 
 export interface Job {
   readonly id: string;
@@ -92,7 +92,10 @@ export interface Submission {
   readonly config?: Readonly<Record<string, unknown>>;
 }
 
-export const isFinal = (job: Job): boolean => job.state !== "queued" && job.state !== "running";
+export const isFinal = (job: Job): boolean => !["queued", "running", "waiting"].includes(job.state);
+
+/** Whether the server takes a retry: it tries a waiting job at once. */
+export const isRetriable = (job: Job): boolean => ["waiting", "failed", "cancelled"].includes(job.state);
 
 const sceneAddress = (id: string): string => `/v1/scenes/${encodeURIComponent(id)}`;
 const jobAddress = (id: string): string => `/v1/jobs/${encodeURIComponent(id)}`;

@@ -31,7 +31,8 @@ const job = (fields: Partial<Job>): Job => ({
 
 describe("describeProgress", () => {
   it.each<[string, Partial<Job>]>([
-    ["Waiting", { state: "queued" }],
+    ["Queued", { state: "queued" }],
+    ["Waiting", { state: "waiting", waiting: "the disk is full" }],
     ["Starting", {}],
     ["Encoding", { stage: "encode" }],
     ["Checking the capture", { progress: { stage: "initialise", done: 0, total: 1, figures: {} } }],
@@ -61,7 +62,7 @@ describe("describeFault", () => {
   it.each<[string, Partial<Job>]>([
     ["", {}],
     ["the loss is not a number", { state: "failed", error: "the loss is not a number" }],
-    ["Waiting: the disk is full", { state: "queued", waiting: "the disk is full" }],
+    ["Waiting: the disk is full", { state: "waiting", waiting: "the disk is full" }],
     ["", { state: "cancelled", waiting: "the disk is full" }],
   ])("says %j", (text, fields) => {
     expect(describeFault(job(fields))).toBe(text);
