@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from hgs_core.base.errors import InputError
+from jobs.stages import StageSeconds
 
 __all__ = ["Home"]
+
+SILENCE = StageSeconds(300.0)
+REPORT = StageSeconds(7200.0, (("train", 3600.0), ("publish", 3600.0)))
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,8 @@ class Home:
     database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
     store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
     pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
-    stage_silence: float = 300.0  # seconds that a stage may neither report nor compute before it is started again
+    stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
+    stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
 
     @classmethod
     def at(cls, folder: Path) -> Home:
@@ -34,12 +37,14 @@ class Home:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
-        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_STAGE_SILENCE`.
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE` and two times.
+
+        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, as `StageSeconds` reads them.
 
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
 
         Raises:
-            InputError: the silence is not a positive number of seconds.
+            InputError: a time is not a positive number of seconds, or names an unknown stage.
         """
         default = cls.at(Path(environment.get("HGS_HOME") or "~/.hgs"))
         store_url = environment.get("HGS_STORE_URL") or default.store_url
@@ -50,7 +55,13 @@ class Home:
             environment.get("HGS_DATABASE_URL") or default.database_url,
             store_url,
             environment.get("HGS_PIPELINE") or default.pipeline,
-            _seconds("HGS_STAGE_SILENCE", environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)),
+            *(
+                StageSeconds.parse(name, environment.get(name) or str(otherwise))
+                for name, otherwise in (
+                    ("HGS_STAGE_SILENCE", default.stage_silence),
+                    ("HGS_STAGE_REPORT", default.stage_report),
+                )
+            ),
         )
 
     def environment(self) -> dict[str, str]:
@@ -61,6 +72,7 @@ class Home:
             "HGS_STORE_URL": self.store_url,
             "HGS_PIPELINE": self.pipeline,
             "HGS_STAGE_SILENCE": str(self.stage_silence),
+            "HGS_STAGE_REPORT": str(self.stage_report),
         }
 
     @property
@@ -71,13 +83,3 @@ class Home:
     def run(self, job_id: str) -> Path:
         """Return the run folder of a job."""
         return self.runs / job_id
-
-
-def _seconds(name: str, text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not 0 < value < math.inf:
-        raise InputError(name, f"{text!r} is not a positive number of seconds")
-    return value

@@ -32,12 +32,12 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
+from jobs.out_of_memory import out_of_memory
 from jobs.parent_process import when_parent_is_gone
+from jobs.stages import STAGES
 from jobs.transient_faults import reason_to_wait
 
-__all__ = ["STAGES", "main"]
-
-STAGES = ("initialise", "train", "encode", "publish")
+__all__ = ["main"]
 
 DONE, FAILED, BAD_INPUT, LATER, ORPHANED, STOPPED = 0, 1, 2, 69, 70, 75  # exit status; from 69 on as in sysexits.h
 REPORT_INTERVAL = 0.5  # seconds between two progress lines
@@ -85,6 +85,8 @@ def _explain(error: Exception, report: IO[str]) -> int:
     elif isinstance(error, InputError):
         _send(report, {"error": str(error)})
         return BAD_INPUT
+    elif too_little := out_of_memory(error):
+        _send(report, {"error": too_little})
     else:
         summary = " ".join(str(error).split()) or "no message"
         _send(report, {"error": f"{type(error).__name__}: {summary}"})

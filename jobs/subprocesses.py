@@ -15,6 +15,7 @@ from pathlib import Path
 
 from hgs_core.base.progress import Progress
 from jobs.home import Home
+from jobs.out_of_memory import CURE, system_kills
 from jobs.stage_silence import Silence
 
 __all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]
@@ -66,6 +67,7 @@ class StageRunner:
             OwnershipLost: `abandon` was called for this workflow.
         """
         await self._unless_stopping()
+        killed_before = system_kills()
         with (run / "stage.log").open("ab") as log:
             process = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-m", "jobs.stage", stage, str(run)),
@@ -76,7 +78,7 @@ class StageRunner:
                 env={**os.environ, **self.home.environment()},
                 limit=LINE_LIMIT,
             )
-        silence = Silence(process.pid, self.home.stage_silence)
+        silence = Silence(process.pid, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))
         running = self._running[workflow] = _Running(process, silence)
         watch = asyncio.create_task(_end_if_silent(running, stage))
         try:
@@ -95,7 +97,7 @@ class StageRunner:
         await self._unless_stopping()
         if running.lost:
             raise OwnershipLost(workflow)
-        return _outcome(stage, status, said, silent=silence.over)
+        return _outcome(stage, status, said, silent=silence.over, killed_before=killed_before)
 
     async def _unless_stopping(self) -> None:
         """Never return once the worker is about to exit: an outcome would be recorded, where another shall resume."""
@@ -145,21 +147,29 @@ async def _end_if_silent(running: _Running, stage: str) -> None:
     while not running.silence.over:
         await asyncio.sleep(running.silence.interval)
         running.silence.look()
-    log.warning("%s in process %d neither reports nor computes: killing it", stage, running.process.pid)
+    log.warning("%s in process %d hangs: killing it", stage, running.process.pid)
     _signal(running.process, signal.SIGKILL)
 
 
-def _outcome(stage: str, status: int, said: StageOutcome, *, silent: bool) -> StageOutcome:
+def _outcome(stage: str, status: int, said: StageOutcome, *, silent: bool, killed_before: int | None) -> StageOutcome:
     if status == 0:
         return StageOutcome()
     if said.error or said.waiting:
         return said
     if silent:
-        return StageOutcome(f"{stage}: hung: it neither reported nor computed, and was killed", killed=True)
+        return StageOutcome(f"{stage}: hung: nothing was heard of it for too long, and it was killed", killed=True)
     if status < 0:
         name = signal.Signals(-status).name
-        hint = " (out of memory?)" if -status == signal.SIGKILL else ""
-        return StageOutcome(f"{stage}: ended by {name}{hint}", killed=True)
+        if -status != signal.SIGKILL:
+            return StageOutcome(f"{stage}: ended by {name}", killed=True)
+        killed = system_kills()
+        if killed is None or killed_before is None:
+            hint = "(out of memory?)"
+        elif killed > killed_before:
+            return StageOutcome(f"{stage}: out of memory: the system killed it; {CURE}", killed=True)
+        else:
+            hint = "from outside; the system did not run out of memory"
+        return StageOutcome(f"{stage}: ended by {name} {hint}", killed=True)
     return StageOutcome(f"{stage}: exit status {status}; see stage.log in the run folder", killed=status == 75)
 
 

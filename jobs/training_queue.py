@@ -7,7 +7,7 @@ from typing import Any, cast
 import sqlalchemy as sa
 from dbos import DBOSClient, EnqueueOptions
 
-from jobs.stage import STAGES
+from jobs.stages import STAGES
 
 __all__ = ["MAX_PRIORITY", "TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
 

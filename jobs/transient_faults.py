@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from obstore.exceptions import BaseError
 
-__all__ = ["one_line", "reason_to_wait"]
+__all__ = ["chain", "one_line", "reason_to_wait"]
 
 LONGEST = 200  # characters of a reason
 _TOOK = re.compile(r" in \d[\d.]*[nµm]?s(?= )")  # how long a request took: another time each time
@@ -28,7 +28,7 @@ def reason_to_wait(error: BaseException) -> str:
 
     Looks also at what the error was raised from, or while: libraries replace the system's errors by their own.
     """
-    for cause in _chain(error):
+    for cause in chain(error):
         if isinstance(cause, BaseError):
             return f"the store fails: {one_line(_TOOK.sub('', str(cause)))}"
         if isinstance(cause, OSError) and cause.errno in _PASSING:
@@ -43,7 +43,8 @@ def one_line(error: object) -> str:
     return line if len(line) <= LONGEST else line[: LONGEST - 2].rstrip() + " …"
 
 
-def _chain(error: BaseException) -> Iterator[BaseException]:
+def chain(error: BaseException) -> Iterator[BaseException]:
+    """Yield an error, what it was raised from or while, and so on."""
     seen: set[int] = set()
     cause: BaseException | None = error
     while cause is not None and id(cause) not in seen:

@@ -18,8 +18,8 @@ from hgs_core.base.progress import Progress
 from jobs.artifacts import open_store
 from jobs.home import Home
 from jobs.job_history import CourseWriter
-from jobs.stage import STAGES
 from jobs.stage_pace import StagePace
+from jobs.stages import STAGES
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
@@ -29,7 +29,7 @@ from jobs.transient_faults import one_line, reason_to_wait
 __all__ = ["MAX_TAKE_OVERS", "TrainingWorkflow"]
 
 MAX_TAKE_OVERS = 20  # workers that may die under one attempt before it is given up
-STAGE_TRIES = 3  # times that a stage is started again after a signal ended it
+STAGE_TRIES = 3  # starts of a stage that signals end, one after the other, before it has come any further
 FIRST_WAIT, LONGEST_WAIT = 5.0, 7200.0  # seconds that a job is put off for when a fault passes: doubled each time
 AWAY = 60.0  # seconds that a worker leaves jobs to others after it has not seen the capture of one
 WELL = 300.0  # seconds of work after which the next wait is again the first
@@ -119,7 +119,14 @@ class TrainingWorkflow:
             except Exception as error:
                 log.warning("progress of %s was not written: %s", job_id, one_line(error))
 
+        reached: dict[str, int] = {}
+        tries = 0
+
         async def on_progress(progress: Progress) -> None:
+            nonlocal tries
+            if progress.done > reached.get(progress.stage, 0):
+                reached[progress.stage] = progress.done
+                tries = 1
             await unless_it_fails(write_down, progress)
 
         # The course has none of this: a stage that goes on from a checkpoint does not begin anew.
@@ -128,7 +135,8 @@ class TrainingWorkflow:
         if lacking is not None:  # seen before the stage begins: encoding does with less where there is no capture
             return StageOutcome(waiting=lacking.reason, cause=lacking.cause)
         outcome = StageOutcome()
-        for _ in range(STAGE_TRIES):
+        while tries < STAGE_TRIES:
+            tries += 1
             try:
                 run = self._home.run(job_id)
                 outcome = await self._stages.run(workflow_id(job_id, attempt), stage, run, on_progress)
@@ -136,6 +144,7 @@ class TrainingWorkflow:
                 outcome = StageOutcome(one_line(error), reason_to_wait(error))
             if not outcome.killed:
                 break
+            log.warning("%s, start %d of %d without progress: %s", job_id, tries, STAGE_TRIES, outcome.error)
         if outcome.error or outcome.waiting:
             lacking = await _persist(self._lacking, job_id, stage)
             if lacking is None and outcome.waiting and stage == "publish":

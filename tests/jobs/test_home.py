@@ -6,6 +6,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from jobs.home import Home
+from jobs.stages import StageSeconds
 
 
 def test_everything_lies_in_the_home_folder_by_default(tmp_path: Path) -> None:
@@ -32,12 +33,14 @@ def test_empty_variables_count_as_absent(tmp_path: Path) -> None:
 
 
 def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
-    assert Home.from_environment({"HGS_STAGE_SILENCE": "90"}).stage_silence == 90
+    assert Home.from_environment({"HGS_STAGE_SILENCE": "90"}).stage_silence == StageSeconds(90.0)
+    assert Home.from_environment({"HGS_STAGE_REPORT": "90"}).stage_report == StageSeconds(90.0)
     for wrong in ("0", "-1", "nan", "inf", "soon"):
         with pytest.raises(InputError, match=f"HGS_STAGE_SILENCE: '{wrong}' is not a positive number of seconds"):
             Home.from_environment({"HGS_STAGE_SILENCE": wrong})
 
 
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", 90.0)
+    seconds = StageSeconds(90.0, (("train", 7.5),))
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", seconds, StageSeconds(0.5))
     assert Home.from_environment(home.environment()) == home

@@ -56,6 +56,22 @@ def test_where_nobody_can_tell_no_stage_is_taken_for_hung(seconds: list[float | 
     assert looks_until_over(Silence(1, 300)) == 0
 
 
+def test_without_a_word_for_very_long_a_busy_stage_is_over_too(seconds: list[float | None]) -> None:
+    silence = Silence(1, 300, 900)
+    looks = 0
+    while not silence.over:
+        seconds.append((seconds[-1] or 0) + 30)
+        silence.look()
+        looks += 1
+    assert looks * silence.interval == 900
+    silence = Silence(1, 300, 900)
+    for _ in range(100):
+        seconds.append((seconds[-1] or 0) + 30)
+        silence.broken()
+        silence.look()
+    assert not silence.over
+
+
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the system has no /proc")
 def test_the_time_of_all_processes_of_the_group_counts() -> None:
     # A little longer than is asked for below: the system counts in ticks of 10 ms.

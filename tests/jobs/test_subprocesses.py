@@ -13,7 +13,9 @@ from hgs_core.base.progress import Progress
 from hgs_core.runs.config import RunConfig
 from jobs import subprocesses
 from jobs.home import Home
+from jobs.out_of_memory import CURE
 from jobs.stage_silence import LOOKS, Silence
+from jobs.stages import StageSeconds
 from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 
 
@@ -27,6 +29,9 @@ def make_run(tmp_path: Path) -> Callable[..., Path]:
         return tmp_path / "run"
 
     return make_run
+
+
+HUNG = StageOutcome("train: hung: nothing was heard of it for too long, and it was killed", killed=True)
 
 
 def iterations_of(run: Path) -> list[str]:
@@ -68,10 +73,31 @@ def test_a_failure_has_its_reason_and_its_traceback_in_the_log(home: Home, make_
     asyncio.run(body())
 
 
-def test_an_outcome_by_signal_says_so(home: Home, make_run: Callable[..., Path]) -> None:
+@pytest.mark.parametrize(
+    ("kills", "said"),
+    [
+        ([6, 6], "train: ended by SIGKILL from outside; the system did not run out of memory"),
+        ([6, 7], f"train: out of memory: the system killed it; {CURE}"),
+        ([None, None], "train: ended by SIGKILL (out of memory?)"),
+    ],
+)
+def test_an_outcome_by_signal_says_so(
+    home: Home, make_run: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, kills: list[int | None], said: str
+) -> None:
+    monkeypatch.setattr(subprocesses, "system_kills", lambda: kills.pop(0))
+
     async def body() -> None:
-        outcome = await Stage(home, make_run("die", 10)).task
-        assert outcome == StageOutcome("train: ended by SIGKILL (out of memory?)", killed=True)
+        assert await Stage(home, make_run("die", 10)).task == StageOutcome(said, killed=True)
+
+    asyncio.run(body())
+
+
+def test_a_stage_without_memory_says_so_itself(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        outcome = await Stage(home, make_run("memory", 10)).task
+        assert outcome.error.startswith("out of memory: Unable to allocate 1.00 EiB for an array")
+        assert outcome.error.endswith(CURE)
+        assert not outcome.killed
 
     asyncio.run(body())
 
@@ -130,8 +156,16 @@ def test_a_stopping_worker_records_no_outcome(home: Home, make_run: Callable[...
 
 def test_a_stage_that_hangs_is_killed(home: Home, make_run: Callable[..., Path]) -> None:
     async def body() -> None:
-        outcome = await Stage(dataclasses.replace(home, stage_silence=5.0), make_run("hang once", 10)).task
-        assert outcome == StageOutcome("train: hung: it neither reported nor computed, and was killed", killed=True)
+        impatient = dataclasses.replace(home, stage_silence=StageSeconds(1000.0, (("train", 5.0),)))
+        assert await Stage(impatient, make_run("hang once", 10)).task == HUNG
+
+    asyncio.run(body())
+
+
+def test_a_stage_that_computes_for_ever_is_killed(home: Home, make_run: Callable[..., Path]) -> None:
+    async def body() -> None:
+        impatient = dataclasses.replace(home, stage_silence=StageSeconds(10.0), stage_report=StageSeconds(5.0))
+        assert await Stage(impatient, make_run("compute", 10)).task == HUNG
 
     asyncio.run(body())
 
@@ -150,7 +184,7 @@ def test_a_stage_that_computes_without_a_word_is_not(
 
     async def body() -> None:
         run = make_run("compute", 10)
-        stage = Stage(dataclasses.replace(home, stage_silence=5.0), run)
+        stage = Stage(dataclasses.replace(home, stage_silence=StageSeconds(5.0)), run)
         while len(iterations_of(run)) < 6:
             await asyncio.sleep(0.05)
         looks.clear()

@@ -15,7 +15,7 @@ from jobs.client import JobClient
 from jobs.home import Home
 from jobs.job_history import read_course
 from jobs.job_request import JobRequest
-from jobs.stage import STAGES
+from jobs.stages import STAGES, StageSeconds
 from jobs.store import Job, JobState
 from jobs.worker import start_worker
 
@@ -117,14 +117,15 @@ def test_a_stage_that_is_always_killed_fails_the_job(
 ) -> None:
     worker()
     job = wait_for(submit(iterations=4, behaviour="die"), finished, "the failure")
-    assert (job.state, job.error) == (JobState.FAILED, "train: ended by SIGKILL (out of memory?)")
+    assert job.state is JobState.FAILED
+    assert job.error.startswith("train: ended by SIGKILL ")  # and then whether the system lacked memory
 
 
 @pytest.mark.slow
 def test_a_stage_that_hangs_is_started_again(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
 ) -> None:
-    worker(stage_silence=5.0)
+    worker(stage_silence=StageSeconds(5.0))
     job = wait_for(submit(iterations=20, behaviour="hang once"), finished, "the end of the job")
     assert (job.state, job.attempt) == (JobState.SUCCEEDED, 1)
     assert iterations(client, job.id) == [*range(11), *range(10, 20)]

@@ -44,8 +44,8 @@ class FakeStages:
     async def run(self, workflow: str, stage: str, run: Path, on_progress: OnProgress) -> StageOutcome:
         self.started.append((workflow, stage, run))
         for report in self.reports:
-            self.on_report()
             await on_progress(report)
+            self.on_report()
         outcome = self.outcomes.pop(0)
         if isinstance(outcome, OSError):
             raise outcome
@@ -162,6 +162,15 @@ class TestStages:
         stages.outcomes = [killed, killed, killed, StageOutcome()]
         assert run_stage(workflow) == killed
         assert len(stages.started) == 3
+
+    def test_a_stage_that_comes_further_each_time_is_started_again_and_again(
+        self, workflow: TrainingWorkflow, stages: FakeStages
+    ) -> None:
+        stages.outcomes = [*[StageOutcome("ended by SIGKILL", killed=True)] * 8, StageOutcome()]
+        stages.reports = [Progress("train", 0, 100)]
+        stages.on_report = lambda: stages.reports.__setitem__(0, Progress("train", len(stages.started), 100))
+        assert run_stage(workflow) == StageOutcome()
+        assert len(stages.started) == 9
 
     def test_a_stage_that_failed_by_itself_is_not_started_again(
         self, workflow: TrainingWorkflow, stages: FakeStages

@@ -2,9 +2,9 @@
 like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
-SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "full once" (meets a full disk at half-time),
-"compute" (at half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and
-keeps no checkpoint).
+SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it
+at half-time), "full once" (meets a full disk at half-time), "compute" (at half-time without a word until there is a
+file `enough` in the run folder), or "deaf" (ignores SIGTERM and keeps no checkpoint).
 Every iteration appends its process id and number to `iterations.log` in the run folder.
 """
 
@@ -17,6 +17,7 @@ import signal
 import time
 from pathlib import Path
 
+import numpy as np
 from scene_folder import write_scene
 
 from hgs_core.base.errors import InputError
@@ -81,6 +82,8 @@ def _misbehave(behaviour: str, run: Path) -> None:
     if behaviour == "die" or (behaviour == "die once" and not (run / "died").exists()):
         (run / "died").touch()
         os.kill(os.getpid(), signal.SIGKILL)
+    if behaviour == "memory":
+        np.zeros(1 << 60, np.uint8)
     if behaviour == "hang once" and not (run / "hung").exists():
         (run / "hung").touch()
         os.kill(os.getpid(), signal.SIGSTOP)
