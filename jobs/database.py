@@ -31,13 +31,15 @@ KEEPALIVES = {"keepalives_idle": "5", "keepalives_interval": "2", "keepalives_co
 def connection_url(home: Home) -> sa.URL:
     """Return the URL that every connection to the home's database uses.
 
-    For Postgres it asks the server and the system here to test idle connections every few seconds. What the user's URL
+    For Postgres it asks the server and the system here to test idle connections every few seconds, and the server to
+    end sessions that stand still for a minute inside a transaction, with their locks. What the user's URL
     says of these settings, as parameters or in `options`, stays as it is.
     """
     url = sa.make_url(home.database_url)
     if url.get_backend_name() == "sqlite":
         return url
-    on_server = (f"-c {name if name.startswith('tcp_') else 'tcp_' + name}={KEEPALIVES[name]}" for name in KEEPALIVES)
+    on_server = [f"-c {name if name.startswith('tcp_') else 'tcp_' + name}={KEEPALIVES[name]}" for name in KEEPALIVES]
+    on_server.append("-c idle_in_transaction_session_timeout=60000")
     own = url.query.get("options", ())
     options = " ".join([*on_server, *((own,) if isinstance(own, str) else own)])  # the last word counts
     query = {**KEEPALIVES, **url.query, "options": options}
@@ -49,15 +51,19 @@ def dbos_url(home: Home) -> str:
     return connection_url(home).render_as_string(hide_password=False)
 
 
-def create_engine(home: Home) -> sa.Engine:
-    """Return an engine for the home's database; nothing connects yet.
+def create_engine(home: Home, most: int = 15) -> sa.Engine:
+    """Return an engine for the home's database, with at most so many connections to a server; nothing connects yet.
 
     On SQLite every transaction that writes takes the write lock when it begins, so that two writers queue up instead of
     failing half-way, and waits for it up to 30 s.
     """
     url = connection_url(home)
     if url.get_backend_name() != "sqlite":
-        return sa.create_engine(url, pool_pre_ping=True, connect_args={"connect_timeout": 10})
+        # The pool keeps five, or all if they are fewer; the rest comes and goes.
+        size = min(most, 5)
+        return sa.create_engine(
+            url, pool_pre_ping=True, pool_size=size, max_overflow=most - size, connect_args={"connect_timeout": 10}
+        )
     engine = sa.create_engine(url)
 
     @sa.event.listens_for(engine, "connect")

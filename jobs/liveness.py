@@ -41,11 +41,11 @@ class Liveness(Protocol):
         """Return whether `executor` was not alive when it was last looked at, but may yet prove that it is."""
 
 
-def open_liveness(home: Home) -> Liveness:
-    """Return the kind that fits the database."""
+def open_liveness(home: Home, engine: sa.Engine) -> Liveness:
+    """Return the kind that fits the database; `engine` is for looks at others, one connection at a time."""
     if sa.make_url(home.database_url).get_backend_name() == "sqlite":
         return FileLiveness(home.folder / "live")
-    return PostgresLiveness(connection_url(home))
+    return PostgresLiveness(connection_url(home), engine)
 
 
 class FileLiveness:
@@ -97,11 +97,18 @@ class PostgresLiveness:
     """
 
     def __init__(
-        self, url: str | sa.URL, *, patience: float = 20.0, grace: float = 30.0, interval: float = 1.0
+        self,
+        url: str | sa.URL,
+        looks: sa.Engine | None = None,
+        *,
+        patience: float = 20.0,
+        grace: float = 30.0,
+        interval: float = 1.0,
     ) -> None:
         """Prepare to connect to `url`, which has short keepalives for both ends (`connection_url`).
 
-        All times in seconds, `patience` well below `grace`.
+        Others are looked at with connections of `looks`, else with new ones. All times in seconds, `patience` well
+        below `grace`.
         """
         self._patience, self._grace, self._interval = patience, grace, interval
         # Without a pool, closing a connection ends its session, and with it the lock.
@@ -111,13 +118,14 @@ class PostgresLiveness:
             isolation_level="AUTOCOMMIT",
             connect_args={"connect_timeout": 5},
         )
+        self._looks = looks or self._engine
         self._first_seen_dead: dict[str, float] = {}
         self._last_proof = 0.0
         self._lost = threading.Event()
 
     def hold(self, executor: str, on_lost: Callable[[], None]) -> None:
         """Be alive as `executor`; `on_lost` is called from a thread once `patience` has run out."""
-        connection = self._take(executor)
+        connection = self._take(executor, self._engine)
         if connection is None:
             raise RuntimeError(f"executor {executor} already exists")
         self._last_proof = _now()
@@ -127,7 +135,7 @@ class PostgresLiveness:
     @contextmanager
     def claim_dead(self, executor: str) -> Iterator[bool]:
         """Yield True if the lock of `executor` has been free for `grace` seconds."""
-        connection = self._take(executor)
+        connection = self._take(executor, self._looks)
         if connection is None:
             self._first_seen_dead.pop(executor, None)
             yield False
@@ -150,9 +158,9 @@ class PostgresLiveness:
         """Return whether the lock of `executor` was free when it was last looked at, but not for `grace` seconds."""
         return executor in self._first_seen_dead
 
-    def _take(self, executor: str) -> sa.Connection | None:
+    def _take(self, executor: str, engine: sa.Engine) -> sa.Connection | None:
         """Return a connection that holds the lock of `executor`, or None if another has it."""
-        connection = self._engine.connect()
+        connection = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
         taken = False
         try:
             taken = connection.execute(sa.select(sa.func.pg_try_advisory_lock(_key(executor)))).scalar_one()
@@ -166,7 +174,7 @@ class PostgresLiveness:
         while not self._lost.wait(self._interval):
             try:
                 if connection is None:
-                    connection = self._take(executor)
+                    connection = self._take(executor, self._engine)
                 if connection is not None:
                     connection.execute(sa.select(1))
                     self._last_proof = _now()

@@ -40,7 +40,9 @@ WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
 LEAVE_SECONDS = 5.0  # to hand the running job over at the end
-POOL_SIZE = 3  # connections of DBOS to Postgres, for its queues, its clock and the workflow
+# Connections to Postgres of the job table and DBOS together; the proof of life has another.
+# Two, since whoever holds one may need another for a moment (a job is put off, a dead worker's are queued again).
+MOST_CONNECTIONS = 2
 FENCED = 3  # exit status after losing the proof of life
 
 log = logging.getLogger(__name__)
@@ -64,22 +66,21 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     if exit_with_parent:
         when_parent_is_gone(stop.set)
 
-    engine = create_engine(home)
+    engine = create_engine(home, MOST_CONNECTIONS)
     identity = prepare_database(home, engine, metadata)
     queue = open_client(home, engine)
     queue.register_queue(TRAINING_QUEUE, worker_concurrency=1, polling_interval_sec=POLL_INTERVAL)
     stages = StageRunner(home)
     executor = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(4)}"
-    liveness = open_liveness(home)
+    liveness = open_liveness(home, engine)
     liveness.hold(executor, on_lost=lambda: _fence(stages))
 
     dbos = DBOS(
         config={
             "name": APPLICATION,
             "system_database_url": dbos_url(home),
-            "system_database_engine": engine if engine.dialect.name == "sqlite" else None,
-            "sys_db_pool_size": POOL_SIZE,
-            "use_listen_notify": False,  # two connections less: nothing here waits for events
+            "system_database_engine": engine,
+            "use_listen_notify": False,  # a connection less: nothing here waits for events
             "executor_id": executor,
             "application_version": WORKFLOW_VERSION,
             "serializer": DBOSPortableJSONSerializer(),

@@ -34,6 +34,8 @@ FIRST_WAIT, LONGEST_WAIT = 5.0, 7200.0  # seconds that a job is put off for when
 AWAY = 60.0  # seconds that a worker leaves jobs to others after it has not seen the capture of one
 WELL = 300.0  # seconds of work after which the next wait is again the first
 
+DATABASE_FAULTS = (sa.exc.DBAPIError, sa.exc.TimeoutError)  # the latter: no connection was free for half a minute
+
 log = logging.getLogger(__name__)
 
 Result = TypeVar("Result")
@@ -81,8 +83,9 @@ class TrainingWorkflow:
                         outcome = StageOutcome(**recorded) if isinstance(recorded, dict) else StageOutcome(recorded)
                         if outcome != StageOutcome():
                             break
-                except sa.exc.DBAPIError as error:  # the outcome of a stage could not be recorded
-                    outcome = StageOutcome(waiting=f"the job database fails: {one_line(error.orig)}")
+                except DATABASE_FAULTS as error:  # the outcome of a stage could not be recorded
+                    reason = one_line(getattr(error, "orig", None) or error)
+                    outcome = StageOutcome(waiting=f"the job database fails: {reason}")
                 if outcome.waiting:
                     again = 0 if time.monotonic() - began > WELL else waits  # it was well in between
                     await _persist(self._put_off, job_id, attempt, outcome, again, stage)
@@ -195,7 +198,7 @@ async def _persist(write: Callable[..., Result], *arguments: Any) -> Result:
         try:
             return await asyncio.to_thread(write, *arguments)
         except Exception as error:
-            if not isinstance(error, sa.exc.DBAPIError) and not reason_to_wait(error):
+            if not isinstance(error, DATABASE_FAULTS) and not reason_to_wait(error):
                 raise
             log.warning("will try again in %g s: %s", wait, one_line(error))
         await asyncio.sleep(wait)

@@ -54,6 +54,23 @@ def test_cancel_and_retry_are_the_same_as_on_sqlite(
     assert [iteration for _, iteration in iterations(home.run(job_id))] == list(range(150))
 
 
+def test_a_worker_has_three_connections_at_most(
+    home: Home, server: PostgresServer, client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker]
+) -> None:
+    job_id = submit(iterations=100, behaviour="full once")  # it is put off once
+    client.close()
+    database = sa.make_url(home.database_url).database
+    assert database
+    worker()
+    others = "strpos(query, 'pg_stat_activity') = 0"  # all but those that ask, of which the last may still be leaving
+    count = f"SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND {others}"
+    state = f"SELECT state, '/* pg_stat_activity */' FROM hgs_job WHERE id = '{job_id}'"
+    most = 0
+    while server.execute(database, state)[0][0] not in ("succeeded", "failed"):
+        most = max(most, server.execute(database, count)[0][0])
+    assert most == 3
+
+
 def test_old_attempts_cannot_write(home: Home, client: object, submit: Callable[..., str]) -> None:
     engine = create_engine(home)
     table = JobTable(engine)
