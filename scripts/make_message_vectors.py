@@ -30,6 +30,10 @@ CLIENT: dict[str, dict[str, Any]] = {
         "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
         "splats": 100000, "bytes_per_second": 250000,
     },
+    "hello-following": {
+        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "follow": True,
+    },
     "hello-resuming": {
         "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]], "codings": [],
         "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
@@ -59,6 +63,10 @@ SERVER: dict[str, dict[str, Any]] = {
     "welcome-back": {
         "type": "welcome", "protocol": 2, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
     },
+    "grow": {"type": "grow", "growth": b'{"segments": [], "slices": []}', "manifest_id": OTHER, "remaining": 70000},
+    "grow-compressed": {
+        "type": "grow", "growth": b"\x1f\x8b\x08\x00", "manifest_id": OTHER, "remaining": 0, "coding": "gzip"
+    },
     "slice-base": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 0},
     "slice": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 1},
     "slice-of-version-1": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0},
@@ -82,6 +90,7 @@ REFUSED_BY_SERVER: dict[str, bytes] = {
     "hello-too-slow": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "bytes_per_second": 4095}),
     "hello-bits-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "have_bits": "05"}),
     "hello-codings-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "codings": "gzip"}),
+    "hello-follow-of-a-number": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "follow": 1}),
     "limits-negative": msgpack.packb({"type": "limits", "splats": -1}),
     "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
     "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),
@@ -92,6 +101,7 @@ REFUSED_BY_CLIENT: dict[str, bytes] = {
     "no-type": msgpack.packb({"bytes": 1}),
     "end-without-bytes": msgpack.packb({"type": "end"}),
     "end-with-text": msgpack.packb({"type": "end", "bytes": "1"}),
+    "grow-without-growth": msgpack.packb({"type": "grow", "manifest_id": ID, "remaining": 1}),
     "missing-with-text": msgpack.packb({"type": "missing", "id": "00"}),
     "cut-off": msgpack.packb({"type": "end", "bytes": 70000})[:-2],
 }

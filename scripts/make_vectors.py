@@ -309,6 +309,8 @@ WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["antialiased"], 1, "manifest.antialiased"),
     (["metres_per_unit"], 0, "manifest.metres_per_unit"),
     (["metres_per_unit"], "1", "manifest.metres_per_unit"),
+    (["live"], 0, "manifest.live"),
+    (["live"], True, "manifest.live"),
     (["captured_space"], [], "manifest.captured_space"),
     (["captured_space", "front"], None, "manifest.captured_space.front"),
     (["captured_space", "front", 2], "ahead", "manifest.captured_space.front[2]"),

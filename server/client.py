@@ -17,9 +17,10 @@ import msgpack
 import websockets
 from websockets.asyncio.client import ClientConnection
 
+from hgs_core.codec.format.growth import apply_growth, continues
 from hgs_core.codec.format.manifest import Manifest
 from server.playback import Throughput
-from server.protocol import CHUNK_FRAME, HEADER_BYTES, PROTOCOL_VERSION, Credit, Hello, Limits, Ping, encode
+from server.protocol import CHUNK_FRAME, HEADER_BYTES, MAX_HAVE, PROTOCOL_VERSION, Credit, Hello, Limits, Ping, encode
 
 __all__ = ["StreamClient", "StreamRefusedError"]
 
@@ -38,7 +39,8 @@ class StreamRefusedError(Exception):
 
 
 class StreamClient:
-    """Receives a scene and keeps it in memory; comes back with what it has after a broken connection.
+    """Receives a scene and keeps it in memory; comes back with what it has after a broken connection, and follows a
+    scene that grows.
 
     `run` receives until it is cancelled. `arrived` is called whenever `manifest` or `have` may have changed.
     """
@@ -69,6 +71,7 @@ class StreamClient:
         self._place, self._rate = at, rate
         self._parts: dict[str, bytearray] = {}
         self._manifest_id: bytes | None = None
+        self._document: dict[str, Any] = {}  # of the manifest
         self._socket: ClientConnection | None = None
         self._window = self._granted = 0
         self._trip = SHORTEST_TRIP
@@ -133,16 +136,20 @@ class StreamClient:
     async def _greet(self, socket: ClientConnection) -> None:
         self._window = self._granted = SMALLEST_WINDOW
         self._told = (0.0, 0.0)
+        grows = self.manifest is not None and self.manifest.live is not None  # then it may have become another one
+        latest = list(self.have)[-MAX_HAVE:] if grows else ()
         hello = Hello(
             self._protocol,
             SMALLEST_WINDOW,
-            have_bits=self._bits() if self.manifest is not None else None,
+            have=frozenset(map(bytes.fromhex, latest)),
+            have_bits=self._bits() if self.manifest is not None and not grows else None,
             codings=("gzip",),
             parts={bytes.fromhex(name): len(part) for name, part in self._parts.items()},
             manifest_id=self._manifest_id,
             time=self._place,
             rate=self._rate,
             splats=self._splats,
+            follow=True,
         )
         await socket.send(encode(hello))
         self._pinged = time.monotonic()
@@ -168,11 +175,12 @@ class StreamClient:
         match message["type"]:
             case "welcome" if message["manifest"]:
                 self.manifests += 1
-                self._manifest_id = message["manifest_id"]
-                document = message["manifest"]
-                if message.get("coding") == "gzip":
-                    document = gzip.decompress(document)
-                self.manifest = Manifest.from_json(json.loads(document), f"manifest of {self._url}")
+                document = _json(message, "manifest")
+                if self.manifest is not None and not continues(document, self._document):
+                    raise StreamRefusedError("another scene has taken its place")
+                self._read(document, message["manifest_id"])
+            case "grow":
+                self._read(apply_growth(self._document, _json(message, "growth")), message["manifest_id"])
             case "pong" if self._pinged is not None:
                 self._trip = max(SHORTEST_TRIP, time.monotonic() - self._pinged)
                 self._pinged = None
@@ -183,6 +191,10 @@ class StreamClient:
                 self.complete = True
             case "error":
                 raise StreamRefusedError(f"{message['code']}: {message['detail']}")
+
+    def _read(self, document: dict[str, Any], manifest_id: bytes) -> None:
+        self.manifest = Manifest.from_json(document, f"manifest of {self._url}")
+        self._document, self._manifest_id, self.complete = document, manifest_id, False
 
     async def _frame(self, message: bytes) -> None:
         offset, size = struct.unpack_from("<II", message, 4)
@@ -216,3 +228,9 @@ class StreamClient:
         if self._protocol > 1 and rate and now - at >= TELL_SECONDS and not same:
             self._told = (now, rate)
             await self.send(Limits(splats=self._splats, measured=int(rate)))
+
+
+def _json(message: dict[str, Any], field: str) -> dict[str, Any]:
+    data = message[field]
+    document: dict[str, Any] = json.loads(gzip.decompress(data) if message.get("coding") == "gzip" else data)
+    return document

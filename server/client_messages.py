@@ -140,6 +140,13 @@ def _codings(fields: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(value)
 
 
+def _follow(fields: Mapping[str, Any]) -> bool:
+    value = fields.get("follow", False)
+    if not isinstance(value, bool):
+        raise _malformed(f"hello.follow: {value!r:.80} is not true or false")
+    return value
+
+
 def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
@@ -158,6 +165,7 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
         splats=_optional_uint(fields, "splats"),
         bytes_per_second=_rate_limit(fields),
+        follow=_follow(fields),
     )
 
 

@@ -99,7 +99,7 @@ class Buffer:
 
 @dataclass
 class Clock:
-    """A playhead that enters no moment that cannot be shown; it loops."""
+    """A playhead that enters no moment that cannot be shown. It loops, or waits at the edge of a scene that grows."""
 
     buffer: Buffer
     time: float  # seconds of the scene
@@ -108,6 +108,7 @@ class Clock:
     waited: float = 0.0  # seconds, since it first moved
     started: float | None = None  # when it first moved
     waiting: bool = True
+    at_edge: bool = False  # it waits for the scene to grow, which is no stall
     _reserve: float = FIRST
     _last: float | None = None
 
@@ -122,16 +123,17 @@ class Clock:
         self._last = now
         manifest = self.buffer.manifest
         next_time = self.time + min(0.25, passed) * self.rate
-        if next_time >= manifest.end:
+        self.at_edge = manifest.live is not None and next_time >= manifest.end
+        if next_time >= manifest.end and not self.at_edge:
             next_time = manifest.start
-        moves = self.buffer.playable(next_time, have)
+        moves = not self.at_edge and self.buffer.playable(next_time, have)
         if moves and self.waiting:
             moves = self.buffer.lasts(next_time, self.rate, have, line, self._reserve)
         before, self.waiting = self.waiting, not moves
         if moves:
             self.time, self._reserve = next_time, AGAIN
             self.started = now if self.started is None else self.started
-        elif self.started is not None:
+        elif self.started is not None and not self.at_edge:
             self.waited += passed
             self.stalls += not before
         return before != self.waiting

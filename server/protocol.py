@@ -30,6 +30,7 @@ __all__ = [
     "Credit",
     "End",
     "Error",
+    "Grow",
     "Hello",
     "Limits",
     "Missing",
@@ -91,6 +92,7 @@ class Hello:
     codings: tuple[str, ...] = ()  # in which it takes the manifest, beside the manifest as it is
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
+    follow: bool = False  # whether the client takes what is added to a scene that grows
 
 
 @dataclass(frozen=True)
@@ -158,6 +160,17 @@ class Welcome:
 
 
 @dataclass(frozen=True)
+class Grow:
+    """The scene has grown: what makes its new manifest of the one that the client has, as JSON."""
+
+    type: ClassVar[str] = "grow"
+    growth: bytes  # in `coding`
+    manifest_id: bytes  # the SHA-256 of the new manifest
+    remaining: int  # bytes of chunks to come
+    coding: str | None = None  # "gzip"; None for JSON as it is
+
+
+@dataclass(frozen=True)
 class SliceSent:
     """The chunks of the slice `index`, [start, end] in seconds, have been sent, were in the have-list or are missing.
 
@@ -206,7 +219,7 @@ class Error:
 
 
 ClientMessage = Hello | Credit | Seek | Play | Pause | Limits | Ping
-ServerMessage = Welcome | SliceSent | Missing | Pong | End | Error
+ServerMessage = Welcome | Grow | SliceSent | Missing | Pong | End | Error
 
 
 def encode(message: ServerMessage | ClientMessage) -> bytes:
@@ -216,6 +229,8 @@ def encode(message: ServerMessage | ClientMessage) -> bytes:
         fields["have"] = sorted(message.have)
         fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
         fields["codings"] = list(message.codings)
+        if not message.follow:
+            del fields["follow"]
     packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
     return packed
 

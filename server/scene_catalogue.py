@@ -1,7 +1,7 @@
 """The published scenes: what the list tells of each, and the indices of those that are watched, kept in memory.
 
-A manifest never changes once it is published, so each is read once; a scene that was taken back and published anew has
-another version. A scene that was renamed costs one read of its title.
+A scene that is complete never changes, so each manifest is read once; a scene that has grown, or was taken back and
+published anew, has another version. A scene that was renamed costs one read of its title.
 """
 
 from __future__ import annotations
@@ -156,6 +156,7 @@ class SceneCatalogue:
             "bytes_total": scene.bytes_total,
             "splats_static": scene.splats_static,
             "splats_dynamic": scene.splats_dynamic,
+            "live": scene.live is not None,
         }
         return _Known(entry.version, entry.renamed, encodable(description))
 

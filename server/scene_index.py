@@ -6,9 +6,10 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec.format.growth import continues, growth_of
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import Manifest
 from server.slice_queue import SliceQueue
@@ -58,6 +59,7 @@ class SceneIndex:
     slices: tuple[Slice, ...]  # in order of time
     splats_static: int
     splats_dynamic: int
+    live: int | None = None  # the number of the manifest of a scene that grows; None: it is complete
 
     @cached_property
     def chunk_ids(self) -> frozenset[str]:
@@ -91,6 +93,10 @@ class SceneIndex:
         """The size of the whole scene: its chunks and its manifest."""
         return self.chunk_bytes + len(self.manifest)
 
+    def growth(self, earlier: SceneIndex) -> bytes | None:
+        """Return as JSON what makes this manifest of that of an earlier index; None if it is another scene's."""
+        return _growth(self.manifest, earlier.manifest)
+
     def alive(self, time: float) -> list[int]:
         """Return the indices of the slices that are shown at `time`, in seconds."""
         found = []
@@ -99,6 +105,14 @@ class SceneIndex:
             found.append(index)
             index = self.queue.first_shown_after(time, index + 1)
         return found
+
+
+@lru_cache(maxsize=16)  # all who watch a scene ask for the same
+def _growth(later: bytes, earlier: bytes) -> bytes | None:
+    after, before = json.loads(later), json.loads(earlier)
+    if not continues(after, before):
+        return None
+    return json.dumps(growth_of(after, before), separators=(",", ":")).encode()
 
 
 def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
@@ -129,4 +143,5 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
         ),
         splats_static=described.totals.splats_static,
         splats_dynamic=described.totals.splats_dynamic,
+        live=described.live,
     )

@@ -55,6 +55,14 @@ class SendOrder:
         self._details = deque(chunk for chunk in self._scene.static if chunk.layer > 0)
         self._slices = self._scene.queue.copy()
 
+    def grow(self, scene: SceneIndex, splats: int | None) -> None:
+        """Send what has been added to the scene, too; `splats` is the limit."""
+        ends = [piece.end for piece in scene.slices]
+        self._scene = scene
+        self._bases, self._slices = self._bases.grown(ends), self._slices.grown(ends)
+        if splats is not None:
+            self.limit(splats)
+
     def has(self, chunk: Chunk) -> bool:
         """Return whether the chunk need not be sent."""
         return chunk.id in self._have or chunk.id in self._left_out

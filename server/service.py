@@ -23,6 +23,7 @@ from server.capture_folders import CaptureFolders
 from server.capture_list import CaptureList
 from server.chunk_cache import ChunkCache
 from server.job_events import JobFollowers
+from server.live_scenes import LiveScenes
 from server.metrics import Metrics
 from server.open_streams import OpenStreams
 from server.problems import ProblemError
@@ -89,12 +90,14 @@ class Service:
     capture_list: CaptureList = field(init=False)
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
+    live: LiveScenes = field(init=False)
 
     def __post_init__(self) -> None:
         """Make what is kept in memory of the queue and the store."""
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
         self.capture_list = CaptureList(self.captures)
+        self.live = LiveScenes(self.catalogue.scene, self.watchers.tell)
 
     def known_job(self, job_id: str) -> Job:
         """Return a job.

@@ -36,6 +36,14 @@ class SliceQueue:
         other._tree = self._tree[:]
         return other
 
+    def grown(self, ends: Sequence[float]) -> SliceQueue:
+        """Return a queue of more slices, the later of which are queued, and of the others those that are here."""
+        other = SliceQueue(ends)
+        for index in range(len(self._ends)):
+            if self._tree[self._leaves + index] == _ABSENT:
+                other.discard(index)
+        return other
+
     def add(self, index: int) -> None:
         """Queue the slice `index`, unless it is queued."""
         self._set(index, self._ends[index])

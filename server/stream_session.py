@@ -13,8 +13,8 @@ from typing import assert_never
 
 from server.client_messages import decode
 from server.content_coding import compress
+from server.playhead import Playhead
 from server.protocol import (
-    DEFAULT_RATE,
     HEADER_BYTES,
     MAX_BALANCE,
     MAX_PAYLOAD,
@@ -22,6 +22,7 @@ from server.protocol import (
     PROTOCOL_VERSION,
     Credit,
     End,
+    Grow,
     Hello,
     Limits,
     Missing,
@@ -38,7 +39,7 @@ from server.protocol import (
 from server.scene_index import Chunk, SceneIndex
 from server.send_order import COMPLETE, Mark, SendOrder
 
-__all__ = ["MAX_UNSENT", "ChunkPart", "Playhead", "StreamSession"]
+__all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
 PACE_SECONDS = 0.125  # of a limited rate that go at once
@@ -51,31 +52,6 @@ class ChunkPart:
     chunk: Chunk
     offset: int
     length: int
-
-
-@dataclass
-class Playhead:
-    """Where a looping player is, by dead reckoning from its last message."""
-
-    start: float  # seconds; the scene's interval
-    end: float
-    time: float  # at the moment `clock`
-    clock: float = 0.0  # seconds of the caller's monotonic clock
-    rate: float = DEFAULT_RATE  # scene seconds per second
-
-    def set(self, time: float, clock: float, rate: float | None = None) -> None:
-        """Move to `time`, clamped to the scene."""
-        self.time = min(max(time, self.start), self.end)
-        self.clock = clock
-        self.rate = self.rate if rate is None else rate
-
-    def at(self, clock: float) -> float:
-        """Return the scene's time at the moment `clock`, wrapped at the end as a looping player does."""
-        time = self.time + self.rate * max(clock - self.clock, 0.0)
-        if time <= self.end:
-            return time
-        duration = self.end - self.start
-        return self.start + (time - self.start) % duration if duration > 0 else self.start
 
 
 class StreamSession:
@@ -99,7 +75,14 @@ class StreamSession:
         self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
-        self._playhead = Playhead(scene.start, scene.end, scene.start)
+        self._playhead = Playhead(scene.start, scene.end, scene.start, grows=scene.live is not None)
+        self._follows = False
+        self._gzip = False
+
+    @property
+    def scene(self) -> SceneIndex:
+        """The scene, as far as it has grown."""
+        return self._scene
 
     @property
     def balance(self) -> int:
@@ -150,6 +133,32 @@ class StreamSession:
             return self._outbox.popleft()
         return None if chunk is None or clock < self._next_frame else self._part(chunk, clock)
 
+    def grow(self, scene: SceneIndex, clock: float) -> None:
+        """Go on with a later version of the scene at the moment `clock`, unless the client does not follow it.
+
+        Raises:
+            ProtocolError: it is another scene.
+        """
+        before = self._scene
+        if scene.manifest_id == before.manifest_id or (self._greeted and not self._follows):
+            return
+        growth = scene.growth(before)
+        if growth is None:
+            if before.growth(scene) is not None:  # it was read before this session began
+                return
+            raise ProtocolError(4004, "scene-changed", "another scene has taken its place")
+        self._scene = scene
+        self._playhead.set(self._playhead.at(clock), clock)
+        self._playhead.end, self._playhead.grows = scene.end, scene.live is not None
+        if not self._greeted:
+            return
+        self._order.grow(scene, self._limits.splats)
+        self._ended = False
+        coding = "gzip" if self._gzip else None
+        remaining = sum(size for chunk, size in scene.sizes.items() if chunk not in before.sizes)
+        growth = compress(growth, "gzip") if coding else growth
+        self._outbox.append(encode(Grow(growth, scene.manifest_id, remaining, coding)))
+
     def wait(self, clock: float) -> float | None:
         """Return after how many seconds `take` has more without a message of the client, None if it never has."""
         return self._next_frame - clock if clock < self._next_frame else None
@@ -175,6 +184,7 @@ class StreamSession:
                 raise ProtocolError(4000, "malformed", detail)
         self._greeted = True
         self._version = hello.protocol
+        self._follows, self._gzip = hello.follow, "gzip" in hello.codings
         self._grant(hello.credits)
         have = {chunk for chunk in hello.have if chunk in sizes}
         known = hello.manifest_id == scene.manifest_id
@@ -188,7 +198,7 @@ class StreamSession:
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
         kept = sum(sizes[chunk] for chunk in have) + sum(self._offsets.values())
         manifest, coding = (b"", None) if known else (scene.manifest, None)
-        if manifest and "gzip" in hello.codings:
+        if manifest and self._gzip:
             manifest, coding = compress(manifest, "gzip"), "gzip"
         welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, scene.chunk_bytes - kept, coding)
         self._outbox.append(encode(welcome))

@@ -49,9 +49,13 @@ class Viewer:
     async def frame(self) -> None:
         """Wait for the next frame, and move the playhead."""
         await asyncio.sleep(TICK)
-        if self.clock is None and self.client.manifest is not None:
-            buffer = Buffer(self.client.manifest, by_layers=self._by_layers)
-            self.clock = Clock(buffer, self.client.manifest.start)
+        manifest = self.client.manifest
+        if manifest is not None and (self.clock is None or self.clock.buffer.manifest is not manifest):
+            buffer = Buffer(manifest, by_layers=self._by_layers)
+            if self.clock is None:
+                self.clock = Clock(buffer, manifest.start)
+            else:
+                self.clock.buffer = buffer  # the scene has grown
         if (clock := self.clock) is None:
             return
         now = time.monotonic()

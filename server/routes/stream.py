@@ -12,9 +12,11 @@ from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
 from server.chunk_cache import ChunkCache
+from server.live_scenes import LiveScenes
 from server.problems import ProblemError, problem_response
 from server.protocol import Error, ProtocolError, chunk_header, encode
-from server.service import ServiceDep
+from server.scene_index import SceneIndex
+from server.service import Service, ServiceDep
 from server.stream_session import ChunkPart, StreamSession
 from server.token_bucket import TokenBucket
 
@@ -42,7 +44,7 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
             scene = await run_in_threadpool(service.catalogue.scene, scene_id)
             session = StreamSession(scene)
             try:
-                await _converse(socket, session, service.chunks, gone)
+                await _converse(socket, session, service, gone)
             finally:
                 service.metrics.stream_waits.inc(session.waits)
     except WebSocketDisconnect:
@@ -56,14 +58,15 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
         await _refuse(socket, 1011, "internal", "a fault of the server; its log says more")
 
 
-async def _converse(socket: WebSocket, session: StreamSession, chunks: ChunkCache, gone: asyncio.Event) -> None:
+async def _converse(socket: WebSocket, session: StreamSession, service: Service, gone: asyncio.Event) -> None:
     """Read and write at once, until the scene is `gone`; whichever side fails first ends all."""
     news = asyncio.Event()
     budget = TokenBucket(MESSAGE_RATE, MESSAGE_BURST)
     sides = {
         asyncio.create_task(_listen(socket, session, budget, news)),
-        asyncio.create_task(_speak(socket, session, chunks, budget, news)),
+        asyncio.create_task(_speak(socket, session, service.chunks, budget, news)),
         asyncio.create_task(_await_deletion(gone)),
+        asyncio.create_task(_grow(session, service.live, news)),
     }
     try:
         done, _ = await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
@@ -111,6 +114,15 @@ async def _speak(
             await socket.send_bytes(_frame(item, data))
             budget.earn(1)
         await asyncio.sleep(0)  # sending does not wait while the socket has room, and others want to be served too
+
+
+async def _grow(session: StreamSession, live: LiveScenes, news: asyncio.Event) -> NoReturn:
+    """Give the session every later version of its scene, if the scene grows; end only with a fault."""
+    versions: asyncio.Queue[SceneIndex] = asyncio.Queue()
+    with live.follow(session.scene, versions.put_nowait):
+        while True:
+            session.grow(await versions.get(), time.monotonic())
+            news.set()
 
 
 async def _await_deletion(gone: asyncio.Event) -> NoReturn:

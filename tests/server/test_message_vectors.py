@@ -38,6 +38,8 @@ def _fields(message: ClientMessage) -> dict[str, Any]:
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
         fields["codings"] = list(message.codings)
+        if not message.follow:
+            del fields["follow"]
         fields["parts"] = [[chunk, kept] for chunk, kept in message.parts.items()]
     return {name: value for name, value in fields.items() if value is not None}
 

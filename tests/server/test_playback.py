@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from hgs_core.codec.format.growth import first_segments
 from hgs_core.codec.format.manifest import Manifest
 from server.playback import Buffer, Clock, Throughput
 from server.stream_bench import made_up_scene
@@ -8,6 +9,19 @@ MADE_UP: Manifest = made_up_scene(10, static_bytes=1200, slice_bytes=90).manifes
 ROOM = [entry.id for entry in MADE_UP.static]
 BASES = [piece.chunks[0].id for piece in MADE_UP.slices]
 DETAILS = [piece.chunks[1].id for piece in MADE_UP.slices]
+
+
+def test_playhead_waits_at_the_edge_and_goes_on_when_the_scene_has_grown() -> None:
+    have = {*ROOM, *BASES, *DETAILS}
+    clock = Clock(Buffer(first_segments(MADE_UP, 1)), 1.9)
+    for now in (0.0, 0.05, 0.1, 0.2, 5.0):
+        clock.tick(now, have, 1e6)
+    assert 1.9 < clock.time < 2.0
+    assert (clock.at_edge, clock.waiting, clock.stalls, clock.waited) == (True, True, 0, 0.0)
+    clock.buffer = Buffer(MADE_UP)
+    clock.tick(5.2, have, 1e6)
+    assert (clock.at_edge, clock.waiting) == (False, False)
+    assert clock.time > 2.0
 
 
 def test_throughput_is_the_lower_of_two_means() -> None:

@@ -132,3 +132,14 @@ def test_work_for_a_frame_grows_by_the_logarithm_of_the_number_of_slices() -> No
         work[count] = lines_run(lambda session=session: [session.take(0.0) for _ in range(20)])  # type: ignore[misc]
         work[count] += lines_run(lambda scene=scene, count=count: scene.alive(count / 3))  # type: ignore[misc]
     assert work[1024] < 2 * work[64]
+
+
+def test_queue_that_grows_keeps_what_was_taken_out() -> None:
+    queue = SliceQueue([1.0, 2.0, 3.0])
+    queue.discard(0)
+    grown = queue.grown([1.0, 2.0, 3.0, 4.0, 5.0])
+    found = []
+    while (index := grown.next(3.0)) is not None:
+        found.append(index)
+        grown.discard(index)
+    assert found == [3, 4, 1, 2]

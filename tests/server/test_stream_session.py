@@ -3,6 +3,7 @@ from __future__ import annotations
 import dataclasses
 import gzip
 import hashlib
+import json
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from hgs_core.codec.format.growth import apply_growth, first_segments
 from server.protocol import (
     HEADER_BYTES,
     MAX_BALANCE,
@@ -26,9 +28,10 @@ from server.protocol import (
     Seek,
     encode,
 )
-from server.scene_index import Chunk, SceneIndex
+from server.scene_index import Chunk, SceneIndex, read_scene
 from server.send_order import COMPLETE
-from server.stream_session import MAX_UNSENT, ChunkPart, Playhead, StreamSession
+from server.stream_bench import made_up_scene
+from server.stream_session import MAX_UNSENT, ChunkPart, StreamSession
 
 MakeScene = Callable[..., SceneIndex]
 WINDOW = 1 << 24
@@ -67,6 +70,12 @@ def step(session: StreamSession, frames: int, clock: float = 0.0) -> list[ChunkP
         if isinstance(item, ChunkPart):
             parts.append(item)
     return parts
+
+
+def growing_scene(segments: int) -> SceneIndex:
+    """Return a scene of three segments when it has the first so many."""
+    manifest = first_segments(made_up_scene(6, static_bytes=90_000, slice_bytes=9000).manifest, segments)
+    return read_scene("bench", json.dumps(manifest.to_json(), separators=(",", ":")).encode())
 
 
 def test_nothing_is_said_before_hello(make_scene: MakeScene) -> None:
@@ -331,17 +340,60 @@ def test_hello_comes_once(make_scene: MakeScene) -> None:
         session.receive(encode(Hello(2, 0)), 0.0)
 
 
-def test_playhead_wraps_as_a_looping_player_does() -> None:
-    playhead = Playhead(start=10.0, end=14.0, time=10.0)
-    playhead.set(13.0, clock=100.0, rate=2.0)
-    assert playhead.at(100.5) == 14.0
-    assert playhead.at(101.0) == 11.0
-    playhead.set(99.0, clock=101.0)
-    assert playhead.at(101.0) == 14.0
+def test_follower_gets_what_is_added_and_nothing_twice() -> None:
+    first, second, last = (growing_scene(count) for count in (1, 2, 3))
+    session = start(first, follow=True)
+    items = drain(session)
+    for scene, before in ((second, first), (last, second)):
+        session.grow(scene, 1.0)
+        session.grow(scene, 1.0)  # the same again is no news
+        added = drain(session, 1.0)
+        assert added[0]["type"] == "grow"
+        document = apply_growth(json.loads(before.manifest), json.loads(added[0]["growth"]))
+        assert document == json.loads(scene.manifest)
+        assert added[0]["manifest_id"] == scene.manifest_id
+        assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
+        assert added[-1]["type"] == "end"
+        assert marks_of(added) == [k for k in range(len(scene.slices)) if k >= len(before.slices)]
+        items += added
+    received = [chunk.id for chunk in chunks_of(items)]
+    assert len(received) == len(set(received)) == len(last.sizes)
 
 
-def test_playhead_of_a_moment_stands() -> None:
-    assert Playhead(start=1.0, end=1.0, time=1.0).at(5.0) == 1.0
+def test_who_does_not_follow_keeps_the_scene_as_it_was() -> None:
+    session = start(growing_scene(1))
+    drain(session)
+    session.grow(growing_scene(2), 1.0)
+    assert drain(session, 1.0) == []
+
+
+def test_scene_that_grows_before_hello_is_welcomed_as_it_is() -> None:
+    session = StreamSession(growing_scene(1))
+    session.grow(growing_scene(2), 0.0)
+    session.receive(encode(Hello(2, WINDOW)), 0.0)
+    assert drain(session)[0]["manifest"] == growing_scene(2).manifest
+
+
+def test_older_version_is_no_news_and_another_scene_ends_the_stream(make_scene: MakeScene) -> None:
+    session = start(growing_scene(2), follow=True)
+    drain(session)
+    session.grow(growing_scene(1), 1.0)
+    assert drain(session, 1.0) == []
+    other = dataclasses.replace(
+        growing_scene(3),
+        manifest=growing_scene(3).manifest.replace(b"Made up", b"Other").replace(b'"extent":4.0', b'"extent":5.0'),
+    )
+    with pytest.raises(ProtocolError, match="another scene"):
+        session.grow(other, 1.0)
+
+
+def test_growth_keeps_the_limit_of_splats() -> None:
+    session = start(growing_scene(1), follow=True, splats=1)
+    before = chunks_of(drain(session))
+    session.grow(growing_scene(3), 1.0)
+    added = drain(session, 1.0)
+    assert {chunk.layer for chunk in (*before, *chunks_of(added))} == {0}
+    assert added[-1]["left_out"] > 0
 
 
 ACTIONS = st.one_of(

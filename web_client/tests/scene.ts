@@ -34,6 +34,7 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   training: {},
   antialiased: false,
   metresPerUnit: null,
+  live: null,
   capturedSpace: null,
   ...fields,
 });

@@ -97,6 +97,7 @@ class Manifest:
     captured_space: CapturedSpace | None = None  # from where it can be looked at with trust; None: not known
     metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
     version: int = VERSIONS[0]  # of the format: the latest of any chunk
+    live: int | None = None  # the scene grows, and this is its manifest's number, from 1; None: it is complete
 
     @property
     def chunks(self) -> tuple[ChunkEntry, ...]:
@@ -149,6 +150,8 @@ class Manifest:
             document["captured_space"] = self.captured_space.to_json()
         if self.metres_per_unit is not None:
             document["metres_per_unit"] = self.metres_per_unit
+        if self.live is not None:
+            document["live"] = self.live
         return document
 
     @classmethod
@@ -187,6 +190,7 @@ class Manifest:
             captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
             metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
             version=version,
+            live=root["live"].whole(1) if "live" in root.mapping() else None,
         )
         _check_references(manifest, root)
         return manifest

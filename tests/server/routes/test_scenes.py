@@ -22,6 +22,7 @@ def test_scene_is_described(server: Any, chunks: list[bytes], manifest: bytes) -
         "bytes_total": sum(map(len, chunks)) + len(manifest),
         "splats_static": 2,
         "splats_dynamic": 60,
+        "live": False,
     }
 
 

@@ -121,6 +121,7 @@ export function parseManifest(json: unknown): Manifest {
     thumbnail: root.get("thumbnail").flag(),
     training: root.get("training").object(),
     antialiased: root.has("antialiased") && root.get("antialiased").flag(),
+    live: root.has("live") ? root.get("live").whole(1) : null,
     metresPerUnit: root.has("metres_per_unit") ? root.get("metres_per_unit").positive() : null,
     capturedSpace: root.has("captured_space") ? readCapturedSpace(root.get("captured_space")) : null,
   };

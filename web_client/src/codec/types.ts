@@ -150,6 +150,8 @@ export interface Manifest {
   readonly antialiased: boolean;
   /** Length of a world unit; null where it is not known. */
   readonly metresPerUnit: number | null;
+  /** The scene grows, and this is its manifest's number, from 1; null: it is complete. */
+  readonly live: number | null;
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }

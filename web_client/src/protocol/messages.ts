@@ -25,6 +25,8 @@ export type ClientMessage =
       rate: number;
       splats?: number;
       bytes_per_second?: number;
+      /** Whether what is added to a scene that grows is wanted. */
+      follow?: boolean;
     }
   | { type: "credit"; bytes: number }
   | { type: "seek"; time: number }
@@ -42,6 +44,16 @@ export type ServerMessage =
       /** In `coding`; empty if hello named it. */
       manifest: Uint8Array<ArrayBuffer>;
       /** Of the manifest itself. */
+      manifest_id: Uint8Array;
+      remaining: number;
+      coding?: string;
+    }
+  /** The scene has grown: what makes its new manifest of the one that is here, as JSON. */
+  | {
+      type: "grow";
+      /** In `coding`. */
+      growth: Uint8Array<ArrayBuffer>;
+      /** Of the new manifest. */
       manifest_id: Uint8Array;
       remaining: number;
       coding?: string;
@@ -71,6 +83,7 @@ export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
 
 const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "number" | "string" | "bytes">>>> = {
   welcome: { protocol: "number", scene: "string", manifest: "bytes", manifest_id: "bytes", remaining: "number" },
+  grow: { growth: "bytes", manifest_id: "bytes", remaining: "number" },
   missing: { id: "bytes" },
   slice: { index: "number", start: "number", end: "number" },
   pong: { id: "number" },

@@ -21,6 +21,7 @@ describe("parseManifest", () => {
     expect(manifest.training).toEqual({ psnr: 31.5 });
     expect(manifest.antialiased).toBe(true);
     expect(manifest.metresPerUnit).toBe(0.5);
+    expect(manifest.live).toBeNull();
     expect(manifest.capturedSpace).toEqual({
       front: [0, 0, -1],
       azimuth: 0.7,

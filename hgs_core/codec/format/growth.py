@@ -1,0 +1,60 @@
+"""How the manifest of a scene that grows follows from the one before (docs/format.md, "Scenes that grow")."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.manifest import Manifest
+
+__all__ = ["apply_growth", "continues", "first_segments", "growth_of"]
+
+Document = Mapping[str, Any]
+
+_APPENDED = ("segments", "slices")
+_FREE = frozenset({*_APPENDED, "version", "title", "end", "totals", "thumbnail", "training", "live"})
+
+
+def continues(later: Document, earlier: Document) -> bool:
+    """Return whether a manifest, as plain JSON, is a later version of a scene that grows than another one."""
+    before, after = earlier.get("live"), later.get("live")
+    if before is None or (after is not None and after <= before):
+        return False
+    if later["end"] < earlier["end"] or later["version"] < earlier["version"]:
+        return False
+    if any(later[name][: len(earlier[name])] != earlier[name] for name in _APPENDED):
+        return False
+    return all(later.get(name) == earlier.get(name) for name in (later.keys() | earlier.keys()) - _FREE)
+
+
+def growth_of(later: Document, earlier: Document) -> dict[str, Any]:
+    """Return what makes the later manifest of the earlier one, which it `continues`: `apply_growth` undoes it."""
+    growth = {name: value for name, value in later.items() if name == "live" or value != earlier.get(name)}
+    return growth | {name: later[name][len(earlier[name]) :] for name in _APPENDED}
+
+
+def apply_growth(earlier: Document, growth: Document) -> dict[str, Any]:
+    """Return the later manifest.
+
+    Raises:
+        InputError: `growth` is none.
+    """
+    if not all(isinstance(growth.get(name), list) for name in _APPENDED):
+        raise InputError("growth", "names no segments or slices", "use a server and a client of one version")
+    kept = {name: value for name, value in earlier.items() if name != "live"}
+    return kept | dict(growth) | {name: earlier[name] + growth[name] for name in _APPENDED}
+
+
+def first_segments(manifest: Manifest, count: int) -> Manifest:
+    """Return the manifest of a scene's first `count` segments, at least one: what it is as long as it has no others."""
+    segments = manifest.segments[:count]
+    rest = len(manifest.segments) > count
+    return dataclasses.replace(
+        manifest,
+        end=manifest.segments[count].start if rest else manifest.end,
+        segments=segments,
+        slices=tuple(piece for piece in manifest.slices if piece.segment < count),
+        live=count if rest else manifest.live,
+    )

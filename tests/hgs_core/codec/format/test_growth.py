@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.growth import apply_growth, continues, first_segments, growth_of
+from hgs_core.codec.format.manifest import Manifest
+
+COMPLETE: dict[str, Any] = json.loads(
+    (Path(__file__).resolve().parents[3] / "vectors" / "manifest.json").read_text(encoding="utf-8")
+)
+
+
+def version(count: int) -> dict[str, Any]:
+    return first_segments(Manifest.from_json(COMPLETE), count).to_json()
+
+
+FIRST, LAST = version(1), version(2)
+
+
+def test_first_segments_are_a_manifest_of_their_own() -> None:
+    manifest = Manifest.from_json(FIRST)
+    assert (manifest.live, len(manifest.segments), {piece.segment for piece in manifest.slices}) == (1, 1, {0})
+    assert manifest.end == COMPLETE["segments"][1]["start"]
+    assert Manifest.from_json(COMPLETE).to_json() == LAST
+
+
+def test_growth_makes_the_later_manifest_of_the_earlier_one() -> None:
+    assert continues(LAST, FIRST)
+    growth = growth_of(LAST, FIRST)
+    assert apply_growth(FIRST, growth) == LAST
+    assert len(growth["segments"]) == 1
+    assert "static" not in growth
+
+
+def test_only_later_versions_continue() -> None:
+    assert not continues(FIRST, FIRST)
+    assert not continues(FIRST, LAST)
+    assert not continues(LAST | {"live": 1}, FIRST)
+    assert continues(LAST | {"live": 2}, FIRST)
+
+
+@pytest.mark.parametrize("name", ["extent", "static", "cameras", "antialiased", "metres_per_unit"])
+def test_what_is_there_does_not_change(name: str) -> None:
+    assert not continues(LAST | {name: "another"}, FIRST)
+
+
+def test_slices_that_are_there_do_not_change() -> None:
+    later = copy.deepcopy(LAST)
+    later["slices"][0]["chunks"] = []
+    assert not continues(later, FIRST)
+
+
+def test_growth_without_lists_is_refused() -> None:
+    with pytest.raises(InputError, match="segments"):
+        apply_growth(FIRST, {"end": 3.0})
