@@ -10,7 +10,7 @@ from server.client import StreamClient, StreamRefusedError
 from server.protocol import Play
 from server.stream_bench import made_up_scene, serving
 
-SCENE = made_up_scene(2, static_bytes=400_000, slice_bytes=90_000)
+SCENE = made_up_scene(2, static_bytes=1_800_000, slice_bytes=300_000)  # a chunk is several frames
 
 
 def with_client(talk: Callable[[StreamClient], Awaitable[None]], scene: str = "bench") -> StreamClient:

@@ -100,10 +100,20 @@ def test_limit_of_splats_leaves_out_what_no_picture_has_room_for(make_scene: Mak
     order.limit(400)
     assert sorted(sizes(order)) == [100] * 5  # two static ones, two of the slice with most, and the other's base
     assert order.left_out == 300
-    order.limit(10)  # bases always come
-    assert order.left_out == 300
     order.limit(None)
     assert list(sizes(order)) == [100] * 3
+
+
+def test_bases_come_whatever_the_limit(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([100, 100, 100, 100], [(0.0, 1.0, [100, 100, 100])]))
+    order.limit(10)
+    assert (list(sizes(order)), order.left_out) == ([100, 100], 500)
+
+
+def test_static_chunks_have_the_room_that_what_moves_does_not_need(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([101, 101, 101, 101], [(0.0, 1.0, [50, 50])]))
+    order.limit(410)
+    assert sorted(sizes(order)) == [50, 50, 101, 101, 101]
 
 
 def chunks_of(scene: SceneIndex) -> list[Chunk]:
