@@ -1,13 +1,14 @@
 """The artifact store: published scenes and their chunks, in a folder or an object store such as S3.
 
 Layout: `scenes/<scene id>/manifest.json`, `scenes/<scene id>/thumbnail.jpg` and `chunks/<sha256>`, the chunks shared by
-all scenes. Nothing that was published is ever overwritten. A scene that was renamed has its new title beside it, in
-`scenes/<scene id>/title.txt`.
+all scenes. Nothing that was published is ever overwritten, but the manifest of a scene that grows by a later version.
+A scene that was renamed has its new title beside it, in `scenes/<scene id>/title.txt`.
 """
 
 from __future__ import annotations
 
 import contextlib
+import json
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ from obstore.store import LocalStore, ObjectStore, from_url
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest
+from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import Manifest
 from jobs.home import Home
 from jobs.store_lock import StoreLock
@@ -95,7 +97,8 @@ class ArtifactStore:
         """Publish an encoded scene: its chunks, then the thumbnail, then the manifest.
 
         Every chunk is decoded before it is stored, and the manifest comes last, so whoever sees the scene sees all of
-        it. Publishing again does nothing.
+        it. Publishing again does nothing, but where the scene there is an earlier version of this one: then what is new
+        is added. Of one scene, publish one version at a time.
 
         Raises:
             InputError: a malformed scene id, an unreadable manifest, or a file that is missing or damaged. The store
@@ -110,14 +113,20 @@ class ArtifactStore:
             self._put_scene(folder, manifest, scene_id, progress)
 
     def _put_scene(self, folder: Path, manifest: Manifest, scene_id: str, progress: ProgressCallback) -> None:
-        total = len(manifest.chunks) + 1
-        for done, (chunk, data) in enumerate(checked_chunks(folder, manifest)):
+        text, there = _read(folder / MANIFEST), self.manifest(scene_id)
+        grows = there is not None and replaces(text, there)
+        known = _chunk_names(there) if there is not None and grows else frozenset()
+        total = len(manifest.chunks) - len(known) + 1
+        for done, (chunk, data) in enumerate(checked_chunks(folder, manifest, known)):
             progress(Progress("publish", done, total))
             self._create(f"chunks/{chunk.id}", data)
         progress(Progress("publish", total - 1, total))
         if manifest.thumbnail:
             self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
-        self._create(f"scenes/{scene_id}/{MANIFEST}", _read(folder / MANIFEST))
+        if grows:
+            obstore.put(self._store, f"scenes/{scene_id}/{MANIFEST}", text)
+        else:
+            self._create(f"scenes/{scene_id}/{MANIFEST}", text)
         progress(Progress("publish", total, total))
 
     def list_scenes(self) -> list[SceneEntry]:
@@ -208,6 +217,10 @@ class ArtifactStore:
 def open_store(home: Home) -> ArtifactStore:
     """Return the store of a home, with the lock that all processes of the home share."""
     return ArtifactStore(home.store_url, home.folder / "store.lock")
+
+
+def _chunk_names(manifest: bytes) -> frozenset[str]:
+    return frozenset(entry.id for entry in Manifest.from_json(json.loads(manifest)).chunks)
 
 
 def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:

@@ -123,10 +123,13 @@ class Clock:
         self._last = now
         manifest = self.buffer.manifest
         next_time = self.time + min(0.25, passed) * self.rate
-        self.at_edge = manifest.live is not None and next_time >= manifest.end
-        if next_time >= manifest.end and not self.at_edge:
-            next_time = manifest.start
-        moves = not self.at_edge and self.buffer.playable(next_time, have)
+        ends = next_time >= manifest.end
+        if ends:
+            next_time = manifest.start if manifest.live is None else manifest.end
+        moves = self.buffer.playable(next_time, have)
+        self.at_edge = ends and moves and manifest.live is not None
+        if self.at_edge:
+            self.time, moves = next_time, False
         if moves and self.waiting:
             moves = self.buffer.lasts(next_time, self.rate, have, line, self._reserve)
         before, self.waiting = self.waiting, not moves

@@ -12,6 +12,7 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, checked_chunks, chunk_id, load_manifest
+from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest
 from server.publishing import encoded_scene
 
@@ -87,7 +88,7 @@ def _refuse_other_contents(to: Path, manifest: bytes, replace: bool) -> None:
             raise InputError(to, f"holds {strangers[0]}, but no scene", "give a new or an empty folder")
         return
     there = (to / MANIFEST).read_bytes()
-    if there == manifest:
+    if there == manifest or replaces(manifest, there):
         return
     if not _is_scene(there):
         raise InputError(to / MANIFEST, "is not a scene's", "give a new or an empty folder")

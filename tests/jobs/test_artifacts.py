@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -13,6 +14,7 @@ from hgs_core.base.progress import Progress
 from hgs_core.codec.format.chunk import pack, unpack
 from jobs.artifacts import ArtifactStore
 from tests.chunks import static_chunk
+from tests.growing import MOVING, STATIC, write_growing_scene
 
 ONE, TWO = static_chunk(b"one"), static_chunk(b"two")
 
@@ -46,6 +48,34 @@ def test_a_published_scene_can_be_read(store: ArtifactStore, scene: Path) -> Non
     assert store.manifest("studio-1") == (scene / "manifest.json").read_bytes()
     assert store.thumbnail("studio-1") == b"a picture"
     assert [store.chunk(name_of(data)) for data in (ONE, TWO)] == [ONE, TWO]
+
+
+def test_scene_grows_by_versions_and_never_shrinks(store: ArtifactStore, tmp_path: Path) -> None:
+    folder = tmp_path / "growing"
+    versions = {}
+    for segments in (1, 3, 2):
+        versions[segments] = write_growing_scene(folder, segments)
+        before = store.scene_entry("growing")
+        store.put_scene(folder, "growing")
+        assert store.scene_entry("growing") != before or segments == 2
+    assert store.manifest("growing") == versions[3]
+    assert {chunk.id for chunk in store.list_chunks()} == {name_of(data) for data in (STATIC, *MOVING)}
+
+
+def test_growth_reads_no_chunk_again_and_a_damaged_one_changes_nothing(store: ArtifactStore, tmp_path: Path) -> None:
+    folder = tmp_path / "growing"
+    first = write_growing_scene(folder, 1)
+    store.put_scene(folder, "growing")
+    shutil.rmtree(folder / "chunks")
+    second = write_growing_scene(folder, 2)
+    (folder / "chunks" / name_of(STATIC)).unlink()
+    (folder / "chunks" / name_of(MOVING[1])).write_bytes(b"damaged")
+    with pytest.raises(InputError, match="bytes"):
+        store.put_scene(folder, "growing")
+    assert store.manifest("growing") == first
+    (folder / "chunks" / name_of(MOVING[1])).write_bytes(MOVING[1])
+    store.put_scene(folder, "growing")
+    assert store.manifest("growing") == second
 
 
 def test_scenes_are_listed_newest_first(store: ArtifactStore, scene: Path, tmp_path: Path) -> None:

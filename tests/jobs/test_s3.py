@@ -111,7 +111,7 @@ class TestOutage:
         server.stop()
         job = wait_for(job_id, lambda job: bool(job.waiting) or job.state.finished, "the fault")
         assert job.state is JobState.WAITING
-        assert job.waiting.startswith("the store fails: Generic S3 error: Error performing PUT ")
+        assert job.waiting.startswith("the store fails: Generic S3 error: Error performing GET ")
         assert "RetryError" not in job.waiting  # none of the pages that the library adds
         assert job.cause == "store"
         another = submit()

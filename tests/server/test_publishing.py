@@ -10,6 +10,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from jobs.artifacts import ArtifactStore
 from server.publishing import publish_run
+from tests.growing import write_growing_scene
 
 
 @pytest.fixture
@@ -36,6 +37,14 @@ def test_another_scene_of_the_same_name_gets_an_id_of_its_own(store: ArtifactSto
     assert publish_run(store, scene_folder) == second
     with pytest.raises(InputError, match="another scene has this id"):
         publish_run(store, scene_folder, "studio-run")
+
+
+def test_scene_that_has_grown_is_published_in_place_of_what_it_was(store: ArtifactStore, tmp_path: Path) -> None:
+    run = tmp_path / "growing"
+    for segments in (1, 2, 3):
+        manifest = write_growing_scene(run / "scene", segments)
+        assert publish_run(store, run) == "growing"
+        assert store.manifest("growing") == manifest
 
 
 def test_run_without_a_scene_is_refused(store: ArtifactStore, tmp_path: Path) -> None:

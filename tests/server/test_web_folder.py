@@ -17,6 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.folder import chunk_bytes, load_manifest
 from server.web_folder import publish_to_folder
+from tests.growing import write_growing_scene
 
 
 @pytest.fixture
@@ -126,6 +127,17 @@ def test_another_scene_is_refused_unless_it_may_be_replaced(
     assert tree(web) == before
     publish_to_folder(other_scene, web, player=None, replace=True)
     assert tree(web) == tree(other_scene / "scene") < before
+
+
+def test_a_scene_that_has_grown_needs_no_leave_to_replace_what_it_was(tmp_path: Path) -> None:
+    run, site = tmp_path / "run", tmp_path / "site"
+    for segments in (1, 3):
+        manifest = write_growing_scene(run / "scene", segments)
+        publish_to_folder(run, site, player=None)
+        assert (site / "manifest.json").read_bytes() == manifest
+    write_growing_scene(run / "scene", 2)
+    with pytest.raises(InputError, match="another scene"):
+        publish_to_folder(run, site, player=None)
 
 
 def test_while_a_scene_is_replaced_the_old_one_is_whole(scene_folder: Path, other_scene: Path, tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -96,8 +96,8 @@ def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
     return _decoded(folder, entry, chunk_bytes(folder, entry))
 
 
-def checked_chunks(folder: Path, manifest: Manifest) -> Iterator[tuple[ChunkEntry, bytes]]:
-    """Yield the chunks of a scene folder in the manifest's order, with their bytes; each is read once.
+def checked_chunks(folder: Path, manifest: Manifest, known: Container[str] = ()) -> Iterator[tuple[ChunkEntry, bytes]]:
+    """Yield the chunks of a scene folder in the manifest's order, with their bytes; read once, or never if `known`.
 
     Before a chunk is yielded it has been decoded, so what it holds is known to be what the manifest says of it.
 
@@ -105,9 +105,10 @@ def checked_chunks(folder: Path, manifest: Manifest) -> Iterator[tuple[ChunkEntr
         InputError: a chunk is missing or wrong; names its file.
     """
     for entry in manifest.static:
-        yield entry, _in_place(folder, entry, None)[0]
+        if entry.id not in known:
+            yield entry, _in_place(folder, entry, None)[0]
     for piece in manifest.slices:
-        for entry in piece.chunks:
+        for entry in (entry for entry in piece.chunks if entry.id not in known):
             yield entry, _in_place(folder, entry, manifest.segments[piece.segment])[0]
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from collections.abc import Mapping
 from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.manifest import Manifest
 
-__all__ = ["apply_growth", "continues", "first_segments", "growth_of"]
+__all__ = ["apply_growth", "continues", "first_segments", "growth_of", "replaces"]
 
 Document = Mapping[str, Any]
 
@@ -27,6 +28,14 @@ def continues(later: Document, earlier: Document) -> bool:
     if any(later[name][: len(earlier[name])] != earlier[name] for name in _APPENDED):
         return False
     return all(later.get(name) == earlier.get(name) for name in (later.keys() | earlier.keys()) - _FREE)
+
+
+def replaces(later: bytes, earlier: bytes) -> bool:
+    """Return whether the bytes of a manifest are a later version of those of another one; damaged ones are none."""
+    try:
+        return continues(json.loads(later), json.loads(earlier))
+    except (ValueError, RecursionError, AttributeError, TypeError, KeyError):
+        return False
 
 
 def growth_of(later: Document, earlier: Document) -> dict[str, Any]:

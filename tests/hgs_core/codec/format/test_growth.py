@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.growth import apply_growth, continues, first_segments, growth_of
+from hgs_core.codec.format.growth import apply_growth, continues, first_segments, growth_of, replaces
 from hgs_core.codec.format.manifest import Manifest
 
 COMPLETE: dict[str, Any] = json.loads(
@@ -59,3 +59,11 @@ def test_slices_that_are_there_do_not_change() -> None:
 def test_growth_without_lists_is_refused() -> None:
     with pytest.raises(InputError, match="segments"):
         apply_growth(FIRST, {"end": 3.0})
+
+
+def test_damaged_manifests_are_no_later_versions() -> None:
+    first, last = json.dumps(FIRST).encode(), json.dumps(LAST).encode()
+    assert replaces(last, first)
+    for damaged in (b"", b"[]", b"{}", b'{"live": "1"}', b"\xff"):
+        assert not replaces(damaged, first)
+        assert not replaces(last, damaged)
