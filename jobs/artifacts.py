@@ -24,7 +24,7 @@ from obstore.store import LocalStore, ObjectStore, from_url
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest
+from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest, stored_sizes
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import Manifest
 from jobs.home import Home
@@ -107,7 +107,7 @@ class ArtifactStore:
         if not SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
         manifest = load_manifest(folder)
-        total = len(manifest.chunks) + 1
+        total = len(stored_sizes(manifest)) + 1
         waiting = Progress("publish", 0, total)
         with contextlib.nullcontext() if self._lock is None else self._lock.publishing(lambda: progress(waiting)):
             self._put_scene(folder, manifest, scene_id, progress)
@@ -116,7 +116,7 @@ class ArtifactStore:
         text, there = _read(folder / MANIFEST), self.manifest(scene_id)
         grows = there is not None and replaces(text, there)
         known = _chunk_names(there) if there is not None and grows else frozenset()
-        total = len(manifest.chunks) - len(known) + 1
+        total = len(stored_sizes(manifest).keys() - known) + 1
         for done, (chunk, data) in enumerate(checked_chunks(folder, manifest, known)):
             progress(Progress("publish", done, total))
             self._create(f"chunks/{chunk.id}", data)
@@ -220,7 +220,7 @@ def open_store(home: Home) -> ArtifactStore:
 
 
 def _chunk_names(manifest: bytes) -> frozenset[str]:
-    return frozenset(entry.id for entry in Manifest.from_json(json.loads(manifest)).chunks)
+    return frozenset(stored_sizes(Manifest.from_json(json.loads(manifest))))
 
 
 def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:

@@ -279,6 +279,33 @@ def captured_spaces() -> list[dict[str, object]]:
     return found
 
 
+def audio() -> dict[str, object]:
+    """The sound that this manifest may have, with a silence between two pieces of equal content."""
+    pieces = [
+        {"id": f"{name:064x}", "bytes": size, "start": start, "end": end}
+        for name, size, start, end in (
+            (16, 9000, -0.013, 0.987), (17, 700, 0.987, 1.5), (18, 650, 1.5, 1.7), (18, 650, 1.9, 2.1),
+        )
+    ]  # fmt: skip
+    return {"codec": "opus", "sample_rate": 48000, "channels": 2, "pieces": pieces}
+
+
+# What is put where in that sound, and the field that the error must name. A value of None removes the field.
+INVALID_AUDIO: list[tuple[list[str | int], object, str]] = [
+    (["codec"], 3, "audio.codec"),
+    (["codec"], None, "audio.codec"),
+    (["sample_rate"], 0, "audio.sample_rate"),
+    (["channels"], 1.5, "audio.channels"),
+    (["pieces"], [], "audio.pieces"),
+    (["pieces", 0, "id"], "../../secret", "audio.pieces[0].id"),
+    (["pieces", 0, "bytes"], 0, "audio.pieces[0].bytes"),
+    (["pieces", 3, "bytes"], 651, "audio.pieces[3].bytes"),
+    (["pieces", 1, "end"], 0.987, "audio.pieces[1].end"),
+    (["pieces", 1, "start"], -0.013, "audio.pieces[1].start"),
+    (["pieces", 2, "start"], None, "audio.pieces[2].start"),
+]
+
+
 # What is put where in that manifest, and the field that the error must name. A value of None removes the field.
 WRONG_FIELDS: list[tuple[list[str | int], object, str]] = [
     (["format"], "ply", "manifest.format"),
@@ -368,6 +395,8 @@ def main() -> None:
     (OUT / "captured_space.json").write_text(json.dumps(captured_spaces(), indent=1) + "\n")
     wrong = [{"at": at, "value": value, "field": field} for at, value, field in WRONG_FIELDS]
     (OUT / "invalid_manifest.json").write_text(json.dumps(wrong, indent=1) + "\n")
+    wrong = [{"at": at, "value": value, "field": field} for at, value, field in INVALID_AUDIO]
+    (OUT / "audio.json").write_text(json.dumps({"audio": audio(), "invalid": wrong}, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -11,7 +11,16 @@ from pathlib import Path
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, checked_chunks, chunk_id, load_manifest
+from hgs_core.codec.format.audio import AudioPiece
+from hgs_core.codec.format.folder import (
+    CHUNKS,
+    MANIFEST,
+    THUMBNAIL,
+    checked_chunks,
+    chunk_id,
+    load_manifest,
+    stored_sizes,
+)
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest
 from server.publishing import encoded_scene
@@ -107,7 +116,7 @@ def _is_scene(manifest: bytes) -> bool:
 def _write(
     scene: Path, to: Path, manifest: Manifest, text: bytes, player: Path | None, progress: ProgressCallback
 ) -> None:
-    total = len(manifest.chunks) + 1
+    total = len(stored_sizes(manifest)) + 1
     for done, (entry, data) in enumerate(checked_chunks(scene, manifest)):
         progress(Progress("publish", done, total))
         if not _is_whole(to / CHUNKS / entry.id, entry):
@@ -131,7 +140,7 @@ def _files(player: Path) -> Iterator[Path]:
     yield Path(PLAYER_SCRIPT)
 
 
-def _is_whole(file: Path, entry: ChunkEntry) -> bool:
+def _is_whole(file: Path, entry: ChunkEntry | AudioPiece) -> bool:
     return file.is_file() and file.stat().st_size == entry.bytes and chunk_id(file.read_bytes()) == entry.id
 
 
@@ -143,7 +152,7 @@ def _page(manifest: Manifest) -> str:
 
 def _remove_left_over(to: Path, manifest: Manifest) -> None:
     """Remove the chunks of a scene that was replaced, and what a kill has left."""
-    named = {entry.id for entry in manifest.chunks}
+    named = stored_sizes(manifest)
     left = [path for path in (to / CHUNKS).iterdir() if path.name not in named]
     left += [path for path in to.iterdir() if _TEMPORARY.fullmatch(path.name)]
     for path in left:

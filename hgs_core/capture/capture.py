@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import threading
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
@@ -15,7 +16,15 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import FrameCache, Neighbour
 from hgs_core.scene.camera import Camera
 
-__all__ = ["Capture", "FrameSource", "files_fingerprint"]
+__all__ = ["CameraVideo", "Capture", "FrameSource", "files_fingerprint"]
+
+
+@dataclass(frozen=True)
+class CameraVideo:
+    """The video of a camera."""
+
+    path: Path
+    stamps: npt.NDArray[np.float64]  # [N] of its frames, seconds of its own
 
 
 class FrameSource(Protocol):
@@ -47,6 +56,7 @@ class Capture:
         numbers: npt.NDArray[np.int64] | None = None,  # [C, F] of frames in the cameras' own footage; None: in order
         notes: Sequence[str] = (),
         unaligned: Sequence[Path] = (),
+        videos: Sequence[CameraVideo | None] = (),  # of each camera; None: it has pictures
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -71,6 +81,7 @@ class Capture:
         self._numbers = np.broadcast_to(in_order, (len(names), len(in_order))) if numbers is None else numbers
         self.notes = tuple(notes)  # what people should know: files left out, masks found
         self.unaligned = tuple(unaligned)  # the cameras' videos, where nothing says when they began; else none
+        self._videos = tuple(videos)
         self._source = source
         self._fingerprint = fingerprint
         self.cache_bytes = cache_bytes  # for decoded pictures
@@ -130,6 +141,19 @@ class Capture:
         """
         self._check(camera, frame)
         return int(self._numbers[camera, frame])
+
+    def video(self, camera: int) -> tuple[Path, float] | None:
+        """Return a camera's video and what is to be added to its own times, seconds, to have the capture's; None where
+        the camera has pictures instead.
+
+        Raises:
+            IndexError: no such camera.
+        """
+        self._check(camera, 0)
+        video = self._videos[camera] if self._videos else None
+        if video is None:
+            return None
+        return video.path, float(np.median(self._moments[camera] - video.stamps[self._numbers[camera]]))
 
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given mask [H, W], True = moves, or None if the capture gives none for this camera.

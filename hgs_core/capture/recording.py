@@ -13,11 +13,12 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
-from hgs_core.capture.capture import Capture, files_fingerprint
+from hgs_core.capture.capture import CameraVideo, Capture, files_fingerprint
 from hgs_core.capture.clock import Clock
 from hgs_core.capture.mask_files import MaskFiles
 from hgs_core.capture.picture import reduced_mask, reduced_picture
 from hgs_core.capture.straighten import WIDEST, StraightView
+from hgs_core.capture.video import VideoReader
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FrameReader", "Recording"]
@@ -90,6 +91,7 @@ class Recording:
             cache_bytes=cache_bytes,
             notes=said,
             unaligned=self.unaligned,
+            videos=[CameraVideo(r.path, r.seconds) if isinstance(r, VideoReader) else None for r in self.readers],
         )
 
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.capture.unreadable import unreadable
 
-__all__ = ["SOUND_RATE", "has_sound", "read_sound"]
+if TYPE_CHECKING:
+    import av.container
+
+__all__ = ["SOUND_RATE", "has_sound", "read_sound", "sound_begin"]
 
 SOUND_RATE = 16_000
 """Samples per second: claps and voices lie below 8 kHz."""
@@ -28,11 +32,8 @@ def has_sound(path: Path) -> bool:
         return False
 
 
-def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
-    """Return the first two minutes of a video's sound [N], its channels' mean; None if it has no sound track.
-
-    Sample 0 belongs to the moment of the video's first frame: sound from before it is cut off, and silence stands for
-    what is missing.
+def sound_begin(path: Path) -> float:
+    """Return when, by the times of a file with sound, sample 0 of `read_sound` is, seconds.
 
     Raises:
         InputError: the file is missing or its sound is damaged.
@@ -41,10 +42,30 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
 
     try:
         with av.open(str(path)) as container:
-            if not container.streams.audio or not container.streams.video:
+            begin = _begin(container)
+            if begin is None:
+                begin = float(next(container.decode(container.streams.audio[0])).time or 0.0)
+            return begin
+    except (av.FFmpegError, OSError, StopIteration) as error:
+        raise unreadable(path, error, "export it again", "the sound is unreadable") from error
+
+
+def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
+    """Return the first two minutes of a video's sound [N], its channels' mean; None if it has no sound track.
+
+    Sample 0 belongs to the moment of the video's first frame: sound from before it is cut off, and silence stands for
+    what is missing. In a file without pictures it is the first that sounds.
+
+    Raises:
+        InputError: the file is missing or its sound is damaged.
+    """
+    import av
+
+    try:
+        with av.open(str(path)) as container:
+            if not container.streams.audio:
                 return None
-            stream, video = container.streams.audio[0], container.streams.video[0]
-            begin = float((video.start_time or 0) * (video.time_base or 0))
+            stream, begin = container.streams.audio[0], _begin(container)
             resampler = av.AudioResampler(format="flt", layout="mono", rate=SOUND_RATE)
             parts: list[npt.NDArray[np.float32]] = []
             first: float | None = None
@@ -55,13 +76,22 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
                 for part in resampler.resample(frame):
                     parts.append(np.asarray(part.to_ndarray(), np.float32).reshape(-1))
                     samples += len(parts[-1])
-                if samples > (_LONGEST + max(0.0, begin - first)) * SOUND_RATE:
+                if samples > (_LONGEST + max(0.0, (begin or first) - first)) * SOUND_RATE:
                     break
     except (av.FFmpegError, OSError) as error:
         raise unreadable(path, error, "export it again, or use --sync motion", "the sound is unreadable") from error
     if first is None or samples == 0:
         return None
+    begin = first if begin is None else begin
     sound = np.concatenate(parts)
     lead = round((first - begin) * SOUND_RATE)
     sound = np.pad(sound, (lead, 0)) if lead > 0 else sound[-lead:]
     return np.asarray(sound[: round(_LONGEST * SOUND_RATE)], np.float32)
+
+
+def _begin(container: av.container.InputContainer) -> float | None:
+    """Return the time of a file's first picture, seconds; None without pictures."""
+    if not container.streams.video:
+        return None
+    video = container.streams.video[0]
+    return float((video.start_time or 0) * (video.time_base or 0))

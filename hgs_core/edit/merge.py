@@ -60,7 +60,7 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
           if renamed else []),
     )  # fmt: skip
     times = _clock(first.times, second.times, merged)
-    return Edit(ViewedScene(merged, cameras, times, first.up), nonzero(changes))
+    return Edit(ViewedScene(merged, cameras, times, first.up, first.begins), nonzero(changes))
 
 
 def _shifted(viewed: ViewedScene, by: float) -> ViewedScene:

@@ -87,7 +87,7 @@ def orient(viewed: ViewedScene, change: Similarity, *, up: bool = False) -> Edit
     segments = tuple(dataclasses.replace(s, dynamic=_dynamic(s.dynamic, change)) for s in scene.segments)
     moved = dataclasses.replace(scene, static=_static(scene.static, change), segments=segments)
     cameras = tuple(_camera(camera, change) for camera in viewed.cameras)
-    return Edit(ViewedScene(moved, cameras, viewed.times, chosen))
+    return Edit(ViewedScene(moved, cameras, viewed.times, chosen, viewed.begins))
 
 
 def _static(splats: StaticSplats[Floats], change: Similarity) -> StaticSplats[Floats]:

@@ -59,7 +59,12 @@ def trim(viewed: ViewedScene, start: float, end: float) -> Edit:
     times = viewed.times[(viewed.times >= start - SLACK) & (viewed.times <= end + SLACK)] - start
     kept = dataclasses.replace(scene, segments=tuple(parts))
     return Edit(
-        dataclasses.replace(viewed, scene=kept, times=np.maximum(times, 0.0) if len(times) else np.zeros(1)),
+        dataclasses.replace(
+            viewed,
+            scene=kept,
+            times=np.maximum(times, 0.0) if len(times) else np.zeros(1),
+            begins=viewed.begins + start,
+        ),
         nonzero((_unseen(scene, kept, asked),)),
     )
 

@@ -20,6 +20,7 @@ class ViewedScene:
     cameras: tuple[Camera, ...]  # none: they were made up, and will be again
     times: Doubles  # [F] seconds of the frames, increasing
     up: tuple[float, float, float] | None = None  # unit vector that somebody chose; None: what the cameras tell
+    begins: float = 0.0  # when, on the clock that it had before it was trimmed, seconds
 
 
 @dataclass(frozen=True)

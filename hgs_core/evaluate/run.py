@@ -85,7 +85,10 @@ def evaluate_run(
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
-        "bytes_total": totals.bytes_static + totals.bytes_dynamic + folder.manifest.stat().st_size,
+        "bytes_total": totals.bytes_static
+        + totals.bytes_dynamic
+        + manifest.bytes_audio
+        + folder.manifest.stat().st_size,
         "bytes_static": totals.bytes_static,
         "bytes_dynamic": totals.bytes_dynamic,
         "splats_static": totals.splats_static,

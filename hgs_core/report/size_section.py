@@ -50,7 +50,9 @@ def size_section(run: FinishedRun, chunks: Sequence[ChunkSize]) -> str:
         words = "Static layers: the most visible first. Dynamic layers: in order of time."
         charts += chart("By layer", column_chart("Kilobytes by layer", groups, "kB"), words)
     rows = _rows(chunks)
-    total = f"{run.bytes_total:,} bytes: chunks and a manifest of {manifest:,}; the thumbnail is not counted."
+    sound = run.manifest.bytes_audio
+    heard = f", sound of {sound:,}" if sound else ""
+    total = f"{run.bytes_total:,} bytes: chunks{heard} and a manifest of {manifest:,}; the thumbnail is not counted."
     head = ("attribute", "static bytes", "per splat", "dynamic bytes", "per splat")
     return section("size", "Size", [note(total), f'<div class="charts">{charts}</div>', table("Bytes", head, rows)])
 

@@ -47,9 +47,10 @@ class FinishedRun:
 
     @property
     def bytes_total(self) -> int:
-        """Return the bytes of chunks and manifest, as eval.json counts them."""
-        totals = self.manifest.totals
-        return totals.bytes_static + totals.bytes_dynamic + self.folder.manifest.stat().st_size
+        """Return the bytes of chunks, those of sound too, and manifest, as eval.json counts them."""
+        manifest = self.manifest
+        chunks = manifest.totals.bytes_static + manifest.totals.bytes_dynamic + manifest.bytes_audio
+        return chunks + self.folder.manifest.stat().st_size
 
     @property
     def seen(self) -> set[str]:

@@ -17,12 +17,13 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.codec import Manifest, load_manifest
-from hgs_core.codec.format.folder import MANIFEST
+from hgs_core.codec.format.folder import MANIFEST, read_audio
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.kept_views import KeptViews
+from hgs_core.runs.sound import write_sound
 from hgs_core.runs.source import open_source
 from hgs_core.runs.stages import encode
 from hgs_core.scene.files import save_scene
@@ -107,6 +108,7 @@ def edit_run(
     try:
         _write(RunFolder(temporary), source, given, viewed, changes, budget)
         encode(temporary, progress)
+        _carry_sound(source, temporary / "scene", viewed.begins)
         totals = load_manifest(temporary / "scene").totals
         kept = totals.splats_static + totals.splats_dynamic
         if kept == 0:
@@ -116,6 +118,14 @@ def edit_run(
         shutil.rmtree(temporary, ignore_errors=True)
     missed = Change(Action.LEFT_OUT, "splats", left - kept, left, "no picture misses them")
     return EditedRun(before, kept, nonzero((*changes, missed)))
+
+
+def _carry_sound(source: Path, scene: Path, begins: float) -> None:
+    """Keep the sound of the scene that was edited, which is `begins` seconds later on its clock."""
+    before = source if (source / MANIFEST).is_file() else RunFolder(source).scene
+    sound, manifest = read_audio(before, load_manifest(before)), load_manifest(scene)
+    if sound is not None:
+        write_sound(scene, sound.moved(-begins, manifest.start, manifest.end))
 
 
 def _write(

@@ -33,6 +33,7 @@ class RunSpec:
     found: Path | None = None  # a folder with cameras and a sync.json, where the capture's own could not be written
     prepared: bool = True  # False: cameras, or when the videos began, are still to be found
     edited: bool = False  # then without a capture
+    audio: str = "auto"  # the sound: of the capture, "none", or a file
 
     def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution.
@@ -60,6 +61,10 @@ class RunSpec:
     def trusting(self, poses: bool) -> RunSpec:
         """Return the specification with `trust_poses` as given; it decides whether a run goes on, not what it makes."""
         return dataclasses.replace(self, config=self.config.changed({"capture.trust_poses": poses}))
+
+    def with_audio(self, audio: str) -> RunSpec:
+        """Return the specification with another sound."""
+        return dataclasses.replace(self, audio=audio)
 
     def check_unchanged(self, capture: Capture) -> None:
         """Refuse a capture whose files are not those the run began with.
@@ -129,6 +134,8 @@ class RunFolder:
             value["prepared"] = False
         if spec.edited:
             value["edited"] = True
+        if spec.audio != "auto":
+            value["audio"] = spec.audio
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 
     @contextmanager
@@ -167,7 +174,8 @@ class RunFolder:
             prepared = bool(value.get("prepared", True))
             edited = bool(value.get("edited", False))
             capture, fingerprint = Path(value["capture"]), str(value["fingerprint"])
-            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited)
+            audio = str(value.get("audio", "auto"))
+            return RunSpec(capture, fingerprint, config, masks, without, found, prepared, edited, audio)
         except FileNotFoundError as error:
             raise InputError(self.path, "is not a run: it has no run.json", "make one with hgs train") from error
         except InputError as error:

@@ -51,20 +51,29 @@ _NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wai
 log = logging.getLogger(__name__)
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
+def create_run(
+    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+) -> RunConfig:
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
-    `masks` is a folder of masks to use instead of the capture's own. What was left out or found is logged. Returns the
-    config of the run, which names the camera that is held out where `config` leaves the choice; that of videos without
-    poses is chosen when `prepare` has found them.
+    `masks` is a folder of masks to use instead of the capture's own; `audio` is the sound: "auto" for that of the first
+    camera with any, "none", or a file. What was left out or found is logged. Returns the config of the run, which names
+    the camera that is held out where `config` leaves the choice; that of videos without poses is chosen when `prepare`
+    has found them.
 
     Raises:
-        InputError: the capture is unusable, a held-out camera is unknown, or the folder is taken. Nothing is written.
+        InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
+            taken. Nothing is written.
     """
+    from hgs_core.runs.sound import require_sound_file
+
+    audio = require_sound_file(audio)
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
-        folder.write_spec(RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False))
+        folder.write_spec(
+            RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
+        )
         return config
     opened = open_capture(
         capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
@@ -73,8 +82,9 @@ def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | Non
     _require_enough(config, opened)
     prepared = not opened.unaligned or config.capture.sync == "none"
     spec = RunSpec(
-        capture.resolve(), opened.fingerprint(), config, masks and masks.resolve(), found=found, prepared=prepared
-    )
+        capture.resolve(), opened.fingerprint(), config, masks and masks.resolve(), found=found, prepared=prepared,
+        audio=audio,
+    )  # fmt: skip
     folder.write_spec(spec)
     for note in opened.notes:
         log.warning("%s: %s", capture, note)
@@ -245,6 +255,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     from hgs_core.fit.utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
+    from hgs_core.runs.sound import scene_sound
 
     folder = RunFolder(run)
     spec = folder.read_spec()
@@ -276,6 +287,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
         settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
         trained=list(views.trained.values()) if views.photographed else (), up=views.up,
+        audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
     )  # fmt: skip
     progress(Progress("encode", steps, steps))
     settings = found.settings
@@ -300,6 +312,7 @@ def train_scene(
     config: RunConfig | None = None,
     *,
     masks: Path | None = None,
+    audio: str = "auto",
     progress: ProgressCallback = silent,
     checked: Callable[[CaptureCheck], None] = lambda result: None,
 ) -> Path:
@@ -311,6 +324,7 @@ def train_scene(
         out: folder of the run: new, empty, or of an equal run to resume or to keep.
         config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
+        audio: what is heard: "auto" for the sound of the first camera that has any, "none", or a file with sound.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
         checked: called with what the check of the capture found, also if that stops the run.
 
@@ -330,7 +344,7 @@ def train_scene(
         >>> sorted(path.name for path in (run / "scene").iterdir())
         ['chunks', 'manifest.json', 'thumbnail.jpg']
     """
-    create_run(out, capture, config or RunConfig(), masks=masks)
+    create_run(out, capture, config or RunConfig(), masks=masks, audio=audio)
     with RunFolder(out).exclusive():
         for name, stage in STAGES.items():
             try:

@@ -54,6 +54,8 @@ def _run(options: argparse.Namespace) -> int:
     ):
         each = f", {size / kept:.1f} each" if kept else ""
         print(f"{kept:,} {kind} splats in {size:,} bytes{each}; {before - kept:,} dropped")
+    if (audio := encoded.manifest.audio) is not None:
+        print(f"sound: {audio.codec}, {len(audio.pieces)} pieces in {encoded.manifest.bytes_audio:,} bytes")
     views = "views made up around the splats" if spec.without_capture else "training views"
     share, moving = encoded.dynamic_share, encoded.loss.moving
     of_dynamic = "" if share == 1 else f", {share * encoded.coarseness:.3g} of dynamic splats"

@@ -8,6 +8,7 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from server.cli.progress_bars import ProgressBars
+from server.cli.training_options import add_audio_option
 
 __all__ = ["add_parser"]
 
@@ -25,10 +26,18 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--to", metavar="DIR", type=Path, help="a new folder, an empty one, or one of the same scene")
     parser.add_argument("--replace", action="store_true", help="with --to: DIR may hold another scene, which goes")
     parser.add_argument("--data-only", action="store_true", help="with --to: write neither the player nor index.html")
+    add_audio_option(parser, None, "default: as the run has it")
     parser.set_defaults(run=_run)
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.audio is not None:
+        from hgs_core.runs.folder import RunFolder
+        from hgs_core.runs.sound import replace_sound
+
+        RunFolder(options.run_folder).read_spec()  # a wrong path is told at once
+        with RunFolder(options.run_folder).exclusive():
+            replace_sound(options.run_folder, options.audio)
     if options.to is not None:
         return _to_folder(options)
     for name, given in (("--replace", options.replace), ("--data-only", options.data_only)):

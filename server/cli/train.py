@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hgs_core.base.progress import StageStopped
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
-from server.cli.training_options import add_masks_option, add_training_options, training_config
+from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
 
 if TYPE_CHECKING:
     from hgs_core.check.findings import CaptureCheck
@@ -26,6 +26,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="folder of the run")
     add_masks_option(parser)
+    add_audio_option(parser, "auto", "default: auto")
     add_training_options(parser)
     parser.set_defaults(run=_run)
 
@@ -45,7 +46,15 @@ def _run(options: argparse.Namespace) -> int:
             print(check.table(), file=sys.stderr)
 
         try:
-            train_scene(options.capture, options.out, config, masks=options.masks, progress=bars, checked=show)
+            train_scene(
+                options.capture,
+                options.out,
+                config,
+                masks=options.masks,
+                audio=options.audio,
+                progress=bars,
+                checked=show,
+            )
         except StageStopped:
             bars.close()
             print("stopped; run the same command again to resume", file=sys.stderr)

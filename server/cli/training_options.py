@@ -12,7 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.config import SYNC_BY
 from hgs_core.runs.config import PRESETS, RunConfig
 
-__all__ = ["add_masks_option", "add_training_options", "job_settings", "training_config"]
+__all__ = ["add_audio_option", "add_masks_option", "add_training_options", "job_settings", "training_config"]
 
 
 def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto") -> None:
@@ -59,6 +59,15 @@ def add_masks_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--masks", metavar="FOLDER", type=Path,
         help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
+    )  # fmt: skip
+
+
+def add_audio_option(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
+    """Add --audio; `otherwise` says what its default does."""
+    parser.add_argument(
+        "--audio", metavar="FILE", default=default,
+        help=f"what is heard: a file with sound, auto for the first camera's that has any, or none; {otherwise}"
+        " (docs/captures.md)",
     )  # fmt: skip
 
 

@@ -22,6 +22,7 @@ from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.shown import Shown, frame_interval, shown_segments
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
+from hgs_core.codec.format.audio import CodedAudio
 from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.codec.format.decode import DecodedChunk
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
@@ -57,6 +58,7 @@ def encode_scene(
     trained: Sequence[Camera] = (),
     metres_per_unit: float | None = None,
     up: tuple[float, float, float] | None = None,
+    audio: CodedAudio | None = None,
 ) -> Manifest:
     """Write `scene` to the folder `out` and return its manifest.
 
@@ -65,7 +67,8 @@ def encode_scene(
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
     names the former. `trained` are the cameras whose pictures made the scene: they tell the manifest's captured space,
     which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known.
-    `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions.
+    `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the
+    scene's sound, on the clock of `times`.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same
     folder are removed after that.
 
@@ -119,9 +122,11 @@ def encode_scene(
         antialiased=scene.antialiased,
         captured_space=find_captured_space(trained, view.center, up) if trained else None,
         metres_per_unit=metres_per_unit,
+        audio=None if audio is None else audio.entry,
         version=max([VERSIONS[0], *(chunk.version for chunk in coded)]),
     )
-    _write(out, manifest, coded, thumbnail)
+    stored = {chunk.entry.id: chunk.data for chunk in coded} | dict(audio.chunks if audio is not None else {})
+    _write(out, manifest, stored, thumbnail)
     return manifest
 
 
@@ -185,16 +190,15 @@ def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:
     return _Coded(ChunkEntry(chunk_id(data), len(data), decoded.count, box), data, decoded.version)
 
 
-def _write(out: Path, manifest: Manifest, chunks: Sequence[_Coded], thumbnail: bytes | None) -> None:
+def _write(out: Path, manifest: Manifest, chunks: Mapping[str, bytes], thumbnail: bytes | None) -> None:
     text = json.dumps(manifest.to_json(), allow_nan=False, separators=(",", ":"))
-    for chunk in chunks:
-        write_bytes(out / CHUNKS / chunk.entry.id, chunk.data)
+    for name, data in chunks.items():
+        write_bytes(out / CHUNKS / name, data)
     if thumbnail is not None:
         write_bytes(out / THUMBNAIL, thumbnail)
     write_bytes(out / MANIFEST, text.encode())
-    kept = {chunk.entry.id for chunk in chunks}
     for file in (out / CHUNKS).glob("*"):
-        if file.name not in kept:
+        if file.name not in chunks:
             file.unlink()
     if thumbnail is None:
         (out / THUMBNAIL).unlink(missing_ok=True)

@@ -11,6 +11,7 @@ from typing import Any
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.attributes import Kind
+from hgs_core.codec.format.audio import AudioPiece, CodedAudio
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.errors import ChunkError
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry
@@ -26,7 +27,9 @@ __all__ = [
     "chunk_id",
     "decode_scene",
     "load_manifest",
+    "read_audio",
     "read_chunk",
+    "stored_sizes",
 ]
 
 MANIFEST = "manifest.json"
@@ -67,7 +70,7 @@ def chunk_id(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def chunk_bytes(folder: Path, entry: ChunkEntry) -> bytes:
+def chunk_bytes(folder: Path, entry: ChunkEntry | AudioPiece) -> bytes:
     """Return the bytes of a chunk of a scene folder.
 
     Raises:
@@ -96,10 +99,30 @@ def read_chunk(folder: Path, entry: ChunkEntry) -> DecodedChunk:
     return _decoded(folder, entry, chunk_bytes(folder, entry))
 
 
-def checked_chunks(folder: Path, manifest: Manifest, known: Container[str] = ()) -> Iterator[tuple[ChunkEntry, bytes]]:
-    """Yield the chunks of a scene folder in the manifest's order, with their bytes; read once, or never if `known`.
+def stored_sizes(manifest: Manifest) -> dict[str, int]:
+    """Return the bytes of every file in `CHUNKS` by its id: the chunks of splats in order, then those of sound."""
+    sounds = {} if manifest.audio is None else manifest.audio.sizes
+    return {entry.id: entry.bytes for entry in manifest.chunks} | sounds
 
-    Before a chunk is yielded it has been decoded, so what it holds is known to be what the manifest says of it.
+
+def read_audio(folder: Path, manifest: Manifest) -> CodedAudio | None:
+    """Read the sound of a scene folder, if it has any.
+
+    Raises:
+        InputError: as `chunk_bytes`.
+    """
+    if manifest.audio is None:
+        return None
+    return CodedAudio(manifest.audio, {piece.id: chunk_bytes(folder, piece) for piece in manifest.audio.pieces})
+
+
+def checked_chunks(
+    folder: Path, manifest: Manifest, known: Container[str] = ()
+) -> Iterator[tuple[ChunkEntry | AudioPiece, bytes]]:
+    """Yield the chunks of a scene folder as `stored_sizes` has them, with their bytes; read once, or never if `known`.
+
+    Before a chunk of splats is yielded it has been decoded, so what it holds is known to be what the manifest says of
+    it. Of sound the length and the SHA-256 are checked.
 
     Raises:
         InputError: a chunk is missing or wrong; names its file.
@@ -110,6 +133,9 @@ def checked_chunks(folder: Path, manifest: Manifest, known: Container[str] = ())
     for piece in manifest.slices:
         for entry in (entry for entry in piece.chunks if entry.id not in known):
             yield entry, _in_place(folder, entry, manifest.segments[piece.segment])[0]
+    if manifest.audio is not None:
+        for sound in {piece.id: piece for piece in manifest.audio.pieces if piece.id not in known}.values():
+            yield sound, chunk_bytes(folder, sound)
 
 
 def decode_scene(path: Path) -> HybridScene[Floats]:

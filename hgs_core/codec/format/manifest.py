@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec.format.audio import AudioEntry
 from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
 from hgs_core.codec.format.json_fields import Field, field_of
@@ -96,6 +97,7 @@ class Manifest:
     antialiased: bool = False  # the splats were trained to be drawn so
     captured_space: CapturedSpace | None = None  # from where it can be looked at with trust; None: not known
     metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
+    audio: AudioEntry | None = None  # what is heard; None: nothing
     version: int = VERSIONS[0]  # of the format: the latest of any chunk
     live: int | None = None  # the scene grows, and this is its manifest's number, from 1; None: it is complete
 
@@ -103,6 +105,11 @@ class Manifest:
     def chunks(self) -> tuple[ChunkEntry, ...]:
         """All chunks: the static ones, then those of the slices in order."""
         return self.static + tuple(chunk for piece in self.slices for chunk in piece.chunks)
+
+    @property
+    def bytes_audio(self) -> int:
+        """The bytes of the sound, 0 without any."""
+        return 0 if self.audio is None else sum(self.audio.sizes.values())
 
     @property
     def totals(self) -> Totals:
@@ -152,6 +159,8 @@ class Manifest:
             document["metres_per_unit"] = self.metres_per_unit
         if self.live is not None:
             document["live"] = self.live
+        if self.audio is not None:
+            document["audio"] = self.audio.to_json()
         return document
 
     @classmethod
@@ -189,6 +198,7 @@ class Manifest:
             antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
             captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
             metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
+            audio=AudioEntry.read(root["audio"]) if "audio" in root.mapping() else None,
             version=version,
             live=root["live"].whole(1) if "live" in root.mapping() else None,
         )
@@ -238,6 +248,9 @@ def _check_references(manifest: Manifest, root: Field) -> None:
                 raise item["id"].error(f"{chunk.id} is listed twice")
             known.add(chunk.id)
             earlier[chunk.id] = piece.segment
+    for number, sound in enumerate(manifest.audio.pieces if manifest.audio else ()):
+        if sound.id in known:
+            raise root["audio"]["pieces"].items()[number]["id"].error(f"{sound.id} is a chunk of splats")
     for name, total in vars(manifest.totals).items():
         stated = root["totals"][name].whole(0)
         if stated != total:

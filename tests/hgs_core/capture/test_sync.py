@@ -44,6 +44,16 @@ def test_a_whole_number_of_frames_shifts_a_camera(capture: Path) -> None:
     assert opened.moment(1, 0) == 0.0
 
 
+def test_a_video_says_what_its_own_times_lack_of_the_clock(capture: Path) -> None:
+    (capture / "sync.json").write_text('{"frames": {"cam02": 2}}')
+    opened = open_capture(capture)
+    for camera, lack in ((0, -2 / 30), (1, 0.0)):
+        video = opened.video(camera)
+        assert video is not None
+        assert video[0].name.startswith(NAMES[camera])
+        assert video[1] == pytest.approx(lack)
+
+
 def test_sync_json_counts_for_the_fingerprint(capture: Path) -> None:
     found = [open_capture(capture).fingerprint()]
     for offset in (0, 1):

@@ -10,6 +10,8 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
+from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
+from hgs_core.codec.format.folder import chunk_id, read_audio
 from hgs_core.edit.orient import Similarity, orient, turn_about
 from hgs_core.edit.regions import ball_of
 from hgs_core.edit.trim import trim
@@ -18,11 +20,15 @@ from hgs_core.runs.config import RunConfig
 from hgs_core.runs.edited import edit_run, open_editable
 from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.stages import encode_again
 from hgs_core.scene.files import load_scene, save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.synthetic import ring_of_cameras, synthetic_scene
 
 CAMERAS = ring_of_cameras(3, 64, 48)
+PIECES = [b"the first half", b"the second half"]
+ENTRIES = tuple(AudioPiece(chunk_id(data), len(data), i / 2, (i + 1) / 2) for i, data in enumerate(PIECES))
+SOUND = CodedAudio(AudioEntry("opus", 48_000, 1, ENTRIES), {chunk_id(data): data for data in PIECES})
 SHIFT = Similarity(turn_about([0, 1, 0, 30]), 2.0, np.array([1.0, 2.0, 3.0]))
 
 
@@ -37,7 +43,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     save_scene(folder.trained, scene)
     folder.train_summary.write_text("{}")
     trained = [CAMERAS[0], CAMERAS[2]]
-    encode_scene(scene, folder.scene, cameras=CAMERAS, times=np.arange(30) / 30, title="Figure", trained=trained)
+    encode_scene(
+        scene, folder.scene, cameras=CAMERAS, times=np.arange(30) / 30, title="Figure", trained=trained, audio=SOUND
+    )
     return folder.path
 
 
@@ -46,6 +54,16 @@ def edited(run: Path) -> Path:
     out = run.parent / "edited"
     edit_run(run, out, [lambda v: trim(v, 0.25, 0.75), lambda v: orient(v, SHIFT)], silent, "default")
     return out
+
+
+def test_sound_is_trimmed_with_the_scene_and_stays_when_it_is_encoded_again(edited: Path) -> None:
+    scene = edited / "scene"
+    sound = read_audio(scene, load_manifest(scene))
+    assert sound is not None
+    assert [(piece.start, piece.end) for piece in sound.entry.pieces] == [(-0.25, 0.25), (0.25, 0.75)]
+    assert list(sound.chunks.values()) == PIECES
+    encode_again(edited, None, silent)
+    assert read_audio(scene, load_manifest(scene)) == sound
 
 
 def test_an_edited_run_has_what_its_manifest_needs_of_the_first(edited: Path) -> None:

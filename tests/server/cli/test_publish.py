@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.folder import RunFolder, RunSpec
 from server.cli import main
 
 
@@ -24,6 +26,17 @@ def test_publish_to_a_folder_prints_it(
     assert (tmp_path / "web" / "manifest.json").is_file()
     assert not (tmp_path / "web" / "index.html").exists()
     assert not home.exists()
+
+
+def test_publish_gives_the_scene_sound_or_takes_it(
+    scene_folder: Path, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wanted: list[tuple[Path, str]] = []
+    monkeypatch.setattr("hgs_core.runs.sound.replace_sound", lambda run, audio: wanted.append((run, audio)))
+    RunFolder(scene_folder).replace_spec(RunSpec(tmp_path, "", RunConfig(), without_capture=True))
+    assert main(["publish", str(scene_folder), "--to", str(tmp_path / "web"), "--data-only", "--audio", "a.wav"]) == 0
+    assert main(["publish", str(scene_folder), "--to", str(tmp_path / "web"), "--data-only"]) == 0
+    assert wanted == [(scene_folder, "a.wav")]
 
 
 @pytest.mark.parametrize(

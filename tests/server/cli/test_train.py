@@ -19,7 +19,7 @@ def run_stages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...,
     """Return a function that runs `hgs train` with the given stages in the place of the real ones."""
 
     def run(**stages: Stage) -> int:
-        monkeypatch.setattr(hgs_core.runs.stages, "create_run", lambda run, capture, config, masks: run.mkdir())
+        monkeypatch.setattr(hgs_core.runs.stages, "create_run", lambda run, *_, **__: run.mkdir())
         monkeypatch.setattr(hgs_core.runs.stages, "STAGES", stages)
         return main(["train", str(tmp_path), "--out", str(tmp_path / "run")])
 

@@ -1,0 +1,138 @@
+"""The sound of a run's scene: of its capture, of a file, or what its scene had before."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Iterator
+from pathlib import Path
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import silent
+from hgs_core.capture.capture import Capture
+from hgs_core.capture.sound_pieces import CutSound, cut_sound
+from hgs_core.capture.sound_track import has_sound, sound_begin
+from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
+from hgs_core.codec.format.folder import CHUNKS, MANIFEST, chunk_id, load_manifest, read_audio, stored_sizes
+from hgs_core.runs.folder import RunFolder, RunSpec
+
+__all__ = ["NO_SOUND", "OWN_SOUND", "replace_sound", "require_sound_file", "scene_sound", "write_sound"]
+
+OWN_SOUND = "auto"
+"""The sound of the capture's first camera that has any."""
+
+NO_SOUND = "none"
+
+log = logging.getLogger(__name__)
+
+
+def require_sound_file(audio: str) -> str:
+    """Return what `--audio` asks for, a file by its absolute path.
+
+    Raises:
+        InputError: there is no such file, or it has no sound.
+    """
+    if audio in (OWN_SOUND, NO_SOUND):
+        return audio
+    file = Path(audio)
+    cure = f"give a file with sound, {OWN_SOUND} or {NO_SOUND}"
+    if not file.is_file():
+        raise InputError(f"--audio {audio}", "there is no such file", cure)
+    if not has_sound(file):
+        raise InputError(f"--audio {audio}", "the file has no sound", cure)
+    return str(file.resolve())
+
+
+def scene_sound(
+    folder: RunFolder, spec: RunSpec, capture: Capture | None, start: float, end: float
+) -> CodedAudio | None:
+    """Return the sound that a run's scene is to have from `start` to `end`, seconds of its clock.
+
+    A run without a capture keeps what its scene has.
+
+    Raises:
+        InputError: the file that the run was given is gone or damaged; a capture's own sound that is damaged is left
+            out, and a line says so.
+    """
+    if spec.audio == NO_SOUND:
+        return None
+    if spec.audio != OWN_SOUND:
+        file = Path(spec.audio)
+        return _coded(cut_sound(file, start, end, _placed(file, capture) - sound_begin(file)), file)
+    if capture is None:
+        return read_audio(folder.scene, load_manifest(folder.manifest)) if folder.manifest.exists() else None
+    for path, offset in _sounding_videos(capture):
+        try:
+            return _coded(cut_sound(path, start, end, offset), path)
+        except InputError as error:
+            log.warning("%s; the scene gets none", error)
+            return None
+    return None
+
+
+def replace_sound(run: Path, audio: str) -> None:
+    """Give a run's encoded scene another sound, or none: `audio` is as of `--audio`. Nothing else of it changes.
+
+    Raises:
+        InputError: the run has no encoded scene, or its capture is gone, or the file has no sound.
+    """
+    folder = RunFolder(run)
+    manifest, spec = load_manifest(folder.manifest), folder.read_spec()
+    capture = None if audio == NO_SOUND or spec.without_capture else spec.open_capture()
+    spec = spec.with_audio(require_sound_file(audio))
+    sound = scene_sound(folder, spec, capture, manifest.start, manifest.end)
+    write_sound(folder.scene, sound)
+    folder.replace_spec(spec)
+
+
+def write_sound(scene: Path, sound: CodedAudio | None) -> None:
+    """Put sound into a scene folder in place of what it has, the manifest last."""
+    document = json.loads((scene / MANIFEST).read_bytes())
+    document.pop("audio", None)
+    if sound is not None:
+        for name, data in sound.chunks.items():
+            write_bytes(scene / CHUNKS / name, data)
+        document["audio"] = sound.entry.to_json()
+    text = json.dumps(document, allow_nan=False, separators=(",", ":")).encode()
+    if text != (scene / MANIFEST).read_bytes():
+        write_bytes(scene / MANIFEST, text)
+    named = stored_sizes(load_manifest(scene))
+    for file in (scene / CHUNKS).glob("*"):
+        if file.name not in named:
+            file.unlink()
+
+
+def _sounding_videos(capture: Capture) -> Iterator[tuple[Path, float]]:
+    """Yield the videos with sound, with what is to be added to their times."""
+    for camera in range(len(capture.cameras)):
+        video = capture.video(camera)
+        if video is not None and has_sound(video[0]):
+            yield video
+
+
+def _placed(file: Path, capture: Capture | None) -> float:
+    """Return when a file begins, seconds of the capture's clock: where its sound fits a camera's, else at 0."""
+    from hgs_core.check.starts import starts_by_sound
+
+    video = None if capture is None else next(_sounding_videos(capture), None)
+    if video is None:
+        return 0.0
+    path, offset = video
+    try:
+        found = starts_by_sound(file, [path.name, "it"], [path, file], silent).values
+    except InputError as error:
+        log.warning("%s: %s; it is taken to begin with the scene", file, error.problem)
+        return 0.0
+    return sound_begin(path) + offset + found["it"] - found[path.name]
+
+
+def _coded(cut: CutSound | None, source: object) -> CodedAudio | None:
+    if cut is None:
+        log.warning("%s has no sound while the scene lasts", source)
+        return None
+    if cut.encoded_from:
+        log.warning("the sound of %s is %s, which browsers do not play: encoded as Opus", source, cut.encoded_from)
+    chunks = {chunk_id(piece.data): piece.data for piece in cut.pieces}
+    pieces = tuple(AudioPiece(chunk_id(one.data), len(one.data), one.start, one.end) for one in cut.pieces)
+    return CodedAudio(AudioEntry(cut.codec, cut.sample_rate, cut.channels, pieces), chunks)
