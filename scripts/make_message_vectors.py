@@ -34,6 +34,10 @@ CLIENT: dict[str, dict[str, Any]] = {
         "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
         "follow": True,
     },
+    "hello-that-listens": {
+        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "audio": True,
+    },
     "hello-resuming": {
         "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]], "codings": [],
         "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
@@ -49,6 +53,7 @@ CLIENT: dict[str, dict[str, Any]] = {
     "pause": {"type": "pause", "time": 4.75},
     "limits": {"type": "limits", "splats": 100000, "bytes_per_second": 250000, "measured": 180000},
     "limits-lifted": {"type": "limits"},
+    "limits-that-listen": {"type": "limits", "measured": 180000, "audio": True},
     "ping": {"type": "ping", "id": 4294967296},
 }  # fmt: skip
 SERVER: dict[str, dict[str, Any]] = {
@@ -92,6 +97,8 @@ REFUSED_BY_SERVER: dict[str, bytes] = {
     "hello-codings-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "codings": "gzip"}),
     "hello-follow-of-a-number": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "follow": 1}),
     "limits-negative": msgpack.packb({"type": "limits", "splats": -1}),
+    "hello-listening-to-a-number": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "audio": 1}),
+    "limits-listening-to-null": msgpack.packb({"type": "limits", "audio": None}),
     "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
     "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),
 }

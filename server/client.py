@@ -53,9 +53,13 @@ class StreamClient:
         rate: float = 0.0,
         protocol: int = PROTOCOL_VERSION,
         splats: int | None = None,
+        audio: bool = False,
         arrived: Callable[[], None] = lambda: None,
     ) -> None:
-        """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first what is shown `at` that second."""
+        """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first what is shown `at` that second.
+
+        With `audio` its sound comes, too, and `have` holds the pieces that the manifest's `audio` names.
+        """
         self.manifest: Manifest | None = None
         self.have: dict[str, bytes] = {}
         self.missing: set[str] = set()
@@ -66,7 +70,7 @@ class StreamClient:
         self.manifests = 0  # that have come
         self.connections = 0
         self.line = Throughput()
-        self._url, self._protocol, self._splats = url, protocol, splats
+        self._url, self._protocol, self._splats, self._audio = url, protocol, splats, audio
         self._arrived = arrived
         self._place, self._rate = at, rate
         self._parts: dict[str, bytearray] = {}
@@ -137,7 +141,8 @@ class StreamClient:
         self._window = self._granted = SMALLEST_WINDOW
         self._told = (0.0, 0.0)
         grows = self.manifest is not None and self.manifest.live is not None  # then it may have become another one
-        latest = list(self.have)[-MAX_HAVE:] if grows else ()
+        sounds = self.manifest.audio.sizes if self.manifest is not None and self.manifest.audio is not None else {}
+        latest = [name for name in self.have if grows or name in sounds][-MAX_HAVE:]
         hello = Hello(
             self._protocol,
             SMALLEST_WINDOW,
@@ -150,6 +155,7 @@ class StreamClient:
             rate=self._rate,
             splats=self._splats,
             follow=True,
+            audio=self._audio,
         )
         await socket.send(encode(hello))
         self._pinged = time.monotonic()
@@ -227,7 +233,7 @@ class StreamClient:
         same = told / TOLD_CHANGE < rate < told * TOLD_CHANGE
         if self._protocol > 1 and rate and now - at >= TELL_SECONDS and not same:
             self._told = (now, rate)
-            await self.send(Limits(splats=self._splats, measured=int(rate)))
+            await self.send(Limits(splats=self._splats, measured=int(rate), audio=self._audio))
 
 
 def _json(message: dict[str, Any], field: str) -> dict[str, Any]:

@@ -140,10 +140,10 @@ def _codings(fields: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(value)
 
 
-def _follow(fields: Mapping[str, Any]) -> bool:
-    value = fields.get("follow", False)
+def _flag(fields: Mapping[str, Any], name: str) -> bool:
+    value = fields.get(name, False)
     if not isinstance(value, bool):
-        raise _malformed(f"hello.follow: {value!r:.80} is not true or false")
+        raise _malformed(f"{fields['type']}.{name}: {value!r:.80} is not true or false")
     return value
 
 
@@ -165,7 +165,8 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
         splats=_optional_uint(fields, "splats"),
         bytes_per_second=_rate_limit(fields),
-        follow=_follow(fields),
+        audio=_flag(fields, "audio"),
+        follow=_flag(fields, "follow"),
     )
 
 
@@ -176,7 +177,10 @@ _READERS: dict[str, Callable[[Mapping[str, Any]], ClientMessage]] = {
     Play.type: lambda fields: Play(_number(fields, "time"), _rate(fields)),
     Pause.type: lambda fields: Pause(_number(fields, "time")),
     Limits.type: lambda fields: Limits(
-        _optional_uint(fields, "splats"), _rate_limit(fields), _optional_uint(fields, "measured")
+        _optional_uint(fields, "splats"),
+        _rate_limit(fields),
+        _optional_uint(fields, "measured"),
+        _flag(fields, "audio"),
     ),
     Ping.type: lambda fields: Ping(_uint(fields, "id")),
 }

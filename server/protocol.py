@@ -92,6 +92,7 @@ class Hello:
     codings: tuple[str, ...] = ()  # in which it takes the manifest, beside the manifest as it is
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
+    audio: bool = False  # whether the client wants the scene's sound
     follow: bool = False  # whether the client takes what is added to a scene that grows
 
 
@@ -136,6 +137,7 @@ class Limits:
     splats: int | None = None  # of a picture
     bytes_per_second: int | None = None  # of chunk frames
     measured: int | None = None  # bytes per second that the line brings
+    audio: bool = False  # whether the client wants the scene's sound
 
 
 @dataclass(frozen=True)
@@ -223,14 +225,12 @@ ServerMessage = Welcome | Grow | SliceSent | Missing | Pong | End | Error
 
 
 def encode(message: ServerMessage | ClientMessage) -> bytes:
-    """Return the message as msgpack; fields that are None are left out."""
-    fields = {name: value for name, value in asdict(message).items() if value is not None}
+    """Return the message as msgpack; fields that are None or false are left out."""
+    fields = {name: value for name, value in asdict(message).items() if value is not None and value is not False}
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
         fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
         fields["codings"] = list(message.codings)
-        if not message.follow:
-            del fields["follow"]
     packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
     return packed
 

@@ -60,23 +60,33 @@ class SceneIndex:
     splats_static: int
     splats_dynamic: int
     live: int | None = None  # the number of the manifest of a scene that grows; None: it is complete
+    sounds: tuple[Slice, ...] = ()  # pieces of sound in order of time, each of one chunk
 
     @cached_property
     def chunk_ids(self) -> frozenset[str]:
         """The ids of all chunks, hex."""
-        pieces = (self.static, *(piece.chunks for piece in self.slices))
-        return frozenset(chunk.id.hex() for chunks in pieces for chunk in chunks)
+        return frozenset(name.hex() for name in self.stored)
+
+    @cached_property
+    def stored(self) -> Mapping[bytes, int]:
+        """The size of every distinct chunk by id, of splats and of sound."""
+        return {**self.sizes, **{piece.chunks[0].id: piece.chunks[0].size for piece in self.sounds}}
 
     @cached_property
     def sizes(self) -> Mapping[bytes, int]:
-        """The size of every distinct chunk by id."""
+        """The size of every distinct chunk of splats by id."""
         chunks = (*self.static, *(chunk for piece in self.slices for chunk in piece.chunks))
         return {chunk.id: chunk.size for chunk in chunks}
 
     @cached_property
     def chunk_bytes(self) -> int:
-        """The size of all chunks together."""
+        """The size of all chunks of splats together."""
         return sum(self.sizes.values())
+
+    @cached_property
+    def sound_bytes(self) -> int:
+        """The size of all sound."""
+        return sum(self.stored.values()) - self.chunk_bytes
 
     @cached_property
     def manifest_id(self) -> bytes:
@@ -91,7 +101,7 @@ class SceneIndex:
     @property
     def bytes_total(self) -> int:
         """The size of the whole scene: its chunks and its manifest."""
-        return self.chunk_bytes + len(self.manifest)
+        return self.chunk_bytes + self.sound_bytes + len(self.manifest)
 
     def growth(self, earlier: SceneIndex) -> bytes | None:
         """Return as JSON what makes this manifest of that of an earlier index; None if it is another scene's."""
@@ -144,4 +154,8 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
         splats_static=described.totals.splats_static,
         splats_dynamic=described.totals.splats_dynamic,
         live=described.live,
+        sounds=tuple(
+            Slice(piece.start, piece.end, (Chunk(bytes.fromhex(piece.id), piece.bytes),))
+            for piece in (described.audio.pieces if described.audio is not None else ())
+        ),
     )

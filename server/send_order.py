@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from server.protocol import MAX_PAYLOAD
-from server.scene_index import Chunk, SceneIndex
+from server.scene_index import Chunk, SceneIndex, Slice
+from server.slice_queue import SliceQueue
 
 __all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
 
@@ -43,6 +44,9 @@ class SendOrder:
         self._slices = scene.queue.copy()
         self._static_turn = True  # refinements of statics and of slices take turns
         self._sought = False
+        self._sounds: SliceQueue | None = (
+            None  # pieces of sound that the client has not been seen to have; None: no wish
+        )
 
     @property
     def left_out(self) -> int:
@@ -55,6 +59,10 @@ class SendOrder:
         self._details = deque(chunk for chunk in self._scene.static if chunk.layer > 0)
         self._slices = self._scene.queue.copy()
 
+    def hear(self, wanted: bool) -> None:
+        """Send the scene's sound, too, or no more of it."""
+        self._sounds = SliceQueue([piece.end for piece in self._scene.sounds]) if wanted else None
+
     def grow(self, scene: SceneIndex, splats: int | None) -> None:
         """Send what has been added to the scene, too; `splats` is the limit."""
         ends = [piece.end for piece in scene.slices]
@@ -62,6 +70,7 @@ class SendOrder:
         self._bases, self._slices = self._bases.grown(ends), self._slices.grown(ends)
         if splats is not None:
             self.limit(splats)
+        self.hear(self._sounds is not None)
 
     def has(self, chunk: Chunk) -> bool:
         """Return whether the chunk need not be sent."""
@@ -92,9 +101,12 @@ class SendOrder:
             if base is not None and base[0] <= 0 and (self._sought or self._is_behind(base[2])):
                 return base[1]
             return room
+        sound = self._next_sound(time)
         for ahead in AHEAD:
             if base is not None and base[0] <= ahead * speed:
                 return base[1]
+            if sound is not None and sound[0] <= ahead * speed:
+                return sound[1]
             still, moving = self._first(self._details), self._refinement(time, time + late, ahead * speed)
             if still is not None and (moving is None or self._static_turn):
                 self._static_turn = moving is None
@@ -114,9 +126,18 @@ class SendOrder:
         while (index := self._bases.next(time)) is not None:
             for chunk in self._scene.slices[index].base:
                 if not self.has(chunk):
-                    return self._distance(index, time), chunk, index
+                    return self._distance(self._scene.slices, self._bases, index, time), chunk, index
             self._bases.discard(index)
             self.marks.append(Mark(index, 0))
+        return None
+
+    def _next_sound(self, time: float) -> tuple[float, Chunk] | None:
+        """Return how far ahead, in scene seconds, the next piece of sound is that the client lacks, and its chunk."""
+        while self._sounds is not None and (index := self._sounds.next(time)) is not None:
+            chunk = self._scene.sounds[index].chunks[0]
+            if not self.has(chunk):
+                return self._distance(self._scene.sounds, self._sounds, index, time), chunk
+            self._sounds.discard(index)
         return None
 
     def _is_behind(self, index: int) -> bool:
@@ -160,10 +181,9 @@ class SendOrder:
                 index = self._slices.first_shown_after(moment, index + 1)
         return found
 
-    def _distance(self, index: int, time: float) -> float:
-        piece = self._scene.slices[index]
-        over = self._bases.first_shown_after(time, index) != index
-        return piece.start - time + (self._duration if over else 0.0)
+    def _distance(self, pieces: Sequence[Slice], queue: SliceQueue, index: int, time: float) -> float:
+        over = queue.first_shown_after(time, index) != index
+        return pieces[index].start - time + (self._duration if over else 0.0)
 
     @property
     def _duration(self) -> float:

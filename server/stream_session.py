@@ -155,7 +155,8 @@ class StreamSession:
         self._order.grow(scene, self._limits.splats)
         self._ended = False
         coding = "gzip" if self._gzip else None
-        remaining = sum(size for chunk, size in scene.sizes.items() if chunk not in before.sizes)
+        wanted = scene.stored if self._limits.audio else scene.sizes
+        remaining = sum(size for chunk, size in wanted.items() if chunk not in before.stored)
         growth = compress(growth, "gzip") if coding else growth
         self._outbox.append(encode(Grow(growth, scene.manifest_id, remaining, coding)))
 
@@ -176,7 +177,7 @@ class StreamSession:
 
     def _greet(self, hello: Hello, clock: float) -> None:
         scene = self._scene
-        sizes = scene.sizes
+        sizes = scene.stored
         self._offsets = {chunk: offset for chunk, offset in hello.parts.items() if chunk in sizes and offset > 0}
         for chunk, offset in self._offsets.items():
             if offset >= sizes[chunk]:
@@ -190,17 +191,21 @@ class StreamSession:
         known = hello.manifest_id == scene.manifest_id
         if known and hello.have_bits is not None:
             bits = hello.have_bits
-            have.update(chunk for k, chunk in enumerate(islice(sizes, 8 * len(bits))) if bits[k // 8] >> k % 8 & 1)
+            have.update(
+                chunk for k, chunk in enumerate(islice(scene.sizes, 8 * len(bits))) if bits[k // 8] >> k % 8 & 1
+            )
         for chunk in have:
             self._offsets.pop(chunk, None)
         self._order = SendOrder(scene, have)
-        self._limit(Limits(hello.splats, hello.bytes_per_second))
+        self._limit(Limits(hello.splats, hello.bytes_per_second, audio=hello.audio))
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
-        kept = sum(sizes[chunk] for chunk in have) + sum(self._offsets.values())
+        wanted = sizes if hello.audio else scene.sizes
+        remaining = sum(wanted.values()) - sum(wanted.get(chunk, 0) for chunk in have)
+        remaining -= sum(offset for chunk, offset in self._offsets.items() if chunk in wanted)
         manifest, coding = (b"", None) if known else (scene.manifest, None)
         if manifest and self._gzip:
             manifest, coding = compress(manifest, "gzip"), "gzip"
-        welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, scene.chunk_bytes - kept, coding)
+        welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, remaining, coding)
         self._outbox.append(encode(welcome))
 
     def _grant(self, amount: int) -> None:
@@ -211,6 +216,9 @@ class StreamSession:
     def _limit(self, limits: Limits) -> None:
         if limits.splats != self._limits.splats:
             self._order.limit(limits.splats)
+            self._ended = False
+        if limits.audio != self._limits.audio:
+            self._order.hear(limits.audio)
             self._ended = False
         self._limits = limits
 

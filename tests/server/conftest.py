@@ -47,7 +47,9 @@ def chunk_bytes(name: str, size: int) -> bytes:
 def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
     """Return a function that builds a scene of static chunks of the given sizes and of slices."""
 
-    def make(static: Sequence[int], slices: Sequence[SliceSpec]) -> SceneIndex:
+    def make(
+        static: Sequence[int], slices: Sequence[SliceSpec], sounds: Sequence[tuple[float, float, int]] = ()
+    ) -> SceneIndex:
         def chunks(name: str, sizes: Sequence[int], part: int) -> tuple[Chunk, ...]:
             names = [hashlib.sha256(chunk_bytes(f"{name} {k}", size)).digest() for k, size in enumerate(sizes)]
             return tuple(map(Chunk, names, sizes, layers(sizes, part), sizes))  # as many splats as bytes
@@ -66,6 +68,10 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
             slices=pieces,
             splats_static=0,
             splats_dynamic=0,
+            sounds=tuple(
+                Slice(begin, until, chunks(f"sound {i}", [size], SLICE_PART))
+                for i, (begin, until, size) in enumerate(sounds)
+            ),
         )
 
     return make

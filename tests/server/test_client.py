@@ -1,24 +1,33 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import hashlib
+import json
 from collections.abc import Awaitable, Callable
 
 import pytest
 
+from hgs_core.codec.format.audio import AudioEntry, AudioPiece
 from server.client import StreamClient, StreamRefusedError
 from server.protocol import Play
-from server.stream_bench import made_up_scene, serving
+from server.stream_bench import BenchScene, made_up_scene, serving
 
 SCENE = made_up_scene(2, static_bytes=1_800_000, slice_bytes=300_000)  # a chunk is several frames
 
 
-def with_client(talk: Callable[[StreamClient], Awaitable[None]], scene: str = "bench") -> StreamClient:
-    """Let `talk` look at a client while it receives SCENE."""
+def with_client(
+    talk: Callable[[StreamClient], Awaitable[None]],
+    scene: str = "bench",
+    *,
+    of: BenchScene = SCENE,
+    audio: bool = False,
+) -> StreamClient:
+    """Let `talk` look at a client while it receives `of`."""
 
     async def scenario() -> StreamClient:
-        async with serving(SCENE) as port:
-            client = StreamClient(f"ws://127.0.0.1:{port}/v1/scenes/{scene}/stream")
+        async with serving(of) as port:
+            client = StreamClient(f"ws://127.0.0.1:{port}/v1/scenes/{scene}/stream", audio=audio)
             running = asyncio.create_task(client.run())
             try:
                 await asyncio.wait_for(asyncio.gather(talk(client), asyncio.shield(running)), 60)
@@ -56,6 +65,31 @@ def test_broken_connections_cost_no_byte_twice() -> None:
     assert client.have == SCENE.chunks
     assert client.connections > 1
     assert (client.twice, client.manifests) == (0, 1)
+
+
+def sounding() -> BenchScene:
+    """A scene of two seconds with sound."""
+    silent = made_up_scene(2, static_bytes=120_000, slice_bytes=6000)
+    sounds = {hashlib.sha256(data).hexdigest(): data for data in (bytes([k]) * 9000 for k in range(2))}
+    pieces = tuple(AudioPiece(name, 9000, float(k), k + 1.0) for k, name in enumerate(sounds))
+    manifest = dataclasses.replace(silent.manifest, audio=AudioEntry("opus", 48_000, 2, pieces))
+    return BenchScene(manifest, json.dumps(manifest.to_json()).encode(), {**silent.chunks, **sounds})
+
+
+def test_sound_comes_if_asked_for_and_is_kept_when_the_connection_breaks() -> None:
+    scene = sounding()
+    assert scene.manifest.audio is not None
+    sounds = set(scene.manifest.audio.sizes)
+
+    async def break_late(client: StreamClient) -> None:
+        while not sounds & set(client.have):
+            await asyncio.sleep(0)
+        client.drop()
+        await until_complete(client)
+
+    client = with_client(break_late, of=scene, audio=True)
+    assert (client.have, client.twice) == (scene.chunks, 0)
+    assert sounds.isdisjoint(with_client(until_complete, of=scene).have)
 
 
 def test_playhead_is_told_to_the_next_connection() -> None:

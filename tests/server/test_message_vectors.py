@@ -33,15 +33,13 @@ def _value(value: Any) -> Any:
 
 
 def _fields(message: ClientMessage) -> dict[str, Any]:
-    """The message as the protocol's table has it; what means its default is there too."""
+    """The message as the protocol's table has it; what means its default is there too, but false."""
     fields = {"type": message.type} | dataclasses.asdict(message)
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
         fields["codings"] = list(message.codings)
-        if not message.follow:
-            del fields["follow"]
         fields["parts"] = [[chunk, kept] for chunk, kept in message.parts.items()]
-    return {name: value for name, value in fields.items() if value is not None}
+    return {name: value for name, value in fields.items() if value is not None and value is not False}
 
 
 @_named(VECTORS["client"])

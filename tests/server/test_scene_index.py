@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 from collections.abc import Callable, Sequence
 
 import pytest
@@ -50,3 +51,17 @@ def test_slices_are_shown_from_their_start_to_before_their_end(
     """And the last one at its very end, as in a still picture of the last moment."""
     scene = make_scene([], [(0.0, 2.0, [1]), (1.0, 4.0, [1]), (2.5, 3.0, [1])])
     assert scene.alive(time) == alive
+
+
+def test_sound_is_read_and_counts_for_the_size_and_for_what_a_link_opens(manifest: bytes, chunks: list[bytes]) -> None:
+    name = hashlib.sha256(b"sound").hexdigest()
+    pieces = [{"id": name, "bytes": 5, "start": start, "end": start + 1.0} for start in (0.0, 1.0)]
+    audio = {"codec": "opus", "sample_rate": 48000, "channels": 1, "pieces": pieces}
+    sounding = json.dumps(json.loads(manifest) | {"audio": audio}).encode()
+    scene = read_scene("studio", sounding)
+    assert [(piece.start, piece.chunks[0].id.hex(), piece.chunks[0].size) for piece in scene.sounds] == [
+        (0.0, name, 5), (1.0, name, 5),
+    ]  # fmt: skip
+    assert scene.sizes == read_scene("studio", manifest).sizes
+    assert scene.bytes_total == sum(map(len, chunks)) + 5 + len(sounding)
+    assert scene.chunk_ids == {hashlib.sha256(chunk).hexdigest() for chunk in chunks} | {name}

@@ -118,3 +118,39 @@ def test_static_chunks_have_the_room_that_what_moves_does_not_need(make_scene: M
 
 def chunks_of(scene: SceneIndex) -> list[Chunk]:
     return [*scene.static, *(chunk for piece in scene.slices for chunk in piece.chunks)]
+
+
+SOUNDS = [(1.0 * k, 1.0 * k + 1, 20 + k) for k in range(15)]  # of a second each
+
+
+def test_sound_comes_after_the_bases_of_its_time_and_before_refinements(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10], TEN, SOUNDS))
+    order.hear(True)
+    assert first(order, 10) == [10, 400, 401, 402, 20, 21, 22, 23, 300, 301]
+
+
+def test_sound_at_the_playhead_is_first_and_goes_on_around_the_end(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([], TEN, SOUNDS))
+    order.hear(True)
+    assert [size for size in first(order, 9, 13.5) if size < 100] == [33, 34, 20, 21]
+
+
+def test_who_does_not_listen_gets_no_sound_and_who_begins_to_gets_what_is_missing(make_scene: MakeScene) -> None:
+    order = SendOrder(make_scene([10], TEN, SOUNDS))
+    assert not {size for size in sizes(order) if size in range(20, 35)}
+    order.hear(True)
+    assert first(order, 3) == [20, 21, 22]
+    order.hear(False)
+    assert first(order, 1) == []
+    order.hear(True)
+    assert first(order, 1) == [23]
+
+
+def test_equal_sound_at_two_times_comes_once(make_scene: MakeScene) -> None:
+    scene = make_scene([], [(0.0, 2.0, [100])], [(0.0, 1.0, 20), (1.0, 2.0, 21)])
+    twice = dataclasses.replace(
+        scene, sounds=(scene.sounds[0], dataclasses.replace(scene.sounds[0], start=1.0, end=2.0))
+    )
+    order = SendOrder(twice)
+    order.hear(True)
+    assert list(sizes(order)) == [100, 20]

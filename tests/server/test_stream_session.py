@@ -459,3 +459,25 @@ def test_credits_are_never_exceeded_and_every_byte_comes_once(
         pass
     assert received == {chunk: size for chunk, size in scene.sizes.items() if chunk not in lost}
     assert told == lost
+
+
+def test_sound_comes_to_who_asks_for_it_and_counts_for_them_alone(make_scene: MakeScene) -> None:
+    scene = make_scene([50], [(0.0, 2.0, [100])], [(0.0, 1.0, 20), (1.0, 2.0, 21)])
+    deaf = drain(start(scene))
+    assert (deaf[0]["remaining"], [chunk.size for chunk in chunks_of(deaf)]) == (150, [50, 100])
+    listening = drain(start(scene, audio=True))
+    assert (listening[0]["remaining"], [chunk.size for chunk in chunks_of(listening)]) == (191, [50, 100, 20, 21])
+    assert listening[-1] == {"type": "end", "bytes": 191, "left_out": 0}
+
+
+def test_who_begins_to_listen_gets_the_sound_then_and_what_it_keeps_does_not_come(make_scene: MakeScene) -> None:
+    scene = make_scene([50], [(0.0, 2.0, [100])], [(0.0, 1.0, 20), (1.0, 2.0, 21)])
+    session = start(scene, have=frozenset({scene.sounds[0].chunks[0].id}))
+    before = drain(session)
+    assert (before[0]["remaining"], before[-1]["type"]) == (150, "end")
+    session.receive(encode(Limits(audio=True)), 0.0)
+    after = drain(session)
+    assert [chunk.size for chunk in chunks_of(after)] == [21]
+    assert after[-1]["type"] == "end"
+    session.receive(encode(Limits(measured=1000)), 0.0)  # in place of all that was said before
+    assert [item["type"] for item in drain(session)] == ["end"]

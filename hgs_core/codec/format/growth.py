@@ -15,7 +15,7 @@ __all__ = ["apply_growth", "continues", "first_segments", "growth_of", "replaces
 Document = Mapping[str, Any]
 
 _APPENDED = ("segments", "slices")
-_FREE = frozenset({*_APPENDED, "version", "title", "end", "totals", "thumbnail", "training", "live"})
+_FREE = frozenset({*_APPENDED, "version", "title", "end", "totals", "thumbnail", "training", "live", "audio"})
 
 
 def continues(later: Document, earlier: Document) -> bool:
