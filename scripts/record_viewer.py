@@ -69,6 +69,7 @@ def film(page: Page, start: float, end: float) -> Iterator[Image.Image]:
     per_play = round((end - start) * _RATE)
     count = per_play * _PLAYS
     left, top = _SIZE[0] / 2, _SIZE[1] / 2
+    page.evaluate("() => { window.hgs.quality = 'high'; }")  # a slow machine would draw what moves coarsely
     page.mouse.move(left, top)
     page.mouse.down()
     for number in range(count):

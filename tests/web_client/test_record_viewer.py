@@ -29,7 +29,9 @@ def test_a_film_shows_every_time_from_another_place_and_is_the_same_each_time(
     def recorded() -> list[Image.Image]:
         width, height = record_viewer._SIZE
         with open_viewer(browser, f"{site.page}?paused=1&camera=side", width=width, height=height) as page:
-            return list(film(page, site.start, site.end))
+            frames = list(film(page, site.start, site.end))
+            assert page.evaluate("() => window.hgs.quality") == "high"  # or pictures were as coarse as the machine slow
+            return frames
 
     first, again = recorded(), recorded()
     plays = round((site.end - site.start) * 2)

@@ -2,6 +2,7 @@
 
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
+import type { Quality } from "../renderer/qualities";
 import type { Pixels } from "../renderer/shot";
 import { element } from "../ui/element";
 import { PlayerView } from "../ui/player_view";
@@ -14,6 +15,8 @@ export interface ViewerHandle {
   /** Resolves when everything alive at the first time has arrived, been sorted and drawn; rejects if it cannot. */
   readonly ready: Promise<void>;
   readonly state: Readonly<Record<string, unknown>>;
+  /** As the settings have it: `auto` draws what moves as finely as this device can, `high` always at its best. */
+  quality: Quality;
   /** Go to a time, seconds; resolves when all of it is drawn. */
   seek(time: number): Promise<void>;
   play(): void;
@@ -96,6 +99,12 @@ function handle(player: HgsPlayer, ready: Promise<void>): ViewerHandle {
         height: player.height,
         ...player.statistics,
       };
+    },
+    get quality() {
+      return player.quality;
+    },
+    set quality(quality) {
+      player.quality = quality;
     },
     seek: (time) => player.seek(time),
     play: () => player.play(),
