@@ -16,7 +16,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import sqlalchemy as sa
 
@@ -41,11 +41,11 @@ class Liveness(Protocol):
         """Return whether `executor` was not alive when it was last looked at, but may yet prove that it is."""
 
 
-def open_liveness(home: Home, engine: sa.Engine) -> Liveness:
-    """Return the kind that fits the database; `engine` is for looks at others, one connection at a time."""
+def open_liveness(home: Home) -> Liveness:
+    """Return the kind that fits the database."""
     if sa.make_url(home.database_url).get_backend_name() == "sqlite":
         return FileLiveness(home.folder / "live")
-    return PostgresLiveness(connection_url(home), engine)
+    return PostgresLiveness(connection_url(home))
 
 
 class FileLiveness:
@@ -93,64 +93,57 @@ class PostgresLiveness:
     """One advisory lock per worker, on a connection of its own that is tried every second.
 
     If the connection breaks (a restart of the server, a network fault), the worker has `patience` seconds to take the
-    lock again before it must end itself; others wait for `grace` seconds before they believe that it is dead.
+    lock again before it must end itself; others wait for `grace` seconds before they believe that it is dead. Others
+    are looked at on the same connection: one that is shared with what follows from the look could be waited for by
+    both for ever.
     """
 
     def __init__(
-        self,
-        url: str | sa.URL,
-        looks: sa.Engine | None = None,
-        *,
-        patience: float = 20.0,
-        grace: float = 30.0,
-        interval: float = 1.0,
+        self, url: str | sa.URL, *, patience: float = 20.0, grace: float = 30.0, interval: float = 1.0
     ) -> None:
         """Prepare to connect to `url`, which has short keepalives for both ends (`connection_url`).
 
-        Others are looked at with connections of `looks`, else with new ones. All times in seconds, `patience` well
-        below `grace`.
+        All times in seconds, `patience` well below `grace`.
         """
         self._patience, self._grace, self._interval = patience, grace, interval
-        # Without a pool, closing a connection ends its session, and with it the lock.
+        # Without a pool, closing a connection ends its session, and with it all its locks.
         self._engine = sa.create_engine(
             sa.make_url(url).set(drivername="postgresql+psycopg"),
             poolclass=sa.NullPool,
             isolation_level="AUTOCOMMIT",
             connect_args={"connect_timeout": 5},
         )
-        self._looks = looks or self._engine
+        self._session: sa.Connection | None = None
+        self._holds = False  # the session has our own lock
+        self._turn = threading.Lock()  # to use the session
         self._first_seen_dead: dict[str, float] = {}
         self._last_proof = 0.0
         self._lost = threading.Event()
 
     def hold(self, executor: str, on_lost: Callable[[], None]) -> None:
         """Be alive as `executor`; `on_lost` is called from a thread once `patience` has run out."""
-        connection = self._take(executor, self._engine)
-        if connection is None:
+        if not self._ask(sa.func.pg_try_advisory_lock(_key(executor))):
             raise RuntimeError(f"executor {executor} already exists")
-        self._last_proof = _now()
-        threading.Thread(target=self._prove, args=(executor, connection), daemon=True).start()
+        self._holds, self._last_proof = True, _now()
+        threading.Thread(target=self._prove, args=(executor,), daemon=True).start()
         threading.Thread(target=self._watch, args=(on_lost,), daemon=True).start()
 
     @contextmanager
     def claim_dead(self, executor: str) -> Iterator[bool]:
         """Yield True if the lock of `executor` has been free for `grace` seconds."""
-        connection = self._take(executor, self._looks)
-        if connection is None:
+        if not self._ask(sa.func.pg_try_advisory_lock(_key(executor))):
             self._first_seen_dead.pop(executor, None)
             yield False
             return
-        with connection:
-            try:
-                since = self._first_seen_dead.setdefault(executor, _now())
-                if _now() - since >= self._grace:
-                    yield True
-                    self._first_seen_dead.pop(executor, None)
-                    return
-            finally:
-                # The server ends a closed session only a little later; say it, so that the lock is free at once.
-                with suppress(sa.exc.DBAPIError):  # a broken connection has lost the lock anyway
-                    connection.execute(sa.select(sa.func.pg_advisory_unlock(_key(executor))))
+        try:
+            since = self._first_seen_dead.setdefault(executor, _now())
+            if _now() - since >= self._grace:
+                yield True
+                self._first_seen_dead.pop(executor, None)
+                return
+        finally:
+            with suppress(sa.exc.DBAPIError):  # a broken connection has lost the lock anyway
+                self._ask(sa.func.pg_advisory_unlock(_key(executor)))
         # The lock is free again here, so that a worker that only lost its connection can take it.
         yield False
 
@@ -158,32 +151,30 @@ class PostgresLiveness:
         """Return whether the lock of `executor` was free when it was last looked at, but not for `grace` seconds."""
         return executor in self._first_seen_dead
 
-    def _take(self, executor: str, engine: sa.Engine) -> sa.Connection | None:
-        """Return a connection that holds the lock of `executor`, or None if another has it."""
-        connection = engine.connect().execution_options(isolation_level="AUTOCOMMIT")
-        taken = False
-        try:
-            taken = connection.execute(sa.select(sa.func.pg_try_advisory_lock(_key(executor)))).scalar_one()
-        finally:
-            if not taken:
-                connection.close()
-        return connection if taken else None
+    def _ask(self, question: sa.ColumnElement[Any]) -> Any:
+        """Return what the server answers on our session, which is made if there is none."""
+        with self._turn:
+            if self._session is None:
+                self._session, self._holds = self._engine.connect(), False
+            try:
+                return self._session.execute(sa.select(question)).scalar_one()
+            except sa.exc.DBAPIError:
+                self._session.invalidate()
+                self._session.close()
+                self._session, self._holds = None, False
+                raise
 
-    def _prove(self, executor: str, connection: sa.Connection | None) -> None:
-        """Try the connection again and again, and renew it when it is broken. It may hang; `_watch` does not."""
+    def _prove(self, executor: str) -> None:
+        """Try the session again and again, and take the lock again when it was broken. May hang; `_watch` does not."""
         while not self._lost.wait(self._interval):
             try:
-                if connection is None:
-                    connection = self._take(executor, self._engine)
-                if connection is not None:
-                    connection.execute(sa.select(1))
+                self._ask(sa.literal(1))
+                if not self._holds:
+                    self._holds = bool(self._ask(sa.func.pg_try_advisory_lock(_key(executor))))
+                if self._holds:
                     self._last_proof = _now()
             except sa.exc.DBAPIError as error:
-                if connection is not None:
-                    log.warning("lost the connection that proves that %s is alive: %s", executor, error.orig)
-                    connection.invalidate()
-                    connection.close()
-                connection = None
+                log.warning("lost the connection that proves that %s is alive: %s", executor, error.orig)
 
     def _watch(self, on_lost: Callable[[], None]) -> None:
         while _now() - self._last_proof < self._patience:

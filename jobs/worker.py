@@ -40,8 +40,8 @@ WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
 LEAVE_SECONDS = 5.0  # to hand the running job over at the end
-# Connections to Postgres of the job table and DBOS together; the proof of life has another.
-# Two, since whoever holds one may need another for a moment (a job is put off, a dead worker's are queued again).
+# Connections to Postgres of the job table and DBOS together; the proof of life has another. In one worker of all, DBOS
+# keeps one of them: nothing here may hold a connection while it waits for another.
 MOST_CONNECTIONS = 2
 FENCED = 3  # exit status after losing the proof of life
 
@@ -72,7 +72,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     queue.register_queue(TRAINING_QUEUE, worker_concurrency=1, polling_interval_sec=POLL_INTERVAL)
     stages = StageRunner(home)
     executor = f"{socket.gethostname()}-{os.getpid()}-{secrets.token_hex(4)}"
-    liveness = open_liveness(home, engine)
+    liveness = open_liveness(home)
     liveness.hold(executor, on_lost=lambda: _fence(stages))
 
     dbos = DBOS(

@@ -4,8 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import sqlalchemy as sa
-
 from jobs.home import Home
 from jobs.liveness import FileLiveness, PostgresLiveness, open_liveness
 
@@ -54,7 +52,7 @@ def test_starting_sweeps_the_files_of_the_dead(tmp_path: Path) -> None:
     assert not is_dead(FileLiveness(tmp_path), "me")
 
 
-def test_the_kind_follows_the_database(tmp_path: Path, engine: sa.Engine) -> None:
-    assert isinstance(open_liveness(Home.at(tmp_path), engine), FileLiveness)
+def test_the_kind_follows_the_database(tmp_path: Path) -> None:
+    assert isinstance(open_liveness(Home.at(tmp_path)), FileLiveness)
     postgres = Home(tmp_path, "postgresql://localhost/hgs", "file:///")
-    assert isinstance(open_liveness(postgres, engine), PostgresLiveness)
+    assert isinstance(open_liveness(postgres), PostgresLiveness)

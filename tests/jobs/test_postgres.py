@@ -180,6 +180,16 @@ class TestLiveness:
         PostgresLiveness(home.database_url).hold("other", lambda: None)
         assert not self.is_dead(PostgresLiveness(home.database_url, grace=0), "other")
 
+    def test_a_look_at_another_takes_no_connection_more(self, home: Home, server: PostgresServer) -> None:
+        liveness = PostgresLiveness(home.database_url, grace=0)
+        liveness.hold("me", lambda: None)
+        database = sa.make_url(home.database_url).database
+        assert database
+        others = "datname = current_database() AND pid <> pg_backend_pid()"
+        with liveness.claim_dead("other") as dead:
+            assert dead
+            assert server.execute(database, f"SELECT count(*) FROM pg_stat_activity WHERE {others}")[0][0] == 1
+
     def test_only_one_can_claim_a_dead_worker_at_a_time(self, home: Home) -> None:
         first, second = (PostgresLiveness(home.database_url, grace=0) for _ in range(2))
         with first.claim_dead("other") as one, second.claim_dead("other") as two:
