@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import socket
 import subprocess
 import sys
 import tempfile
@@ -147,6 +148,15 @@ def server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
 def tcp_server(postgres: Callable[[str], PostgresServer]) -> PostgresServer:
     """A Postgres server on a TCP port of this machine."""
     return postgres("127.0.0.1")
+
+
+@pytest.fixture
+def port() -> int:
+    """Return a TCP port that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        free: int = probe.getsockname()[1]
+        return free
 
 
 @pytest.fixture

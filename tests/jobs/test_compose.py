@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import socket
 import subprocess
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -19,14 +18,6 @@ from postgres_server import PostgresServer
 from s3_server import S3Server, missing_program
 
 Poll = Callable[[Callable[[], bool], str], None]
-
-
-@pytest.fixture
-def port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        free: int = probe.getsockname()[1]
-        return free
 
 
 @pytest.fixture
