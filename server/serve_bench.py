@@ -1,80 +1,180 @@
-"""What many viewers cost the server: its processor time, when they begin to play, and how often they wait."""
+"""What many viewers cost the server, how late what they ask for comes, and how clients that misbehave harm them."""
 
 from __future__ import annotations
 
 import asyncio
-import multiprocessing
 import os
-import resource
-from collections.abc import Mapping
-from multiprocessing.connection import Connection
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
-from server.stream_bench import made_up_scene, serving
-from server.viewing import Watched, play
+from hgs_core.codec.format.manifest import Manifest
+from server.bad_clients import flooding, idling, pings, stalled
+from server.bench_server import BenchServer
+from server.paced_viewers import Crowd, Pace
+from server.protocol import HEADER_BYTES, MIN_PAYLOAD
+from server.viewing import play
 
 __all__ = ["bench_serve", "serve_text"]
 
+WITNESSES = 5  # viewers among the others that play what they get, as the player does
+AHEAD = 2.0  # seconds of the scene that the others ask for at once
+STAY = 20.0  # seconds, at least, that they stay
+STALLED, IDLE, FLOODERS = 50, 5000, 4
+PATIENCE = 90.0  # seconds in which those that do not read must be gone
+PING_SECONDS = 10.0
+FLOOD_SECONDS = 2.0  # until those that seek are there
 
-def bench_serve(viewers: int, seconds: float) -> dict[str, Any]:
-    """Let so many viewers watch a made-up scene at once, from a server in a process of its own."""
-    spawn = multiprocessing.get_context("spawn")
-    ours, theirs = spawn.Pipe()
-    server = spawn.Process(target=_serve, args=(theirs,), daemon=True)
-    server.start()
+
+async def bench_serve(
+    viewers: int,
+    seconds: float,
+    *,
+    folder: Path | None = None,
+    minutes: float = 1.0,
+    processes: int = 1,
+    bad_clients: bool = False,
+) -> dict[str, Any]:
+    """Let so many viewers watch a scene at its own rate, from servers in processes of their own.
+
+    Args:
+        viewers: how many, shared out evenly among the servers.
+        seconds: how long, from when all are there.
+        folder: of the scene; None: one that is made up.
+        minutes: length of the made-up scene.
+        processes: servers.
+        bad_clients: afterwards, let clients misbehave in the ways of `server.bad_clients`, which takes two minutes.
+    """
+    servers = [BenchServer(folder, minutes) for _ in range(processes)]
     try:
-        port = ours.recv()
-        watched = asyncio.run(_watch(port, viewers, seconds))
-        ours.send("stop")
-        processor = ours.recv()
+        pace = _pace(servers[0].manifest)
+        report: dict[str, Any] = {"viewers": viewers, "seconds": seconds, "processes": processes}
+        report |= await _crowd(servers, viewers, seconds, pace)
+        if bad_clients:
+            report["bad_clients"] = await _bad_clients(servers[0])
+        return report
     finally:
-        ours.close()
-        server.join(30)
-    sent = sum(one.bytes for one in watched)
-    starts = sorted(one.start for one in watched if one.start is not None)
+        for server in servers:
+            server.close()
+
+
+def _pace(manifest: Manifest) -> Pace:
+    def framed(size: int) -> int:
+        return size + size * HEADER_BYTES // MIN_PAYLOAD
+
+    lasts = max(manifest.end - manifest.start, 1e-3)
+    rate = framed(manifest.totals.bytes_dynamic) / lasts
+    return Pace(framed(manifest.totals.bytes_static) + int(AHEAD * rate), rate, max(STAY, lasts))
+
+
+async def _crowd(servers: Sequence[BenchServer], viewers: int, seconds: float, pace: Pace) -> dict[str, Any]:
+    for server in servers:
+        await play(server.url, 1.0)  # what the first one costs is not for each
+    empty = [await server.costs() for server in servers]
+    crowd = Crowd([server.url for server in servers], viewers, pace)
+    try:
+        await asyncio.sleep(crowd.joining + AHEAD)
+        witnesses = [asyncio.create_task(play(servers[k % len(servers)].url, seconds)) for k in range(WITNESSES)]
+        joined = await crowd.figures()
+        before = [await server.costs() for server in servers]
+        begun = time.monotonic()
+        await asyncio.sleep(seconds)
+        after = [await server.costs() for server in servers]
+        passed = time.monotonic() - begun
+        figures = await crowd.figures()
+        seen = await asyncio.gather(*witnesses)
+    finally:
+        crowd.close()
+    sent = figures.bytes + sum(one.bytes for one in seen)
+    processor = [late.processor - early.processor for late, early in zip(after, before, strict=True)]
+    more = sum(late.memory - early.memory for late, early in zip(after, empty, strict=True))
+    starts = sorted(one.start for one in seen if one.start is not None)
     return {
-        "viewers": viewers,
-        "seconds": seconds,
         "cores": os.cpu_count(),
+        "load": os.getloadavg()[0],
+        "visits": joined.visits + figures.visits,
+        "lost": joined.lost + figures.lost,
         "bytes": sent,
-        "server_seconds": processor,
-        "server_seconds_per_gb": processor / max(sent / 1e9, 1e-9),
-        "playing": len(starts),
-        "start_p50": starts[len(starts) // 2] if starts else None,
-        "start_max": starts[-1] if starts else None,
-        "stalls": sum(one.stalls for one in watched),
+        "mbit_per_viewer": 8e-6 * figures.bytes / passed / viewers,
+        "server_seconds": sum(processor),
+        "server_seconds_per_gb": sum(processor) / max(sent / 1e9, 1e-9),
+        "busiest_core": max(processor) / passed,
+        "memory": sum(one.memory for one in after),
+        "memory_per_viewer": more / viewers,
+        "lateness": _quantiles(figures.lateness),
+        "witnesses": {
+            "count": len(seen),
+            "playing": len(starts),
+            "start_p50": starts[len(starts) // 2] if starts else None,
+            "stalls": sum(one.stalls for one in seen),
+        },
+    }
+
+
+async def _bad_clients(server: BenchServer) -> dict[str, Any]:
+    report: dict[str, Any] = {"pings_alone": _quantiles(await pings(server.url, PING_SECONDS))}
+    quiet = await server.costs()
+    async with stalled(server.url, STALLED):
+        begun, most, there = time.monotonic(), 0, STALLED
+        while there > quiet.connections and time.monotonic() - begun < PATIENCE:
+            await asyncio.sleep(1.0)
+            costs = await server.costs()
+            there, most = costs.connections, max(most, costs.kernel)
+        gone = time.monotonic() - begun
+    report["stalled"] = {
+        "count": STALLED, "still_there": max(there - quiet.connections, 0), "seconds": gone,
+        "kernel_each": most / STALLED,
+    }  # fmt: skip
+    with idling(server.port, IDLE):
+        report["idle"] = {"count": IDLE, "pings": _quantiles(await pings(server.url, PING_SECONDS))}
+    with flooding(server.url, FLOODERS):
+        await asyncio.sleep(FLOOD_SECONDS)
+        with idling(server.port, IDLE):
+            found = _quantiles(await pings(server.url, PING_SECONDS))
+            report["idle_and_flooders"] = {"count": FLOODERS, "pings": found}
+    return report
+
+
+def _quantiles(values: Sequence[float]) -> dict[str, float | int | None]:
+    ordered = sorted(values)
+    last = len(ordered) - 1
+    return {
+        "count": len(ordered),
+        "p50": ordered[len(ordered) // 2] if ordered else None,
+        "p99": ordered[min(int(0.99 * len(ordered)), last)] if ordered else None,
+        "max": ordered[-1] if ordered else None,
     }
 
 
 def serve_text(report: Mapping[str, Any]) -> str:
     """Return the report as text."""
-    begin = "none plays" if report["start_p50"] is None else (
-        f"{report['playing']} play, after {report['start_p50']:.2f} s (p50), {report['start_max']:.2f} s (max)"
+    witnesses = report["witnesses"]
+    begin = "none plays" if witnesses["start_p50"] is None else (
+        f"{witnesses['playing']} play, after {witnesses['start_p50']:.2f} s (p50)"
     )  # fmt: skip
-    return (
-        f"{report['viewers']} viewers for {report['seconds']:.0f} s: {report['bytes'] / 1e6:.0f} MB, server "
-        f"{report['server_seconds']:.2f} s of processor time, {report['server_seconds_per_gb']:.1f} s per GB; "
-        f"{begin}; {report['stalls']} stalls"
-    )
+    rows = [
+        f"{report['viewers']} viewers for {report['seconds']:.0f} s, {report['processes']} server(s): "
+        f"{report['bytes'] / 1e6:.0f} MB, {report['mbit_per_viewer']:.2f} Mbit/s each, {report['lost']} lost",
+        f"server: {report['server_seconds_per_gb']:.1f} s of processor time per GB, {report['busiest_core']:.2f} of a "
+        f"core (the busiest), {report['memory'] / 1e6:.0f} MB, {report['memory_per_viewer'] / 1e3:.0f} kB a viewer",
+        f"lateness: {_in_ms(report['lateness'])}; load of the machine {report['load']:.1f}",
+        f"of {witnesses['count']} that play what they get {begin}; {witnesses['stalls']} stalls",
+    ]
+    if bad := report.get("bad_clients"):
+        stuck = bad["stalled"]
+        rows += [
+            f"pings: {_in_ms(bad['pings_alone'])}",
+            f"{stuck['count']} that do not read: {stuck['still_there']} of them there after {stuck['seconds']:.0f} s, "
+            f"{stuck['kernel_each'] / 1e3:.0f} kB of the kernel's memory each",
+            f"pings with {bad['idle']['count']} idle connections: {_in_ms(bad['idle']['pings'])}",
+            f"and with {bad['idle_and_flooders']['count']} that seek all the time: "
+            f"{_in_ms(bad['idle_and_flooders']['pings'])}",
+        ]
+    return "\n".join(rows)
 
 
-async def _watch(port: int, viewers: int, seconds: float) -> list[Watched]:
-    url = f"ws://127.0.0.1:{port}/v1/scenes/bench/stream"
-    return list(await asyncio.gather(*(play(url, seconds) for _ in range(viewers))))
-
-
-def _serve(pipe: Connection) -> None:
-    asyncio.run(_until_told(pipe))
-
-
-async def _until_told(pipe: Connection) -> None:
-    async with serving(made_up_scene()) as port:
-        before = _processor_seconds()
-        pipe.send(port)
-        await asyncio.to_thread(pipe.recv)
-        pipe.send(_processor_seconds() - before)
-
-
-def _processor_seconds() -> float:
-    used = resource.getrusage(resource.RUSAGE_SELF)
-    return used.ru_utime + used.ru_stime
+def _in_ms(found: Mapping[str, Any]) -> str:
+    if not found["count"]:
+        return "none"
+    return ", ".join(f"{name} {1e3 * found[name]:.1f} ms" for name in ("p50", "p99", "max"))

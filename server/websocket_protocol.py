@@ -20,7 +20,7 @@ log = logging.getLogger("hgs.server")
 
 UNSENT_BYTES = 32 << 10  # that the kernel takes beyond what is on its way: a seek waits for no more
 STALL_SECONDS = 45.0  # of taking nothing, after which a peer is cut off
-STALL_CHECKS = 5  # looks at the buffer in this time
+STALL_CHECKS = 15  # looks at the buffer in this time
 PIECE_BYTES = 4 << 10  # that are parsed at once: no peer's messages fill the memory before they are dealt with
 MAX_FRAGMENTS = 1024  # of one message
 PING_RATE = 10.0  # WebSocket pings per second

@@ -23,18 +23,30 @@ def add_parts(parts: Any) -> None:
     )
     stream.add_argument(
         "run_folder", metavar="RUN", type=Path, nargs="?",
-        help="a finished run or a scene folder; default: a made-up scene of a minute, 8.1 MB of random bytes",
+        help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
     )  # fmt: skip
     stream.add_argument("--seconds", metavar="S", type=float, default=60.0, help="to watch each line (default: 60)")
+    stream.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
     stream.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     stream.set_defaults(run=_run_stream)
     serve: argparse.ArgumentParser = parts.add_parser(
         "serve",
         help="what many viewers cost the server",
-        description="Serve a made-up scene to many viewers at once: processor time of the server, starts and stalls.",
+        description="Serve a scene to many viewers at once, each at the rate at which it plays: processor time and "
+        "memory of the server, and how late what is asked for comes.",
     )
+    serve.add_argument(
+        "run_folder", metavar="RUN", type=Path, nargs="?",
+        help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
+    )  # fmt: skip
     serve.add_argument("--viewers", metavar="N", type=int, default=50, help="at once (default: 50)")
     serve.add_argument("--seconds", metavar="S", type=float, default=10.0, help="to watch (default: 10)")
+    serve.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
+    serve.add_argument("--processes", metavar="N", type=int, default=1, help="servers (default: 1)")
+    serve.add_argument(
+        "--bad-clients", action="store_true",
+        help="then let clients misbehave: that do not read, that open connections and wait, that seek all the time",
+    )  # fmt: skip
     serve.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     serve.set_defaults(run=_run_serve)
 
@@ -44,10 +56,9 @@ def _run_stream(options: argparse.Namespace) -> int:
     from server.stream_bench import bench_stream, made_up_scene, scene_of, stream_text
 
     if options.run_folder is None:
-        report, _ = asyncio.run(bench_stream(made_up_scene(), seconds))
+        report, _ = asyncio.run(bench_stream(made_up_scene(round(60 * _minutes(options.minutes))), seconds))
     else:
-        folder: Path = options.run_folder
-        scene = scene_of(folder / "scene" if (folder / "scene").is_dir() else folder)
+        scene = scene_of(_scene_folder(options.run_folder))
         report, shown = asyncio.run(bench_stream(scene, seconds))
         from hgs_core.bench.partial_pictures import partial_psnr
 
@@ -59,14 +70,29 @@ def _run_stream(options: argparse.Namespace) -> int:
 
 
 def _run_serve(options: argparse.Namespace) -> int:
-    if options.viewers < 1:
-        raise InputError("--viewers", f"{options.viewers} is too few", "give 1 or more")
-    seconds, output = _seconds(options.seconds), JsonOutput(options.json)
+    for name in ("viewers", "processes"):
+        if (number := getattr(options, name)) < 1:
+            raise InputError(f"--{name}", f"{number} is too few", "give 1 or more")
+    seconds, minutes, output = _seconds(options.seconds), _minutes(options.minutes), JsonOutput(options.json)
     from server.serve_bench import bench_serve, serve_text
 
-    report = bench_serve(options.viewers, seconds)
+    folder = None if options.run_folder is None else _scene_folder(options.run_folder)
+    report = asyncio.run(
+        bench_serve(
+            options.viewers,
+            seconds,
+            folder=folder,
+            minutes=minutes,
+            processes=options.processes,
+            bad_clients=options.bad_clients,
+        )
+    )
     output.show(report, serve_text(report))
     return 0
+
+
+def _scene_folder(folder: Path) -> Path:
+    return folder / "scene" if (folder / "scene").is_dir() else folder
 
 
 def _first_round(moments: Any) -> list[Any]:
@@ -82,3 +108,9 @@ def _seconds(seconds: float) -> float:
     if not 0 < seconds < float("inf"):
         raise InputError("--seconds", f"{seconds} is not a time to watch", "give a number above 0")
     return seconds
+
+
+def _minutes(minutes: float) -> float:
+    if not 1 / 60 <= minutes <= 600:
+        raise InputError("--minutes", f"{minutes} is not the length of a scene", "give a number from 1/60 to 600")
+    return minutes

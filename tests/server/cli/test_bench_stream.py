@@ -33,10 +33,15 @@ def test_pictures_of_a_scene_are_told_for_the_first_time_round(
 
 
 def test_server_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(serve_bench, "bench_serve", lambda viewers, seconds: {"viewers": viewers, "seconds": seconds})
+    async def bench(viewers: int, seconds: float, **options: Any) -> dict[str, Any]:
+        return {"viewers": viewers, "seconds": seconds} | options
+
+    monkeypatch.setattr(serve_bench, "bench_serve", bench)
     monkeypatch.setattr(serve_bench, "serve_text", str)
-    assert main(["bench", "serve", "--viewers", "3", "--seconds", "2", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"viewers": 3, "seconds": 2.0}
+    assert main(["bench", "serve", "--viewers", "3", "--seconds", "2", "--processes", "2", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {
+        "viewers": 3, "seconds": 2.0, "folder": None, "minutes": 1.0, "processes": 2, "bad_clients": False,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -44,6 +49,8 @@ def test_server_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     [
         (["stream", "--seconds", "0"], "--seconds"),
         (["serve", "--viewers", "0"], "--viewers"),
+        (["serve", "--processes", "0"], "--processes"),
+        (["serve", "--minutes", "0"], "--minutes"),
         (["serve", "--seconds", "nan"], "--seconds"),
         (["stream", "nowhere"], "nowhere"),
     ],
