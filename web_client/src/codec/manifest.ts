@@ -5,7 +5,7 @@ import type { Box, CapturedSpace, ChunkEntry, Manifest, ManifestCamera, SegmentE
 import { VERSIONS } from "./versions";
 
 /** A value somewhere inside the document; every reader throws ManifestError if the value is not of its type. */
-class Field {
+export class Field {
   constructor(
     readonly path: string,
     readonly value: unknown,
@@ -123,6 +123,7 @@ export function parseManifest(json: unknown): Manifest {
     antialiased: root.has("antialiased") && root.get("antialiased").flag(),
     live: root.has("live") ? root.get("live").whole(1) : null,
     metresPerUnit: root.has("metres_per_unit") ? root.get("metres_per_unit").positive() : null,
+    audio: root.object().audio,
     capturedSpace: root.has("captured_space") ? readCapturedSpace(root.get("captured_space")) : null,
   };
   checkReferences(manifest, root);

@@ -152,6 +152,8 @@ export interface Manifest {
   readonly metresPerUnit: number | null;
   /** The scene grows, and this is its manifest's number, from 1; null: it is complete. */
   readonly live: number | null;
+  /** What is heard, as the document has it; undefined for nothing. See `readAudio`. */
+  readonly audio?: unknown;
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }

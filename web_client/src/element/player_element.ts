@@ -1,6 +1,6 @@
 /**
  * `<hgs-player>`: a scene in a page, as `<video>` is a film. Its attributes, properties, methods and events have the names and
- * the meaning of HTMLMediaElement where that has them; a scene has no sound.
+ * the meaning of HTMLMediaElement where that has them.
  */
 
 import type { HgsPlayer } from "../player/hgs_player";
@@ -21,15 +21,26 @@ const EVENTS: readonly (keyof HgsPlayerEvents)[] = [
   "seeked",
   "ended",
   "ratechange",
+  "volumechange",
   "viewchange",
   "error",
 ];
 
 /** Properties that a page may have set before the element was defined. */
-const PROPERTIES = ["src", "poster", "autoplay", "controls", "loop", "currentTime", "playbackRate"] as const;
+const PROPERTIES = [
+  "src",
+  "poster",
+  "autoplay",
+  "controls",
+  "loop",
+  "currentTime",
+  "playbackRate",
+  "muted",
+  "volume",
+] as const;
 
 export class HgsPlayerElement extends HTMLElement {
-  static readonly observedAttributes = ["src", "poster", "controls", "loop"];
+  static readonly observedAttributes = ["src", "poster", "controls", "loop", "muted"];
 
   readonly #view = new PlayerView(this, { controls: false });
   #shown: string | null = null; // the address that is loaded
@@ -125,6 +136,24 @@ export class HgsPlayerElement extends HTMLElement {
     this.player.playbackRate = rate;
   }
 
+  /** Whether it is silent; the attribute says so of the beginning. */
+  get muted(): boolean {
+    return this.player.muted;
+  }
+
+  set muted(muted: boolean) {
+    this.player.muted = muted;
+  }
+
+  /** How loud, from 0 to 1. */
+  get volume(): number {
+    return this.player.volume;
+  }
+
+  set volume(volume: number) {
+    this.player.volume = volume;
+  }
+
   play(): void {
     this.player.play();
   }
@@ -164,7 +193,7 @@ export class HgsPlayerElement extends HTMLElement {
     if (name === "src") this.#loadSoon();
     else if (name === "poster") this.#view.poster = value;
     else if (name === "controls") this.#view.controls = value !== null;
-    else this.player.loop = value !== null;
+    else this.player[name as "muted" | "loop"] = value !== null;
   }
 
   /** Once all attributes are there. */

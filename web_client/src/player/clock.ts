@@ -21,7 +21,8 @@ export class PlayerClock {
   #rate = 1;
   #playing = false;
   #stalled = false;
-  #last: number | null = null;
+  /** At which of its moments the time was right, seconds of whatever steady clock it is told; null before. */
+  ticked: number | null = null;
 
   /** A clock over [start, end] seconds of the scene, standing at the start. */
   constructor(
@@ -60,7 +61,7 @@ export class PlayerClock {
     const [from, to] = this.range ?? [this.start, this.end];
     if (this.#time >= to) this.#time = from;
     this.#playing = true;
-    this.#last = null;
+    this.ticked = null;
   }
 
   pause(): void {
@@ -72,7 +73,7 @@ export class PlayerClock {
   seek(time: number): void {
     this.#time = Math.min(this.end, Math.max(this.start, time));
     this.#stalled = false;
-    this.#last = null;
+    this.ticked = null;
   }
 
   /**
@@ -81,8 +82,8 @@ export class PlayerClock {
    * The playhead enters no moment for which `ready` is false: it stalls, and starts anew when the data is there.
    */
   tick(now: number, ready: (time: number) => boolean): number {
-    const step = this.#last === null ? 0 : Math.min(LONGEST_STEP, Math.max(0, now - this.#last));
-    this.#last = now;
+    const step = this.ticked === null ? 0 : Math.min(LONGEST_STEP, Math.max(0, now - this.ticked));
+    this.ticked = now;
     if (!this.#playing) return this.#time;
     const next = this.after(step);
     this.#stalled = !ready(next);

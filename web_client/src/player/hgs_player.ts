@@ -37,6 +37,8 @@ export class HgsPlayer extends played(Target) {
   #scene: ScreenedScene | null = null;
   #quality: Quality;
   #splatBudget: number;
+  #muted: boolean;
+  #volume: number;
 
   /**
    * @param stage an element of the page with a size and a position of its own (not `static`); the picture fills it.
@@ -49,6 +51,8 @@ export class HgsPlayer extends played(Target) {
     this.asked = asked(options);
     this.#quality = options.quality ?? "auto";
     this.#splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
+    this.#muted = options.muted ?? false;
+    this.#volume = options.volume ?? 1;
   }
 
   /**
@@ -126,6 +130,29 @@ export class HgsPlayer extends played(Target) {
     if (this.#scene) this.#scene.player.splatBudget = budget;
   }
 
+  /**
+   * Whether a scene that has sound is silent. A player that begins before the visitor has touched the page mutes itself: no
+   * browser lets it sound then.
+   */
+  get muted(): boolean {
+    return this.#muted;
+  }
+
+  set muted(muted: boolean) {
+    this.#muted = muted;
+    this.tell("volumechange", null);
+  }
+
+  /** How loud, from 0 to 1; another number is taken for the nearest. */
+  get volume(): number {
+    return this.#volume;
+  }
+
+  set volume(volume: number) {
+    this.#volume = Math.min(1, Math.max(0, volume));
+    this.tell("volumechange", null);
+  }
+
   /** The stretch of time that playing repeats, seconds, whether or not `loop`; null for none, and without a scene. */
   get loopRange(): readonly [number, number] | null {
     return this.#scene?.clock?.range ?? null;
@@ -180,11 +207,9 @@ export class HgsPlayer extends played(Target) {
    * @throws Error if nothing has been drawn yet.
    */
   async screenshot(type = "image/png"): Promise<Blob> {
-    const { width, height, data } = this.#read("finest");
-    const canvas = new OffscreenCanvas(width, height);
-    const picture = new ImageData(new Uint8ClampedArray(data), width, height);
-    canvas.getContext("2d")?.putImageData(picture, 0, 0);
-    return canvas.convertToBlob({ type, quality: 0.92 });
+    const pixels = this.#read("finest");
+    const { pictureFile } = await import("./picture_file"); // few ask for it
+    return pictureFile(pixels, type);
   }
 
   protected get playback(): Playback | null {
@@ -232,6 +257,17 @@ export class HgsPlayer extends played(Target) {
     await this.#scene.settled();
   }
 
+  /** Play the scene's sound, too. */
+  async #listen(scene: ScreenedScene): Promise<void> {
+    try {
+      const { SceneSound } = await import("./scene_sound"); // most scenes need none of it
+      if (!scene.gone.aborted) new SceneSound(this, scene.player, scene.gone);
+      this.tell("volumechange", null);
+    } catch (error) {
+      this.tell("error", { message: "The scene plays without its sound.", cause: String(error) });
+    }
+  }
+
   #viewpoint() {
     const { camera = null, exact = false, size = null } = { ...this.#options, ...this.#beginning };
     return { camera, exact, size };
@@ -244,6 +280,7 @@ export class HgsPlayer extends played(Target) {
       if (view) scene.viewpoint.place(view);
       if (loopRange) scene.clock.range = within(loopRange, scene.clock);
       this.begin();
+      if (scene.manifest?.audio) void this.#listen(scene);
     }
     if (type === "pause") this.asked.playing = false;
     this.tell(type, detail);

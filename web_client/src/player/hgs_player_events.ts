@@ -33,6 +33,10 @@ export interface PlayingOptions {
 }
 
 export interface HgsPlayerOptions extends Beginning, PlayingOptions, Partial<Omit<ViewpointOptions, "camera">> {
+  /** Whether a scene that has sound is silent; false if left out. */
+  readonly muted?: boolean;
+  /** How loud, from 0 to 1; 1 if left out. */
+  readonly volume?: number;
   /** How finely pictures are drawn; `auto` if left out. */
   readonly quality?: Quality;
 }
@@ -66,6 +70,8 @@ export interface HgsPlayerEvents {
   /** The end is reached, and the scene does not begin again. */
   ended: null;
   ratechange: null;
+  /** It is louder, or quieter, or muted, or no more; and once when the sound of a scene that has any is there. */
+  volumechange: null;
   /** The camera has moved, or the picture has another size. */
   viewchange: null;
   error: PlayerProblem;

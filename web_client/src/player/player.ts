@@ -6,6 +6,7 @@
 import { CanvasRenderer } from "../renderer/canvas_renderer";
 import type { Quality } from "../renderer/qualities";
 import type { Pixels } from "../renderer/shot";
+import type { SceneSource } from "../source/scene_source";
 import { Picture } from "./picture";
 import type { Playback } from "./playback";
 import type { PlayerOptions, PlayerStats } from "./player_types";
@@ -54,6 +55,11 @@ export class ScenePlayer {
   /** Null until the manifest has arrived. */
   get playback(): Playback | null {
     return this.#scene.playback;
+  }
+
+  /** Where the scene comes from. */
+  get source(): SceneSource {
+    return this.#scene.source;
   }
 
   get stats(): PlayerStats {

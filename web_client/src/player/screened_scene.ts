@@ -88,6 +88,11 @@ export class ScreenedScene {
     return Promise.race([this.player.settled(), this.#failed]);
   }
 
+  /** Aborts when it is taken away. */
+  get gone(): AbortSignal {
+    return this.#abort.signal;
+  }
+
   dispose(): void {
     this.#abort.abort();
     this.player.dispose();

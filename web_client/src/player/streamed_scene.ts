@@ -63,7 +63,7 @@ export class StreamedScene {
   readonly #options: SceneOptions;
   readonly #events: SceneEvents;
   readonly #worker: SceneWorker;
-  readonly #source: SceneSource;
+  readonly source: SceneSource;
   readonly #chunks: SceneChunks;
   readonly #line = new Throughput();
   #manifest: Manifest | null = null;
@@ -91,13 +91,13 @@ export class StreamedScene {
     this.#chunks = new SceneChunks({
       worker: this.#worker,
       sink: options.sink,
-      source: () => this.#source,
+      source: () => this.source,
       changed: () => {
         this.#reside();
         events.changed();
       },
     });
-    this.#source = options.open(
+    this.source = options.open(
       {
         manifest: (bytes) => this.#begin(bytes),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
@@ -189,12 +189,12 @@ export class StreamedScene {
 
   /** The network or the page is back. */
   wake(): void {
-    this.#source.wake();
+    this.source.wake();
   }
 
   /** Stop and give everything back but the sink. */
   dispose(): void {
-    this.#source.close();
+    this.source.close();
     this.#chunks.dispose();
     this.#worker.dispose();
   }
@@ -241,12 +241,12 @@ export class StreamedScene {
       const clock = new PlayerClock(manifest.start, manifest.end);
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
-      this.#playback = new Playback(clock, buffer, this.#source, () => this.#line.rate(performance.now()));
+      this.#playback = new Playback(clock, buffer, this.source, () => this.#line.rate(performance.now()));
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();
     } catch (error) {
-      this.#source.close();
+      this.source.close();
       const cause = error instanceof Error ? error.message : String(error);
       const unreadable = error instanceof ManifestError || error instanceof SyntaxError;
       this.#events.failed(unreadable ? SCENE_UNREADABLE : cause, cause);

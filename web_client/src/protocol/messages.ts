@@ -15,6 +15,8 @@ export type ClientMessage =
       credits: number;
       /** Which of the manifest's chunks are here, lowest bits first; with `manifest_id`. */
       have_bits?: Uint8Array;
+      /** Chunks that are here whatever the manifest. */
+      have?: Uint8Array[];
       /** In which the manifest is taken, beside the manifest as it is. */
       codings: string[];
       /** Chunks whose first bytes are here, and how many. */
@@ -27,13 +29,15 @@ export type ClientMessage =
       bytes_per_second?: number;
       /** Whether what is added to a scene that grows is wanted. */
       follow?: boolean;
+      /** Whether the scene's sound is wanted, too. */
+      audio?: boolean;
     }
   | { type: "credit"; bytes: number }
   | { type: "seek"; time: number }
   | { type: "play"; time: number; rate: number }
   | { type: "pause"; time: number }
   /** What can be taken from now on; what is left out has no limit, or is not known. */
-  | { type: "limits"; splats?: number; bytes_per_second?: number; measured?: number }
+  | { type: "limits"; splats?: number; bytes_per_second?: number; measured?: number; audio?: boolean }
   | { type: "ping"; id: number };
 
 export type ServerMessage =

@@ -21,6 +21,7 @@ import { PlayheadMessages } from "../protocol/playhead_messages";
 import { fetchChunk } from "./fetch_chunk";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
+import { StreamedSound } from "./streamed_sound";
 import { Throughput } from "./throughput";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
@@ -46,6 +47,7 @@ export class SceneStream implements SceneSource {
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
   #connection: Connection | null = null;
   #chunks: readonly string[] = []; // of the manifest
+  #sound = new StreamedSound(new Set(), () => {});
   /** What has come while the manifest is decompressed. */
   #held: Uint8Array<ArrayBuffer>[] | null = null;
   #manifestId: Uint8Array | null = null;
@@ -91,8 +93,10 @@ export class SceneStream implements SceneSource {
     this.#grant();
   }
 
-  fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>> {
-    return fetchChunk(chunkUrl(this.url, id), signal, cache);
+  /** A piece of sound comes with the stream, if it is asked for the first time. */
+  async fetchAgain(id: string, signal: AbortSignal, cache?: "reload" | "default"): Promise<Uint8Array<ArrayBuffer>> {
+    const streamed = cache === "default" && (await this.#sound.ask(id));
+    return streamed || fetchChunk(chunkUrl(this.url, id), signal, cache);
   }
 
   /** The network or the page is back: connect now, or find out whether the connection has survived. */
@@ -105,6 +109,7 @@ export class SceneStream implements SceneSource {
   close(): void {
     clearTimeout(this.#retry);
     this.#retry = undefined;
+    this.#sound.end();
     this.#leave();
     this.events.state("closed");
   }
@@ -136,6 +141,7 @@ export class SceneStream implements SceneSource {
       ...(this.#manifestId && { manifest_id: this.#manifestId }),
       ...(time !== null && { time }),
       rate,
+      ...(this.#sound.wanted && { audio: true, have: this.#sound.sent.slice(-MOST_PARTS).map(fromHex) }),
     });
   }
 
@@ -181,6 +187,7 @@ export class SceneStream implements SceneSource {
   }
 
   #fail(failure: SourceFailure, detail: string): void {
+    this.#sound.end();
     this.#leave();
     this.events.state("closed");
     this.events.failed(failure, detail);
@@ -202,7 +209,8 @@ export class SceneStream implements SceneSource {
         break;
       case "missing":
         this.#partial.drop(toHex(message.id));
-        this.events.missing(toHex(message.id));
+        if (this.#sound.ids.has(toHex(message.id))) this.#sound.missing(toHex(message.id));
+        else this.events.missing(toHex(message.id));
         break;
       case "pong":
         this.#connection?.answered(message.id);
@@ -248,16 +256,20 @@ export class SceneStream implements SceneSource {
   }
 
   #begin(manifest: Uint8Array): void {
-    this.#chunks = chunksIn(manifest);
+    const [chunks, sounds] = chunksIn(manifest);
+    this.#chunks = chunks;
+    this.#sound = new StreamedSound(new Set(sounds), () => this.#tell());
     this.events.manifest(manifest);
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
     const frame = decodeChunkFrame(message);
     const chunk = this.#partial.add(frame);
-    this.events.progress(frame.payload.length);
+    const sound = this.#sound.ids.has(frame.id);
+    if (!sound) this.events.progress(frame.payload.length);
     this.#measure(message.length);
-    if (chunk && !this.#have.has(frame.id)) {
+    if (chunk && sound) this.#sound.arrived(frame.id, chunk);
+    else if (chunk && !this.#have.has(frame.id)) {
       this.#have.add(frame.id);
       this.#failures = 0; // it moves: the next retry comes soon again
       this.#patience = 1;
@@ -275,7 +287,13 @@ export class SceneStream implements SceneSource {
     const change = rate / this.#told.rate; // infinite at first
     if (rate === 0 || now - this.#told.at < TELL || (change < CHANGE && change > 1 / CHANGE)) return;
     this.#told = { at: now, rate };
-    this.#send({ type: "limits", measured: rate });
+    this.#tell();
+  }
+
+  /** What the server should know of this client. */
+  #tell(): void {
+    const { rate } = this.#told;
+    this.#send({ type: "limits", ...(rate > 0 && { measured: rate }), ...(this.#sound.wanted && { audio: true }) });
   }
 
   /** Give credit back in portions, but not to a decoder that cannot keep up. */
@@ -284,14 +302,14 @@ export class SceneStream implements SceneSource {
   }
 }
 
-/** The ids of a manifest's chunks in order; what is no manifest, the player finds out. */
-function chunksIn(manifest: Uint8Array): string[] {
+/** The ids of a manifest's chunks in order, and of its sound; what is no manifest, the player finds out. */
+function chunksIn(manifest: Uint8Array): [string[], string[]] {
   try {
-    const { static: stills, slices } = JSON.parse(new TextDecoder().decode(manifest));
+    const { static: stills, slices, audio } = JSON.parse(new TextDecoder().decode(manifest));
     const chunks: { id: string }[] = [...stills, ...slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks)];
-    return chunks.map(({ id }) => id);
+    return [chunks.map(({ id }) => id), (audio?.pieces ?? []).map(({ id }: { id: string }) => id)];
   } catch {
-    return [];
+    return [[], []];
   }
 }
 

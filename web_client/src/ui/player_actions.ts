@@ -7,6 +7,7 @@ import { formatTime } from "./format";
 import { moves } from "./playing";
 import { savePicture } from "./save_picture";
 import type { SharedView } from "./shared_view";
+import { toggleMuted } from "./sound_controls";
 
 /** Rates to choose from, scene seconds per second. */
 export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;
@@ -116,6 +117,12 @@ export class PlayerActions {
     const time = neighbour(this.surroundings.bookmarks.times, this.player.currentTime, direction);
     if (time === null) this.surroundings.say(direction === 1 ? "No later bookmark" : "No earlier bookmark");
     else this.seekTo(time);
+  }
+
+  toggleMuted(): void {
+    const { player } = this;
+    if (player.manifest?.audio) toggleMuted(player);
+    else this.surroundings.say("This scene has no sound");
   }
 
   toggleFly(): void {

@@ -67,6 +67,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
         actions.rate = rateAfter(player.playbackRate, 1);
       },
     },
+    { keys: ["m"], does: "Mute, or let sound be heard", action: () => actions.toggleMuted() },
     { keys: ["Shift+l"], shown: "Shift + L", does: "Repeat the scene or not", action: () => actions.toggleLoop() },
   ];
   const marking = [

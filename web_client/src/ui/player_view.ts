@@ -177,6 +177,13 @@ export class PlayerView {
     );
     this.#controls.replaceChildren(bar, this.#panels, this.#transport.node);
     this.#transport.timeline.mark();
+    if (manifest.audio) void this.#showSound(this.#transport);
+  }
+
+  /** A player that cannot load the controls is as it was; the scene's sound fails in the same way, and says so. */
+  async #showSound({ node }: Transport): Promise<void> {
+    const controls = await import("./sound_controls").catch(() => null);
+    controls?.addSoundControls(this.player, node);
   }
 
   async #loadCommands(): Promise<Commands> {

@@ -448,4 +448,21 @@ describe("SceneStream", () => {
     expect(socket.closed).toBe(1000);
     expect(sockets.length).toBe(1);
   });
+
+  it("asks for sound when a piece is wanted, and once more on the next connection, with what has come", async () => {
+    const { events, stream, socket } = connect();
+    socket.open();
+    socket.welcome(JSON.stringify({ static: [{ id: A }], slices: [], audio: { pieces: [{ id: B }, { id: C }] } }));
+    const asked = stream.fetchAgain(B, new AbortController().signal, "default");
+    expect(socket.sent.at(-1)).toEqual({ type: "limits", audio: true });
+    socket.frame(B, 0, 3, Uint8Array.of(1, 2, 3));
+    expect(await asked).toEqual(Uint8Array.of(1, 2, 3));
+    expect(events.chunk).not.toHaveBeenCalled();
+    expect(events.progress).not.toHaveBeenCalled();
+    socket.drop(1006);
+    vi.advanceTimersByTime(1000);
+    const next = sockets[1];
+    next.open();
+    expect(next.sent[0]).toMatchObject({ type: "hello", audio: true, have: [fromHex(B)] });
+  });
 });

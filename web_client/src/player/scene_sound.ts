@@ -1,0 +1,204 @@
+/**
+ * Plays the sound of a scene in step with its picture, by Web Audio. It follows the picture, which never waits for it. Nothing
+ * is fetched while it is muted, and nothing sounds before the visitor has touched the page: browsers would not let it.
+ */
+
+import { type AudioEntry, readAudio } from "../codec/audio_entry";
+import type { HgsPlayer } from "./hgs_player";
+import type { ScenePlayer } from "./player";
+import { Alignment, type Line, partToHear, pieceAt } from "./sound_timing";
+
+/** Pieces for so many seconds of playing are fetched, and those of so many handed to the device. */
+const AHEAD = 3;
+const SOON = 0.6;
+/** At greater rates there is no sound: it could not be understood. */
+const FASTEST = 4;
+/** Decoded pieces that are kept, about 0.4 MB each. */
+const KEPT = 24;
+/** Sound begins and ends within so many seconds, without a click. */
+const FADE = 0.01;
+/** From a frame's time until its picture is seen, seconds: about the next refresh of the screen. */
+const DISPLAY = 1 / 60;
+/** What the device needs to begin something, seconds. */
+const LATEST = 0.005;
+/** A browser that does not begin within so many milliseconds wants the visitor to touch the page first. */
+const PATIENCE = 1000;
+/** Milliseconds of silence after which the device may rest. */
+const REST = 500;
+/** Milliseconds after which a piece that could not be had is asked for again. */
+const RETRY = 3000;
+
+/** What sounds together, by one line: ended as one when the line changes. */
+interface Run {
+  readonly line: Line;
+  readonly fade: GainNode;
+  readonly pieces: Map<number, AudioBufferSourceNode>;
+}
+
+export class SceneSound {
+  readonly #audio: AudioEntry;
+  readonly #alignment = new Alignment();
+  readonly #buffers = new Map<number, AudioBuffer | null>(); // null: on its way, or not to be had now
+  #context: AudioContext | null = null;
+  #volume: GainNode | null = null;
+  #run: Run | null = null;
+  #rest: ReturnType<typeof setTimeout> | undefined;
+
+  /**
+   * @param scene whose manifest has come; `gone` aborts when the player shows it no more.
+   * @throws ManifestError if what the manifest says of sound is wrong.
+   */
+  constructor(
+    readonly player: HgsPlayer,
+    readonly scene: ScenePlayer,
+    readonly gone: AbortSignal,
+  ) {
+    this.#audio = readAudio(player.manifest?.audio);
+    const listen = { signal: gone };
+    player.addEventListener("frame", () => this.#update(), listen);
+    player.addEventListener("volumechange", () => this.#update(), listen);
+    document.addEventListener("visibilitychange", () => this.#update(), listen);
+    gone.addEventListener("abort", () => this.#dispose());
+    this.#update();
+  }
+
+  /** Look at the player, and do as it does. */
+  #update(): void {
+    const { playback } = this.scene;
+    const { muted, volume } = this.player;
+    if (!playback || this.gone.aborted) return;
+    const { clock, moving } = playback;
+    if (muted || !moving || document.hidden || clock.rate > FASTEST) {
+      this.#hush();
+      return;
+    }
+    const context = this.#wake();
+    if (!context || !this.#volume) return;
+    this.#volume.gain.setTargetAtTime(volume * volume, context.currentTime, FADE); // as loudness is heard
+    const wanted = new Set<number>();
+    for (let ahead = 0; ahead <= AHEAD; ahead += 0.4 / clock.rate) {
+      wanted.add(pieceAt(this.#audio.pieces, clock.after(ahead)));
+    }
+    wanted.delete(-1);
+    this.#fetch(context, wanted);
+    if (context.state !== "running" || clock.ticked === null) return;
+    const { performanceTime: heard, contextTime } = outputTime(context);
+    const shown = clock.ticked + DISPLAY - heard / 1000; // when the picture at the playhead is seen, after what is heard now
+    const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
+    if (line !== this.#run?.line) this.#begin(context, this.#volume, line);
+    for (const index of wanted) this.#hear(context, index);
+  }
+
+  /** The device, running or about to; null while the browser would not let it. */
+  #wake(): AudioContext | null {
+    clearTimeout(this.#rest);
+    this.#rest = undefined;
+    if (!this.#context) {
+      if (navigator.userActivation?.hasBeenActive === false) {
+        this.player.muted = true; // until the visitor asks for sound
+        return null;
+      }
+      const context = new AudioContext();
+      this.#volume = context.createGain();
+      this.#volume.gain.value = this.player.volume ** 2;
+      this.#volume.connect(context.destination);
+      this.#context = context;
+    }
+    const context = this.#context;
+    if (context.state !== "running") {
+      context.resume().catch(() => {});
+      setTimeout(() => {
+        const wanted = this.#rest === undefined && !this.player.muted && !this.gone.aborted;
+        if (wanted && this.scene.playback?.moving && context.state === "suspended") this.player.muted = true;
+      }, PATIENCE);
+    }
+    return context;
+  }
+
+  /** Be silent; the device may rest soon. */
+  #hush(): void {
+    this.#end();
+    this.#alignment.forget();
+    if (this.#context?.state !== "running" || this.#rest !== undefined) return;
+    this.#rest = setTimeout(() => void this.#context?.suspend().catch(() => {}), REST);
+  }
+
+  #begin(context: AudioContext, volume: GainNode, line: Line): void {
+    this.#end();
+    const fade = context.createGain();
+    fade.gain.setValueAtTime(0, context.currentTime);
+    fade.gain.linearRampToValueAtTime(1, context.currentTime + FADE);
+    fade.connect(volume);
+    this.#run = { line, fade, pieces: new Map() };
+  }
+
+  #end(): void {
+    const [run, context] = [this.#run, this.#context];
+    this.#run = null;
+    if (!run || !context) return;
+    const { currentTime } = context;
+    run.fade.gain.cancelScheduledValues(currentTime);
+    run.fade.gain.setValueAtTime(run.fade.gain.value, currentTime);
+    run.fade.gain.linearRampToValueAtTime(0, currentTime + FADE);
+    for (const node of run.pieces.values()) node.stop(currentTime + FADE);
+  }
+
+  /** Hand a piece to the device, if it is decoded, soon to be heard, and not there yet. */
+  #hear(context: AudioContext, index: number): void {
+    const [run, buffer] = [this.#run, this.#buffers.get(index)];
+    if (!run || !buffer || run.pieces.has(index)) return;
+    const now = context.currentTime + LATEST;
+    const { pieces } = this.#audio;
+    const part = partToHear(pieces, index, run.line, now);
+    if (!part || part.when > now + SOON) return;
+    const node = new AudioBufferSourceNode(context, { buffer, playbackRate: run.line.rate });
+    node.connect(run.fade);
+    // What is decoded ends with the piece; before it there is what the decoder needed to begin.
+    const from = buffer.duration - (pieces[index].end - part.from);
+    node.start(part.when, Math.max(0, from), part.until - part.from);
+    run.pieces.set(index, node);
+  }
+
+  /** Bring and decode pieces, and let go of those that have long been heard. */
+  #fetch(context: AudioContext, wanted: ReadonlySet<number>): void {
+    for (const index of wanted) {
+      if (this.#buffers.has(index)) continue;
+      this.#buffers.set(index, null);
+      void this.#bring(context, index);
+    }
+    for (const index of this.#buffers.keys()) {
+      if (this.#buffers.size <= KEPT) break;
+      if (!wanted.has(index)) this.#buffers.delete(index);
+    }
+  }
+
+  async #bring(context: AudioContext, index: number): Promise<void> {
+    try {
+      const bytes = await this.scene.source.fetchAgain(this.#audio.pieces[index].id, this.gone, "default");
+      const buffer = await context.decodeAudioData(bytes.slice().buffer);
+      if (this.#buffers.has(index)) this.#buffers.set(index, buffer);
+      this.#update();
+    } catch (error) {
+      if (this.gone.aborted) return;
+      // biome-ignore lint/suspicious/noConsole: the scene goes on, without sound for a second
+      console.warn(`sound ${this.#audio.pieces[index].id}: ${error instanceof Error ? error.message : error}`);
+      setTimeout(() => this.#buffers.delete(index), RETRY);
+    }
+  }
+
+  #dispose(): void {
+    clearTimeout(this.#rest);
+    this.#end();
+    const context = this.#context;
+    this.#context = null;
+    setTimeout(() => void context?.close().catch(() => {}), 100); // it fades out
+  }
+}
+
+/** What is heard now: seconds of the sound's clock, at milliseconds of the page's. */
+function outputTime(context: AudioContext): { contextTime: number; performanceTime: number } {
+  const { contextTime = 0, performanceTime = 0 } = context.getOutputTimestamp?.() ?? {};
+  if (performanceTime > 0) return { contextTime, performanceTime };
+  const latency = context.outputLatency || context.baseLatency || 0;
+  return { contextTime: context.currentTime - latency, performanceTime: performance.now() };
+}

@@ -1,0 +1,59 @@
+/** Mute and volume beside the time, for scenes that have sound. */
+
+import type { HgsPlayer } from "../player/hgs_player";
+import { element, icon, setAttribute } from "./element";
+import { adoptStyle } from "./player_style";
+import css from "./sound_controls.css?inline";
+
+const LOUD =
+  "M4 9v6h4l5 4.5v-15L8 9zm11.2-1.6v2a3 3 0 0 1 0 5.2v2a5 5 0 0 0 0-9.2zm0-3.9v2a7 7 0 0 1 0 13v2a9 9 0 0 0 0-17z";
+const QUIET = "M4 9v6h4l5 4.5v-15L8 9zm11.2-1.6v2a3 3 0 0 1 0 5.2v2a5 5 0 0 0 0-9.2z";
+const MUTED =
+  "M4 9v6h4l5 4.5v-15L8 9zm17.5 1.2-1.3-1.3-2.2 2.2-2.2-2.2-1.3 1.3 2.2 2.2-2.2 2.2 1.3 1.3 2.2-2.2 2.2 2.2 1.3-1.3-2.2-2.2z";
+
+/** Loudness to begin with where the visitor asks for sound that had been turned down to nothing. */
+const AUDIBLE = 0.5;
+
+/** Put the controls into a player's bar, of the scene that it shows now. */
+export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
+  adoptStyle(bar.getRootNode() as ShadowRoot, css);
+  const mute = element("button", { type: "button", class: "round mute" });
+  const volume = element("input", {
+    type: "range",
+    class: "volume",
+    "aria-label": "Volume",
+    min: 0,
+    max: 1,
+    step: 0.05,
+  });
+  let shown = "";
+  const update = () => {
+    const silent = player.muted || player.volume === 0;
+    const heard = silent ? 0 : player.volume;
+    volume.value = String(heard);
+    volume.style.setProperty("--share", String(heard));
+    setAttribute(volume, "aria-valuetext", silent ? "Muted" : `${Math.round(100 * heard)} %`);
+    const path = silent ? MUTED : heard > 0.5 ? LOUD : QUIET;
+    if (path === shown) return;
+    shown = path;
+    const label = silent ? "Sound on" : "Mute";
+    mute.replaceChildren(icon(path));
+    mute.setAttribute("aria-label", label);
+    mute.title = `${label} (M)`;
+  };
+  mute.addEventListener("click", () => toggleMuted(player));
+  volume.addEventListener("input", () => {
+    player.volume = Number(volume.value);
+    player.muted = player.volume === 0;
+  });
+  player.addEventListener("volumechange", update, { signal: player.disposed });
+  update();
+  bar.append(element("div", { class: "sound" }, mute, volume));
+}
+
+/** Mute, or let sound be heard. */
+export function toggleMuted(player: HgsPlayer): void {
+  const silent = player.muted || player.volume === 0;
+  if (silent && player.volume === 0) player.volume = AUDIBLE;
+  player.muted = !silent;
+}
