@@ -26,7 +26,7 @@ def throw_away(home: Home, job_id: str) -> None:
     run = home.run(job_id)
     if not run.is_dir():
         return
-    with RunFolder(run).exclusive(patience=0.0):
+    with RunFolder(run).exclusive(on_lost=lambda: None):
         (home.folder / "trash").mkdir(exist_ok=True)
         empty_trash(home, job_id)
         run.rename(home.folder / "trash" / job_id)

@@ -26,7 +26,7 @@ import threading
 import time
 import traceback
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with contextlib.ExitStack() as held:
             try:
-                held.enter_context(RunFolder(options.run).exclusive(patience=LOCK_WAIT))
+                held.enter_context(RunFolder(options.run).exclusive(LOCK_WAIT, lambda: _lost(report)))
             except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
                 _send(report, {"waiting": str(error)})
                 return LATER
@@ -75,6 +75,11 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         return _explain(error, report)
     return DONE
+
+
+def _lost(report: IO[str]) -> NoReturn:
+    _send(report, {"waiting": "another process has taken this run over"})
+    os._exit(LATER)
 
 
 def _explain(error: Exception, report: IO[str]) -> int:

@@ -5,20 +5,25 @@ from __future__ import annotations
 import dataclasses
 import fcntl
 import json
+import os
+import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.lease import LeaseHeldError, lease
 
 __all__ = ["RunFolder", "RunSpec"]
+
+LOST = 70  # exit status of a process that has lost its run to another
 
 
 @dataclass(frozen=True)
@@ -139,25 +144,34 @@ class RunFolder:
         write_bytes(self.spec, json.dumps(value, indent=1).encode())
 
     @contextmanager
-    def exclusive(self, patience: float = 0.0) -> Iterator[None]:
-        """Hold the run's file lock, so that no two processes work on one run; the kernel frees it when one dies.
+    def exclusive(self, patience: float = 0.0, on_lost: Callable[[], object] | None = None) -> Iterator[None]:
+        """Hold the run's file lock and its lease, so that no two processes work on one run.
 
-        Waits `patience` seconds for another process to end.
+        The kernel frees the lock when a process dies; the lease (`hgs_core.runs.lease`) also keeps those away whom the
+        lock does not reach, on another machine or mount. Waits `patience` seconds for another process to end. Should
+        another process take the lease away, after this one was silent for long, `on_lost` is called from a thread; by
+        default it ends this process.
 
         Raises:
             InputError: another process still works on the run.
         """
         deadline = time.monotonic() + patience
-        with (self.path / "run.lock").open("w") as lock:
+        with (self.path / "run.lock").open("w") as lock, ExitStack() as held:
             while True:
                 try:
                     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    held.enter_context(lease(self.path, lock.fileno(), on_lost or self._end))
                     break
-                except BlockingIOError:
+                except (BlockingIOError, LeaseHeldError) as error:
                     if time.monotonic() >= deadline:
-                        raise InputError(self.path, "another process works on this run", "wait until it ends") from None
+                        who = str(error) if isinstance(error, LeaseHeldError) else "another process works on this run"
+                        raise InputError(self.path, who, "wait until it ends") from None
                     time.sleep(0.1)
             yield
+
+    def _end(self) -> NoReturn:
+        print(f"{self.path}: another process has taken this run over: ending", file=sys.stderr, flush=True)
+        os._exit(LOST)
 
     def read_spec(self) -> RunSpec:
         """Read run.json.
