@@ -102,7 +102,8 @@ class _Track:
         while first > 0 and packets[first].time > begin - _LEAD[self.codec] + 1e-6:
             first -= 1
         data = [packets[i].data for i in range(first, group.stop)]
-        return SoundPiece(begin, begin + own, ogg_opus(self.head, data) if self.head else b"".join(data))
+        begin, end = round(begin, 6), round(begin + own, 6)  # microseconds, or manifests grow by digits
+        return SoundPiece(begin, end, ogg_opus(self.head, data) if self.head else b"".join(data))
 
 
 def _groups(packets: Sequence[_Packet], inside: Sequence[int]) -> Iterator[range]:

@@ -171,3 +171,19 @@ def test_a_scene_is_silent_until_a_visitor_wants_to_hear_it(browser: Browser, si
         assert not set(audio.sizes).isdisjoint(asked)
     finally:
         page.close()
+
+
+def test_sound_that_cannot_be_decoded_is_told_and_the_scene_plays_on(browser: Browser, site: str, folder: Path) -> None:
+    audio = load_manifest(folder).audio
+    assert audio is not None
+    page = browser.new_page()
+    try:
+        for name in audio.sizes:
+            page.route(f"**/chunks/{name}", lambda route: route.fulfill(body=b"no sound"))
+        page.goto(site)
+        page.wait_for_function(PICTURED)
+        page.evaluate("() => { document.querySelector('hgs-player').muted = false; }")
+        page.get_by_text("This browser cannot play the scene's sound.").wait_for()
+        page.wait_for_function("(time) => document.querySelector('hgs-player').currentTime > time", arg=1.0)
+    finally:
+        page.close()

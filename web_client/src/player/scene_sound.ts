@@ -42,7 +42,9 @@ export class SceneSound {
   #context: AudioContext | null = null;
   #volume: GainNode | null = null;
   #run: Run | null = null;
-  #rest: ReturnType<typeof setTimeout> | undefined;
+  #rest: ReturnType<typeof setTimeout> | undefined; // while the device is to rest soon, or rests
+  #waking: ReturnType<typeof setTimeout> | undefined; // while it is asked to begin
+  #deaf = false; // the browser cannot decode such sound, and this has been said
 
   /**
    * @param scene whose manifest has come; `gone` aborts when the player shows it no more.
@@ -104,15 +106,21 @@ export class SceneSound {
       this.#volume.connect(context.destination);
       this.#context = context;
     }
-    const context = this.#context;
-    if (context.state !== "running") {
-      context.resume().catch(() => {});
-      setTimeout(() => {
-        const wanted = this.#rest === undefined && !this.player.muted && !this.gone.aborted;
-        if (wanted && this.scene.playback?.moving && context.state === "suspended") this.player.muted = true;
-      }, PATIENCE);
-    }
-    return context;
+    if (this.#context.state !== "running" && this.#waking === undefined) this.#resume(this.#context);
+    return this.#context;
+  }
+
+  #resume(context: AudioContext): void {
+    this.#waking = setTimeout(() => {
+      this.#waking = undefined;
+      const wanted = this.#rest === undefined && this.scene.playback?.moving;
+      if (wanted && context.state !== "running" && !this.gone.aborted) this.player.muted = true;
+    }, PATIENCE);
+    const woken = () => {
+      clearTimeout(this.#waking);
+      this.#waking = undefined;
+    };
+    context.resume().then(woken, () => {});
   }
 
   /** Be silent; the device may rest soon. */
@@ -173,21 +181,35 @@ export class SceneSound {
   }
 
   async #bring(context: AudioContext, index: number): Promise<void> {
+    const { id } = this.#audio.pieces[index];
+    let bytes: Uint8Array;
     try {
-      const bytes = await this.scene.source.fetchAgain(this.#audio.pieces[index].id, this.gone, "default");
-      const buffer = await context.decodeAudioData(bytes.slice().buffer);
-      if (this.#buffers.has(index)) this.#buffers.set(index, buffer);
-      this.#update();
+      bytes = await this.scene.source.fetchAgain(id, this.gone, "default");
     } catch (error) {
       if (this.gone.aborted) return;
       // biome-ignore lint/suspicious/noConsole: the scene goes on, without sound for a second
-      console.warn(`sound ${this.#audio.pieces[index].id}: ${error instanceof Error ? error.message : error}`);
+      console.warn(`sound ${id}: ${error instanceof Error ? error.message : error}`);
       setTimeout(() => this.#buffers.delete(index), RETRY);
+      return;
     }
+    try {
+      const buffer = await context.decodeAudioData(bytes.slice().buffer as ArrayBuffer);
+      if (this.#buffers.has(index)) this.#buffers.set(index, buffer);
+      this.#update();
+    } catch (error) {
+      if (!this.gone.aborted && !this.#deaf) this.#complain(`${this.#audio.codec}, ${id}: ${error}`);
+      this.#deaf = true;
+    }
+  }
+
+  #complain(cause: string): void {
+    const message = "This browser cannot play the scene's sound.";
+    this.player.dispatchEvent(new CustomEvent("error", { detail: { message, cause } }));
   }
 
   #dispose(): void {
     clearTimeout(this.#rest);
+    clearTimeout(this.#waking);
     this.#end();
     const context = this.#context;
     this.#context = null;

@@ -50,6 +50,13 @@ def test_what_is_there_does_not_change(name: str) -> None:
     assert not continues(LAST | {name: "another"}, FIRST)
 
 
+def test_sound_grows_with_the_scene() -> None:
+    audio = json.loads((Path(__file__).resolve().parents[3] / "vectors" / "audio.json").read_text("utf-8"))["audio"]
+    before, after = FIRST | {"audio": audio | {"pieces": audio["pieces"][:2]}}, LAST | {"audio": audio}
+    assert continues(after, before)
+    assert apply_growth(before, growth_of(after, before)) == after
+
+
 def test_slices_that_are_there_do_not_change() -> None:
     later = copy.deepcopy(LAST)
     later["slices"][0]["chunks"] = []
