@@ -150,7 +150,7 @@ class TrainingWorkflow:
             log.warning("%s, start %d of %d without progress: %s", job_id, tries, STAGE_TRIES, outcome.error)
         if outcome.error or outcome.waiting:
             lacking = await _persist(self._lacking, job_id, stage)
-            if lacking is None and outcome.waiting and stage == "publish":
+            if lacking is None and stage == "publish":
                 lacking = await asyncio.to_thread(self._surroundings.store)
             if lacking is not None:
                 outcome = dataclasses.replace(outcome, waiting=outcome.waiting or lacking.reason, cause=lacking.cause)

@@ -215,6 +215,14 @@ class TestStages:
         outcome = run_stage(workflow, "publish")
         assert (outcome.waiting, outcome.cause) == ("the store fails", "store")
 
+    def test_a_publication_that_is_killed_while_the_store_is_away_waits(
+        self, workflow: TrainingWorkflow, stages: FakeStages, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr(Surroundings, "store", lambda self: Missing(Cause.STORE, "the store fails: no answer"))
+        stages.outcomes = [StageOutcome("publish: ended by SIGKILL", killed=True)] * 3
+        outcome = run_stage(workflow, "publish")
+        assert (outcome.waiting, outcome.cause) == ("the store fails: no answer", "store")
+
 
 class TestMissedCapture:
     """A worker that did not see a job's capture leaves jobs to others for a while."""
