@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from jobs.stages import StageSeconds
+from jobs.stages import StageBytes, StageSeconds
 
 __all__ = ["Home"]
 
@@ -28,6 +28,7 @@ class Home:
     pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
     stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
     stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
+    stage_memory: StageBytes | None = None  # that each of its processes may take; None: any
 
     @classmethod
     def at(cls, folder: Path) -> Home:
@@ -37,31 +38,31 @@ class Home:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
-        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE` and two times.
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE` and limits of stages.
 
-        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, as `StageSeconds` reads them.
+        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, and `HGS_STAGE_MEMORY`, in bytes, as
+        `StageSeconds` and `StageBytes` read them.
 
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
 
         Raises:
-            InputError: a time is not a positive number of seconds, or names an unknown stage.
+            InputError: a limit is not a positive number, or names an unknown stage.
         """
         default = cls.at(Path(environment.get("HGS_HOME") or "~/.hgs"))
         store_url = environment.get("HGS_STORE_URL") or default.store_url
         if "://" not in store_url:
             store_url = Path(store_url).expanduser().resolve().as_uri()
+        silence = environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)
+        report = environment.get("HGS_STAGE_REPORT") or str(default.stage_report)
+        memory = environment.get("HGS_STAGE_MEMORY")
         return cls(
             default.folder,
             environment.get("HGS_DATABASE_URL") or default.database_url,
             store_url,
             environment.get("HGS_PIPELINE") or default.pipeline,
-            *(
-                StageSeconds.parse(name, environment.get(name) or str(otherwise))
-                for name, otherwise in (
-                    ("HGS_STAGE_SILENCE", default.stage_silence),
-                    ("HGS_STAGE_REPORT", default.stage_report),
-                )
-            ),
+            StageSeconds.parse("HGS_STAGE_SILENCE", silence),
+            StageSeconds.parse("HGS_STAGE_REPORT", report),
+            StageBytes.parse("HGS_STAGE_MEMORY", memory) if memory else None,
         )
 
     def environment(self) -> dict[str, str]:
@@ -73,6 +74,7 @@ class Home:
             "HGS_PIPELINE": self.pipeline,
             "HGS_STAGE_SILENCE": str(self.stage_silence),
             "HGS_STAGE_REPORT": str(self.stage_report),
+            "HGS_STAGE_MEMORY": str(self.stage_memory or ""),
         }
 
     @property

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
-from hgs_core.base.errors import InputError
+from jobs.byte_sizes import bytes_of
 from jobs.store import Job
 
-__all__ = ["FinishedRun", "Retention", "bytes_of", "folder_bytes"]
-
-_UNITS = {"": 1, "K": 1000, "M": 1000**2, "G": 1000**3, "T": 1000**4}
+__all__ = ["FinishedRun", "Retention", "folder_bytes"]
 
 
 @dataclass(frozen=True)
@@ -57,18 +54,6 @@ class Retention:
             if place >= self.jobs or now - run.job.updated > self.days * 86400 or total > self.bytes:
                 expired.append(run)
         return expired
-
-
-def bytes_of(text: str, where: str) -> float:
-    """Return a number such as 20, 1.5 or 500G.
-
-    Raises:
-        InputError: it is none; names `where`.
-    """
-    match = re.fullmatch(r"([0-9]{1,15}(?:\.[0-9]+)?)([KMGT]?)B?", text.strip().upper())
-    if match is None:
-        raise InputError(where, f"{text!a} is no number", "give one such as 20, or of bytes 500G")
-    return float(match[1]) * _UNITS[match[2]]
 
 
 def folder_bytes(folder: Path) -> int:

@@ -32,7 +32,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
-from jobs.out_of_memory import out_of_memory
+from jobs.out_of_memory import limit_memory, out_of_memory
 from jobs.parent_process import when_parent_is_gone
 from jobs.stages import STAGES
 from jobs.transient_faults import reason_to_wait
@@ -58,6 +58,8 @@ def main(arguments: list[str] | None = None) -> int:
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
     when_parent_is_gone(lambda: os._exit(ORPHANED))
     report = _claim_stdout()
+    home = Home.from_environment()
+    limit_memory(None if home.stage_memory is None else home.stage_memory.of(options.stage))
     try:
         with contextlib.ExitStack() as held:
             try:
@@ -67,7 +69,7 @@ def main(arguments: list[str] | None = None) -> int:
                 return LATER
             began = time.monotonic()
             log.info("%s begins", options.stage)
-            _run(options.stage, options.run, Home.from_environment(), _throttled(report, stop))
+            _run(options.stage, options.run, home, _throttled(report, stop))
             log.info("%s is complete after %.1f s", options.stage, time.monotonic() - began)
     except StageStopped:
         log.info("%s was asked to stop, and has saved what it needs to go on", options.stage)

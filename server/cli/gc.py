@@ -36,10 +36,11 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     pause = None if options.every is None else seconds_of(options.every, "--every")
+    from jobs.byte_sizes import bytes_of
     from jobs.client import JobClient
     from jobs.home import Home
     from jobs.housekeeping import tidy
-    from jobs.retention import Retention, bytes_of
+    from jobs.retention import Retention
 
     retention = Retention.configured()
     for name in ("jobs", "days", "bytes"):

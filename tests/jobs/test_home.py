@@ -6,7 +6,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from jobs.home import Home
-from jobs.stages import StageSeconds
+from jobs.stages import StageBytes, StageSeconds
 
 
 def test_everything_lies_in_the_home_folder_by_default(tmp_path: Path) -> None:
@@ -42,5 +42,6 @@ def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
 
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
     seconds = StageSeconds(90.0, (("train", 7.5),))
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", seconds, StageSeconds(0.5))
+    limits = (seconds, StageSeconds(0.5), StageBytes(8e9))
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits)
     assert Home.from_environment(home.environment()) == home

@@ -1,6 +1,9 @@
 from __future__ import annotations
 
 import errno
+import functools
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -47,3 +50,16 @@ def test_the_system_counts_whom_it_kills(tmp_path: Path, monkeypatch: pytest.Mon
     assert system_kills() == 6
     (tmp_path / "vmstat").write_text("pgfault 12\n")
     assert system_kills() is None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system does it")
+def test_a_process_may_be_limited_and_ends_first() -> None:
+    program = (
+        "import sys; from pathlib import Path; from jobs.out_of_memory import limit_memory\n"
+        "limit_memory(float(sys.argv[1]) or None)\n"
+        "taken = bytearray(1 << 28)\n"
+        "print(Path('/proc/self/oom_score_adj').read_text().strip())"
+    )
+    run = functools.partial(subprocess.run, capture_output=True, text=True, check=False)
+    assert run([sys.executable, "-c", program, "0"]).stdout == "500\n"
+    assert "MemoryError" in run([sys.executable, "-c", program, str(1 << 28)]).stderr

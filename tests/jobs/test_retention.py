@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.retention import FinishedRun, Retention, bytes_of, folder_bytes
+from jobs.retention import FinishedRun, Retention, folder_bytes
 from jobs.store import Job
 
 DAY = 86400.0
@@ -36,15 +36,6 @@ def test_the_settings_are_read() -> None:
     assert Retention.configured(given) == Retention(20, 1.5, 5e11)
     with pytest.raises(InputError, match="HGS_KEEP_DAYS"):
         Retention.configured({"HGS_KEEP_DAYS": "a week"})
-
-
-@pytest.mark.parametrize(("text", "number"), [("0", 0), ("20", 20), ("2.5k", 2500), ("3TB", 3e12), ("7 M", None)])
-def test_sizes(text: str, number: float | None) -> None:
-    if number is None:
-        with pytest.raises(InputError, match="--keep-bytes"):
-            bytes_of(text, "--keep-bytes")
-    else:
-        assert bytes_of(text, "--keep-bytes") == number
 
 
 def test_the_bytes_of_a_folder_are_those_of_its_files(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.stages import StageSeconds
+from jobs.stages import StageBytes, StageSeconds
 
 
 def test_stages_have_their_own_number_or_that_of_all() -> None:
@@ -25,3 +25,11 @@ def test_anything_but_a_positive_number_is_refused(wrong: str) -> None:
 def test_an_unknown_stage_is_refused() -> None:
     with pytest.raises(InputError, match="LIMIT: 'trane=60' names no stage; they are initialise, train"):
         StageSeconds.parse("LIMIT", "300,trane=60")
+
+
+def test_bytes_have_units() -> None:
+    memory = StageBytes.parse("LIMIT", "8G,train=24.5G")
+    assert [memory.of(stage) for stage in ("encode", "train")] == [8e9, 24.5e9]
+    assert StageBytes.parse("LIMIT", str(memory)) == memory
+    with pytest.raises(InputError, match="LIMIT: '0' is not a positive number of bytes"):
+        StageBytes.parse("LIMIT", "0")

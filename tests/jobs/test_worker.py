@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,8 @@ from jobs.client import JobClient
 from jobs.home import Home
 from jobs.job_history import read_course
 from jobs.job_request import JobRequest
-from jobs.stages import STAGES, StageSeconds
+from jobs.out_of_memory import CURE
+from jobs.stages import STAGES, StageBytes, StageSeconds
 from jobs.store import Job, JobState
 from jobs.worker import start_worker
 
@@ -119,6 +121,19 @@ def test_a_stage_that_is_always_killed_fails_the_job(
     job = wait_for(submit(iterations=4, behaviour="die"), finished, "the failure")
     assert job.state is JobState.FAILED
     assert job.error.startswith("train: ended by SIGKILL ")  # and then whether the system lacked memory
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="no other system limits what a process may take")
+def test_a_memory_hog_ends_alone(
+    client: JobClient, submit: Callable[..., str], worker: Callable[..., Worker], wait_for: WaitFor
+) -> None:
+    process = worker(stage_memory=StageBytes.parse("LIMIT", "8G,train=1G"))
+    job = wait_for(submit(iterations=20, behaviour="hog"), finished, "the failure")
+    assert job.state is JobState.FAILED
+    assert job.error.startswith("out of memory: Unable to allocate 64.0 MiB")
+    assert job.error.endswith(CURE)
+    assert wait_for(submit(iterations=1), finished, "the next job").state is JobState.SUCCEEDED
+    assert process.poll() is None
 
 
 @pytest.mark.slow

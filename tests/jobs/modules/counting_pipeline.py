@@ -2,9 +2,10 @@
 like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
-SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it
-at half-time), "full once" (meets a full disk at half-time), "compute" (at half-time without a word until there is a
-file `enough` in the run folder), or "deaf" (ignores SIGTERM and keeps no checkpoint).
+SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it at half-time),
+"hog" (takes 16 GiB of it bit by bit at half-time), "full once" (meets a full disk at half-time), "compute" (at
+half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and keeps no
+checkpoint).
 Every iteration appends its process id and number to `iterations.log` in the run folder.
 """
 
@@ -84,6 +85,9 @@ def _misbehave(behaviour: str, run: Path) -> None:
         os.kill(os.getpid(), signal.SIGKILL)
     if behaviour == "memory":
         np.zeros(1 << 60, np.uint8)
+    if behaviour == "hog":  # takes pages that it never touches, so that the test takes none
+        taken = [np.empty(1 << 26, np.uint8) for _ in range(256)]
+        raise AssertionError(f"{len(taken) << 26} bytes were given")
     if behaviour == "hang once" and not (run / "hung").exists():
         (run / "hung").touch()
         os.kill(os.getpid(), signal.SIGSTOP)
