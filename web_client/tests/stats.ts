@@ -12,6 +12,7 @@ export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
   chunks: 3,
   lostChunks: 0,
   complete: false,
+  atEdge: false,
   splats: 1000,
   dynamicSplats: 100,
   framesPerSecond: 60,

@@ -11,10 +11,15 @@ export class SceneBuffer {
   readonly #arrived = new Set<string>();
   readonly #away = new Set<string>(); // of those, what cannot be drawn now
   readonly #lost = new Set<string>();
-  readonly #layers: ReadonlyMap<string, Layered>; // of all chunks
+  #layers: ReadonlyMap<string, Layered>; // of all chunks
 
   constructor(readonly manifest: Manifest) {
     this.#layers = layersOf(manifest);
+  }
+
+  /** The manifest has become a later version. */
+  grow(): void {
+    this.#layers = layersOf(this.manifest);
   }
 
   /** Note that a chunk can be drawn from now on. */
@@ -80,9 +85,9 @@ export class SceneBuffer {
     return this.#here(this.#statics, true);
   }
 
-  /** True if the whole scene is here, or was: what has made room since can be fetched. */
+  /** True if the whole scene is here, or was: what has made room since can be fetched. One that grows is never whole. */
   get complete(): boolean {
-    return this.#arrived.size === this.#layers.size;
+    return this.manifest.live === null && this.#arrived.size === this.#layers.size;
   }
 
   /** The stretches of time that can be played, as disjoint [start, end] in order. */

@@ -3,6 +3,9 @@
 /** Longest step taken at once, seconds: a tab that was hidden goes on where it stopped. */
 const LONGEST_STEP = 0.25;
 
+/** So far before the edge of a scene that grows a playhead waits, seconds: at the edge the next segment is shown. */
+const EDGE = 0.001;
+
 /**
  * A rate that a clock can run at, scene seconds per second.
  *
@@ -17,6 +20,8 @@ export class PlayerClock {
   loop = true;
   /** The stretch that playing repeats, seconds, whether or not `loop`; null for none. */
   range: readonly [number, number] | null = null;
+  /** Whether the scene grows: the playhead waits at its edge, and goes on when `end` is later. */
+  grows = false;
   #time: number;
   #rate = 1;
   #playing = false;
@@ -27,7 +32,7 @@ export class PlayerClock {
   /** A clock over [start, end] seconds of the scene, standing at the start. */
   constructor(
     readonly start: number,
-    readonly end: number,
+    public end: number,
   ) {
     this.#time = start;
   }
@@ -41,7 +46,12 @@ export class PlayerClock {
     return this.#playing;
   }
 
-  /** True while playing waits for data. */
+  /** Seconds: as far as the playhead goes. */
+  get last(): number {
+    return this.grows ? this.end - EDGE : this.end;
+  }
+
+  /** True while playing waits for data, or for the scene to grow. */
   get stalled(): boolean {
     return this.#stalled;
   }
@@ -71,7 +81,7 @@ export class PlayerClock {
 
   /** Move the playhead; clamped to the scene. */
   seek(time: number): void {
-    this.#time = Math.min(this.end, Math.max(this.start, time));
+    this.#time = Math.min(this.last, Math.max(this.start, time));
     this.#stalled = false;
     this.ticked = null;
   }
@@ -89,19 +99,22 @@ export class PlayerClock {
     this.#stalled = !ready(next);
     if (this.#stalled) return this.#time;
     this.#time = next;
-    if (next === this.end) this.#playing = false;
+    if (next === this.last) {
+      this.#stalled = this.grows;
+      this.#playing = this.grows;
+    }
     return this.#time;
   }
 
-  /** Where the playhead is after so many seconds if it plays on: `end` itself only where it stops there. */
+  /** Where the playhead is after so many seconds if it plays on: `last` itself only where it stops there. */
   after(seconds: number): number {
     const next = this.#time + seconds * this.#rate;
     if (this.range && this.#time < this.range[1]) {
       const [from, to] = this.range;
       return next < to ? next : from + ((next - from) % (to - from));
     }
-    if (next < this.end) return next;
+    if (next < this.last) return next;
     const duration = this.end - this.start;
-    return !this.loop || duration <= 0 ? this.end : this.start + ((next - this.start) % duration);
+    return this.grows || !this.loop || duration <= 0 ? this.last : this.start + ((next - this.start) % duration);
   }
 }

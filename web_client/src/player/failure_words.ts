@@ -2,17 +2,12 @@
 
 import type { SourceFailure } from "../source/scene_source";
 
-const WORDS: Readonly<Record<SourceFailure, string>> = {
-  "no-scene": "There is no such scene here. It may have been taken away.",
-  "scene-changed": "This scene has been published anew. Load the page again to see it.",
-  "not-understood": "This page and the server are of different versions. Loading the page again may help.",
-  "not-loaded": "A part of the player could not be loaded. Loading the page again may help.",
-  ended: "The server has ended the stream. Loading the page again may help.",
-};
-
 export const DECODER_STOPPED = "The decoder of this page has stopped. Loading the page again may help.";
 export const SCENE_UNREADABLE = "This page cannot read the scene. Loading the page again may help.";
+const NOT_LOADED = "A part of the player could not be loaded. Loading the page again may help.";
 
-export function describeFailure(failure: SourceFailure): string {
-  return WORDS[failure];
+/** The words for a failure of the source, which are loaded when there is one. */
+export async function describeFailure(failure: SourceFailure): Promise<string> {
+  const words = await import("./source_failures").catch(() => null);
+  return words?.SOURCE_FAILURES[failure] ?? NOT_LOADED;
 }

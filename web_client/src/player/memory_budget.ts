@@ -15,6 +15,9 @@ const DYNAMIC_ROW = ROW + ROW / 4 + 256 * (18 + 4) * 4 + 256 * 24;
 /** Of a row of statics: the texture, positions at the worker, and the chunk's compressed bytes. */
 const STATIC_ROW = ROW + 512 * (3 * 4 + 16);
 
+/** A scene that grows is taken to become so many times as large; what does not fit then comes and goes. */
+const GROWTH = 4;
+
 /** What a browser tells of its device. */
 export interface Device {
   /** GiB, at most 8; not told by every browser. */
@@ -36,7 +39,7 @@ export function dynamicRows(manifest: Manifest, staticRows: number, budget: numb
   const { slices } = manifest;
   const sizes = new Map(slices.flatMap(({ chunks }) => chunks.map((chunk) => [chunk.id, rowsOf(chunk)] as const)));
   const sum = (ids: Iterable<string>) => [...ids].reduce((rows, id) => rows + (sizes.get(id) ?? 0), 0);
-  const all = sum(sizes.keys());
+  const all = sum(sizes.keys()) * (manifest.live === null ? 1 : GROWTH);
   const affordable = Math.min(most, Math.floor((budget - UNDER_WAY - staticRows * STATIC_ROW) / DYNAMIC_ROW));
   // Of two slices in a row: while one is shown, the other comes.
   const needed = slices.map((slice, i) =>

@@ -27,6 +27,11 @@ export class Playback {
     return this.clock.playing && !this.clock.stalled;
   }
 
+  /** True while the playhead waits for the scene to grow. */
+  get atEdge(): boolean {
+    return this.clock.grows && this.clock.time === this.clock.last;
+  }
+
   play(): void {
     this.clock.play();
     this.source.play(this.clock.time, this.clock.rate);

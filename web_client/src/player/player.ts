@@ -75,6 +75,7 @@ export class ScenePlayer {
       chunks,
       lostChunks: this.playback?.buffer.lost ?? 0,
       complete: this.playback?.buffer.complete ?? false,
+      atEdge: this.playback?.atEdge ?? false,
       splats: orders.count,
       dynamicSplats: orders.dynamicSplats,
       framesPerSecond: frames.rate(now),

@@ -36,6 +36,8 @@ export interface PlayerStats {
   readonly lostChunks: number;
   /** True once the whole scene is here. */
   readonly complete: boolean;
+  /** Whether the playhead waits for the scene to grow. */
+  readonly atEdge: boolean;
   readonly splats: number;
   readonly dynamicSplats: number;
   /** 0 while nothing has to be drawn. */

@@ -38,7 +38,7 @@ export class Residency {
   readonly #states = new Map<string, State>(); // of the chunks that have come once
   readonly #abort = new AbortController();
   #ranking: string[] = []; // all chunks, those first that the playhead needs first
-  #slice = -1; // of the ranking
+  #slice = -1; // of the ranking; -1 while there is none
   #stale = true;
 
   /**
@@ -52,7 +52,13 @@ export class Residency {
     readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
   ) {
     this.#pool = new RowPool(rows);
-    for (const { chunks } of manifest.slices) for (const chunk of chunks) this.#chunks.set(chunk.id, chunk);
+    this.grow();
+  }
+
+  /** The manifest names all that it will, or has become a later version. */
+  grow(): void {
+    for (const { chunks } of this.manifest.slices) for (const chunk of chunks) this.#chunks.set(chunk.id, chunk);
+    this.#slice = -1;
   }
 
   /** Whether the chunk is of those that come and go. */

@@ -83,6 +83,13 @@ export class SceneChunks {
     );
   }
 
+  /** The manifest has become a later version. */
+  grow(): void {
+    this.#buffer?.grow();
+    this.#residency?.grow();
+    this.#close();
+  }
+
   /** A complete chunk has come from the source. */
   arrived(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     this.#intake.arrived(id, bytes);
@@ -102,7 +109,7 @@ export class SceneChunks {
     this.#version++;
     this.#intake.done(id);
     this.#residency?.decoded(id);
-    if (this.#buffer?.complete) this.#parts.source().close(); // what comes again is fetched by its id
+    this.#close();
     this.#parts.changed();
   }
 
@@ -141,6 +148,11 @@ export class SceneChunks {
   dispose(): void {
     this.#intake.dispose();
     this.#residency?.dispose();
+  }
+
+  /** What comes again is fetched by its id. */
+  #close(): void {
+    if (this.#buffer?.complete) this.#parts.source().close();
   }
 
   /** Decode a chunk, one that moves when there is room for it. */

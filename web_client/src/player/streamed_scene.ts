@@ -48,6 +48,8 @@ export interface SceneStep {
 
 export interface SceneEvents {
   manifest(manifest: Manifest): void;
+  /** The manifest has become a later version. */
+  grown?(manifest: Manifest): void;
   /** Something has changed that the next frame should look at. */
   changed(): void;
   /** The sink has a new order. */
@@ -100,6 +102,7 @@ export class StreamedScene {
     this.source = options.open(
       {
         manifest: (bytes) => this.#begin(bytes),
+        grown: (document) => this.#grow(document),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
         missing: (id) => this.#chunks.missing(id),
         progress: (bytes) => {
@@ -111,7 +114,7 @@ export class StreamedScene {
           this.#state = state;
           events.changed();
         },
-        failed: (failure, detail) => events.failed(describeFailure(failure), detail),
+        failed: async (failure, detail) => events.failed(await describeFailure(failure), detail),
       },
       { time: options.time, rate: options.playing ? 1 : 0 },
     );
@@ -233,18 +236,41 @@ export class StreamedScene {
   }
 
   #begin(bytes: Uint8Array): void {
-    try {
+    this.#orFail(() => {
       const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
       const buffer = new SceneBuffer(manifest);
       this.#chunks.begin(manifest, buffer, this.#options.memoryBudget);
       this.#worker.begin(manifest);
       const clock = new PlayerClock(manifest.start, manifest.end);
+      clock.grows = manifest.live !== null;
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
       this.#playback = new Playback(clock, buffer, this.source, () => this.#line.rate(performance.now()));
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();
+    });
+  }
+
+  /** All who have the manifest see what it has become. */
+  #grow(document: unknown): void {
+    this.#orFail(() => {
+      const clock = this.#playback?.clock;
+      if (!clock || !this.#manifest) return;
+      const manifest = Object.assign(this.#manifest, parseManifest(document));
+      clock.end = manifest.end;
+      clock.grows = manifest.live !== null;
+      this.#chunks.grow();
+      this.#worker.begin(manifest);
+      this.#events.grown?.(manifest);
+      this.#events.changed();
+    });
+  }
+
+  /** Do what depends on the manifest; one that cannot be read ends the source. */
+  #orFail(act: () => void): void {
+    try {
+      act();
     } catch (error) {
       this.source.close();
       const cause = error instanceof Error ? error.message : String(error);

@@ -7,12 +7,15 @@ export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
 /** Most entries of a hello's list. */
 export const MOST_PARTS = 1024;
+export const MOST_HAVE = 16384;
 
 export type ClientMessage =
   | {
       type: "hello";
       protocol: number;
       credits: number;
+      /** Chunks that are here, where the manifest may have changed. */
+      have?: Uint8Array[];
       /** Which of the manifest's chunks are here, lowest bits first; with `manifest_id`. */
       have_bits?: Uint8Array;
       /** Chunks that are here whatever the manifest. */

@@ -110,8 +110,18 @@ export class HttpSource implements SceneSource {
       this.events.state("open");
       this.events.manifest(bytes.slice());
       if (signal.aborted) return; // the player cannot read it
-      this.#order = new ChunkOrder(parseManifest(JSON.parse(new TextDecoder().decode(bytes))));
-      this.#fetchMore();
+      const document = JSON.parse(new TextDecoder().decode(bytes));
+      this.#become(document);
+      if (document.live) {
+        const grown = (later: unknown) => {
+          this.events.grown(later);
+          this.#become(later);
+        };
+        import("./manifest_polling").then(
+          ({ followManifest }) => followManifest(url, document, signal, this.hidden, grown),
+          ({ message }) => this.events.failed("not-loaded", message),
+        );
+      }
     } catch (error) {
       if (signal.aborted) return;
       if (error instanceof StatusError && (error.missing || error.status === 403)) {
@@ -121,6 +131,11 @@ export class HttpSource implements SceneSource {
         this.#retryLater(() => void this.#fetchManifest());
       }
     }
+  }
+
+  #become(document: unknown): void {
+    this.#order = new ChunkOrder(parseManifest(document));
+    this.#fetchMore();
   }
 
   #fetchMore(): void {

@@ -12,6 +12,8 @@ export type SourceState = "connecting" | "open" | "retrying" | "closed";
 export interface SourceEvents {
   /** The manifest's bytes; once. */
   manifest(bytes: Uint8Array): void;
+  /** The scene has grown: its manifest is this JSON value now, a later version. */
+  grown(document: unknown): void;
   /** A complete chunk; call `consumed` with its size when it is done with. */
   chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
   /** A chunk that cannot be had now; it may come later. */

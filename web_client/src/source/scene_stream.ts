@@ -10,6 +10,7 @@ import {
   decodeChunkFrame,
   decodeMessage,
   fromHex,
+  MOST_HAVE,
   MOST_PARTS,
   PROTOCOL,
   ProtocolError,
@@ -19,6 +20,7 @@ import {
 import { PartialChunks } from "../protocol/partial_chunks";
 import { PlayheadMessages } from "../protocol/playhead_messages";
 import { fetchChunk } from "./fetch_chunk";
+import { continues, grown, type ManifestDocument } from "./growth";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
 import { StreamedSound } from "./streamed_sound";
@@ -48,7 +50,8 @@ export class SceneStream implements SceneSource {
   #connection: Connection | null = null;
   #chunks: readonly string[] = []; // of the manifest
   #sound = new StreamedSound(new Set(), () => {});
-  /** What has come while the manifest is decompressed. */
+  #document: ManifestDocument | null = null; // the manifest; null while it cannot be read
+  /** What has come while a manifest is decompressed. */
   #held: Uint8Array<ArrayBuffer>[] | null = null;
   #manifestId: Uint8Array | null = null;
   #playhead: Playhead;
@@ -131,17 +134,22 @@ export class SceneStream implements SceneSource {
     this.#moves.clear();
     const { time, rate } = this.#playhead;
     this.#told.rate = 0; // another connection, another server
+    const grows = this.#document?.live !== undefined; // then the manifest may have become another one
+    const sounds = this.#sound.wanted ? this.#sound.sent : [];
+    const named = [...sounds, ...(grows ? this.#have : [])].slice(-MOST_HAVE);
     this.#send({
       type: "hello",
       protocol: PROTOCOL,
       credits,
-      have_bits: this.#chunks.length > 0 ? bitsOf(this.#chunks, this.#have) : undefined,
+      ...((grows || this.#sound.wanted) && { have: named.map(fromHex) }),
+      have_bits: !grows && this.#chunks.length > 0 ? bitsOf(this.#chunks, this.#have) : undefined,
       codings: ["gzip"],
       parts: this.#partial.keep(MOST_PARTS).map(([id, filled]) => [fromHex(id), filled]),
       ...(this.#manifestId && { manifest_id: this.#manifestId }),
       ...(time !== null && { time }),
       rate,
-      ...(this.#sound.wanted && { audio: true, have: this.#sound.sent.slice(-MOST_PARTS).map(fromHex) }),
+      ...(this.#sound.wanted && { audio: true }),
+      follow: true,
     });
   }
 
@@ -207,6 +215,9 @@ export class SceneStream implements SceneSource {
       case "welcome":
         this.#welcome(message);
         break;
+      case "grow":
+        this.#open(message.growth, message.coding, (bytes) => this.#grow(bytes, message.manifest_id.slice()));
+        break;
       case "missing":
         this.#partial.drop(toHex(message.id));
         if (this.#sound.ids.has(toHex(message.id))) this.#sound.missing(toHex(message.id));
@@ -216,7 +227,7 @@ export class SceneStream implements SceneSource {
         this.#connection?.answered(message.id);
         break;
       case "end":
-        this.#connection?.rest();
+        if (this.#document?.live === undefined) this.#connection?.rest(); // else there will be more
         break;
       case "error":
         if (!PASSING.has(message.code)) this.#fail(streamFailure(message.code), message.detail);
@@ -227,19 +238,26 @@ export class SceneStream implements SceneSource {
   #welcome({ protocol, manifest, manifest_id, coding }: Extract<ServerMessage, { type: "welcome" }>): void {
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.events.state("open");
+    const id = manifest_id.slice();
     if (this.#manifestId === null) {
       if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
-      if (coding !== undefined && coding !== "gzip") throw new ProtocolError(`a manifest in the coding ${coding}`);
-      this.#manifestId = manifest_id.slice();
-      if (coding) void this.#inflate(manifest);
-      else this.#begin(manifest.slice());
-    } else if (!sameBytes(this.#manifestId, manifest_id)) {
-      this.#fail("scene-changed", "another manifest than before");
+      this.#manifestId = id;
+      this.#open(manifest, coding, (bytes) => this.#begin(bytes));
+    } else if (!sameBytes(this.#manifestId, id)) {
+      if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
+      this.#open(manifest, coding, (bytes) => this.#become(parse(bytes), id));
     }
   }
 
+  /** Read a manifest, or what has been added to it. */
+  #open(bytes: Uint8Array<ArrayBuffer>, coding: string | undefined, read: (bytes: Uint8Array) => void): void {
+    if (coding !== undefined && coding !== "gzip") throw new ProtocolError(`a manifest in the coding ${coding}`);
+    if (coding) void this.#inflate(bytes, read);
+    else read(bytes.slice());
+  }
+
   /** What comes after the manifest waits for it, whatever becomes of the connection. */
-  async #inflate(manifest: Uint8Array<ArrayBuffer>): Promise<void> {
+  async #inflate(manifest: Uint8Array<ArrayBuffer>, read: (bytes: Uint8Array) => void): Promise<void> {
     const held: Uint8Array<ArrayBuffer>[] = [];
     this.#held = held;
     let bytes: Uint8Array;
@@ -251,15 +269,33 @@ export class SceneStream implements SceneSource {
       return;
     }
     this.#held = null;
-    this.#begin(bytes);
+    read(bytes);
     for (const message of held) this.#guarded(message);
   }
 
   #begin(manifest: Uint8Array): void {
-    const [chunks, sounds] = chunksIn(manifest);
-    this.#chunks = chunks;
-    this.#sound = new StreamedSound(new Set(sounds), () => this.#tell());
+    this.#document = parse(manifest);
+    this.#chunks = chunksIn(this.#document);
+    this.#sound = new StreamedSound(new Set(soundsIn(this.#document)), () => this.#tell());
     this.events.manifest(manifest);
+  }
+
+  #grow(growth: Uint8Array, id: Uint8Array): void {
+    const added = parse(growth);
+    this.#become(this.#document && added && grown(this.#document, added), id);
+  }
+
+  /** The manifest has become another one: a later version of the scene, or another scene's. */
+  #become(document: ManifestDocument | null, id: Uint8Array): void {
+    if (!document || !this.#document || !continues(document, this.#document)) {
+      this.#fail("scene-changed", "another manifest than before");
+      return;
+    }
+    this.#manifestId = id;
+    this.#document = document;
+    this.#chunks = chunksIn(document);
+    for (const id of soundsIn(document)) this.#sound.ids.add(id);
+    this.events.grown(document);
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
@@ -302,14 +338,25 @@ export class SceneStream implements SceneSource {
   }
 }
 
-/** The ids of a manifest's chunks in order, and of its sound; what is no manifest, the player finds out. */
-function chunksIn(manifest: Uint8Array): [string[], string[]] {
+/** A manifest, or what is added to one; null for what is none, which the player finds out. */
+function parse(bytes: Uint8Array): ManifestDocument | null {
   try {
-    const { static: stills, slices, audio } = JSON.parse(new TextDecoder().decode(manifest));
-    const chunks: { id: string }[] = [...stills, ...slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks)];
-    return [chunks.map(({ id }) => id), (audio?.pieces ?? []).map(({ id }: { id: string }) => id)];
+    const document = JSON.parse(new TextDecoder().decode(bytes));
+    return Array.isArray(document?.slices) ? document : null;
   } catch {
-    return [[], []];
+    return null;
+  }
+}
+
+const soundsIn = (document: ManifestDocument | null): string[] => document?.audio?.pieces?.map(({ id }) => id) ?? [];
+
+/** The ids of a manifest's chunks in order; what is no manifest, the player finds out. */
+function chunksIn(document: ManifestDocument | null): string[] {
+  try {
+    const { static: stills = [], slices = [] } = document ?? {};
+    return [...stills, ...slices.flatMap((slice) => slice.chunks)].map(({ id }) => id);
+  } catch {
+    return [];
   }
 }
 

@@ -23,7 +23,7 @@ export class StreamedSound {
 
   /** @param changed is called when the server should be told anew whether sound is wanted. */
   constructor(
-    readonly ids: ReadonlySet<string>,
+    readonly ids: Set<string>,
     readonly changed: () => void,
   ) {}
 

@@ -66,6 +66,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
         memoryBudget: options.memoryBudget,
       },
       {
+        grown: (manifest) => this.#mesh.bound(manifest),
         manifest: (manifest) => {
           this.#mesh.bound(manifest);
           this.begin();

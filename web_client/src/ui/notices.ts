@@ -33,7 +33,7 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
     case "retrying":
       return retrying;
     case "stalled":
-      return `Waiting for data: ${share}`;
+      return stats.atEdge ? "More of this scene is still being made…" : `Waiting for data: ${share}`;
     case "none":
       return "";
   }

@@ -70,6 +70,12 @@ export class Timeline {
     const { player } = this;
     const { statistics, currentTime, start, end } = player;
     if (!statistics) return;
+    if (this.#seek.max !== String(end)) {
+      this.#seek.max = String(end); // the scene has grown: what there is of it has another place on the bar
+      this.#chunks = -1;
+      this.#shownMarks = [];
+      this.mark();
+    }
     if (!this.#dragging) this.#seek.value = String(currentTime);
     setAttribute(this.#seek, "aria-valuetext", formatTime(currentTime - start));
     this.#setShare(this.#seek, "--played", currentTime);

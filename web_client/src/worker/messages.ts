@@ -6,7 +6,7 @@ import type { OrderRequest, SplatOrder } from "./splat_order";
 export type ToWorker =
   /** Once; chunks wait for it. */
   | { type: "decompressor"; module: WebAssembly.Module }
-  /** Before its chunks, once. */
+  /** Before its chunks, and again with every later version. */
   | { type: "scene"; manifest: Manifest }
   /** A complete chunk, as it came from the server; `rows` are those of the texture that its splats take, if they move. */
   | { type: "chunk"; id: string; bytes: Uint8Array<ArrayBuffer>; rows: readonly number[] }

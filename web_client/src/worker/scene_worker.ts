@@ -31,7 +31,7 @@ export class SceneWorker {
     );
   }
 
-  /** Say which scene the chunks are of; first, and once. */
+  /** Say which scene the chunks are of; first, and again when it has grown. */
   begin(manifest: Manifest): void {
     this.#tell({ type: "scene", manifest });
   }

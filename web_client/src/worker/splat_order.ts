@@ -50,13 +50,19 @@ export class SplatOrderer {
   readonly #dynamicList = new DepthList();
   readonly #budget: SplatBudget;
   #sortedFor: Pick<OrderRequest, "depth" | "frustum"> | null = null; // the static list; null when it is out of date
-  readonly #ranks: ReadonlyMap<string, number>; // of the chunks that move, in the manifest: so ties are broken
+  #ranks: ReadonlyMap<string, number> = new Map(); // of the chunks that move, in the manifest: so ties are broken
 
   constructor(
-    readonly manifest: Manifest,
+    public manifest: Manifest,
     readonly placement: StaticPlacement,
   ) {
     this.#budget = new SplatBudget(placement.rows);
+    this.grow(manifest);
+  }
+
+  /** Go on with a later version of the manifest; its statics are the same. */
+  grow(manifest: Manifest): void {
+    this.manifest = manifest;
     this.#ranks = new Map(manifest.slices.flatMap(({ chunks }) => chunks).map(({ id }, rank) => [id, rank]));
   }
 

@@ -25,7 +25,8 @@ export class WorkerScene {
   receive(message: Exclude<ToWorker, { type: "decompressor" }>): void {
     switch (message.type) {
       case "scene":
-        this.#orderer = new SplatOrderer(message.manifest, placeStatics(message.manifest));
+        if (this.#orderer) this.#orderer.grow(message.manifest);
+        else this.#orderer = new SplatOrderer(message.manifest, placeStatics(message.manifest));
         break;
       case "chunk":
         void this.#add(message.id, { bytes: message.bytes, rows: message.rows });

@@ -21,6 +21,18 @@ describe("SceneBuffer", () => {
     expect(buffer.ready(0.7)).toBe(true);
   });
 
+  it("is not complete while the scene grows, and asks for what is added", () => {
+    const growing = manifest({ slices: slices.slice(0, 1), live: 1 });
+    const buffer = new SceneBuffer(growing);
+    buffer.arrived("a");
+    expect(buffer.complete).toBe(false);
+    Object.assign(growing, { slices: slices.slice(0, 2), live: null });
+    buffer.grow();
+    expect([buffer.complete, buffer.playable(0.7)]).toEqual([false, false]);
+    buffer.arrived("b");
+    expect([buffer.complete, buffer.playable(0.7)]).toEqual([true, true]);
+  });
+
   it("joins neighbouring slices to one range", () => {
     const buffer = new SceneBuffer(manifest({ slices }));
     expect(buffer.ranges()).toEqual([]);

@@ -30,6 +30,27 @@ describe("PlayerClock", () => {
     expect(clock.tick(9.1, always)).toBeCloseTo(0.2);
   });
 
+  it("waits just before the edge of a scene that grows, and goes on when there is more", () => {
+    const clock = new PlayerClock(0, 1);
+    clock.grows = true;
+    clock.play();
+    clock.seek(5);
+    expect(clock.time).toBe(clock.last);
+    clock.tick(0, always);
+    clock.tick(0.2, always);
+    expect([clock.time, clock.stalled, clock.playing]).toEqual([clock.last, true, true]);
+    expect(clock.last).toBeLessThan(1);
+    clock.end = 2;
+    clock.tick(0.3, always);
+    expect([clock.time > 1, clock.stalled]).toEqual([true, false]);
+    clock.grows = false;
+    clock.loop = false;
+    clock.seek(1.95);
+    clock.tick(0.4, always);
+    clock.tick(0.6, always);
+    expect([clock.time, clock.stalled, clock.playing]).toEqual([2, false, false]);
+  });
+
   it("loops without losing the rest of the step", () => {
     const clock = new PlayerClock(1, 2);
     clock.play();

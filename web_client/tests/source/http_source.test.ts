@@ -112,8 +112,62 @@ afterEach(() => {
   vi.restoreAllMocks();
 });
 
+const document = JSON.parse(MANIFEST);
+const versions = [
+  {
+    ...document,
+    live: 1,
+    end: 20,
+    slices: document.slices.slice(0, 2),
+    totals: { ...document.totals, splats_dynamic: 2, bytes_dynamic: 200 },
+  },
+  document,
+];
+
+describe("a scene that grows", () => {
+  it("is asked for again until it is complete, and brings what was added", async () => {
+    open();
+    await requests[0].answer(JSON.stringify(versions[0]));
+    await vi.dynamicImportSettled();
+    for (const _ of "12ab") await requests[0].answer(whole());
+    expect(requests).toEqual([]);
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(requests.map(({ url, cache }) => [url, cache])).toEqual([
+      ["https://cdn.example/studio/manifest.json?v=2", "no-cache"],
+    ]);
+    await requests[0].answer(JSON.stringify(versions[0])); // nothing new
+    expect(events.grown).not.toHaveBeenCalled();
+    await vi.advanceTimersByTimeAsync(2000);
+    await requests[0].fail();
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(requests).toEqual([]); // a pause after what has failed
+    await vi.advanceTimersByTimeAsync(2000);
+    await requests[0].answer(MANIFEST);
+    expect(events.grown.mock.calls).toEqual([[document]]);
+    expect(events.manifest).toHaveBeenCalledTimes(1);
+    expect(asked()).toBe("cde");
+    for (const _ of "cde") await requests[0].answer(whole());
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(requests).toEqual([]);
+  });
+
+  it("is not asked for while nobody looks", async () => {
+    open();
+    await requests[0].answer(JSON.stringify(versions[0]));
+    await vi.dynamicImportSettled();
+    for (const _ of "12ab") await requests[0].answer(whole());
+    hidden = true;
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(requests).toEqual([]);
+    hidden = false;
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(requests.length).toBe(1);
+  });
+});
+
 const events = {
   manifest: vi.fn<SourceEvents["manifest"]>(),
+  grown: vi.fn<SourceEvents["grown"]>(),
   chunk: vi.fn<SourceEvents["chunk"]>(),
   missing: vi.fn<SourceEvents["missing"]>(),
   progress: vi.fn<SourceEvents["progress"]>(),

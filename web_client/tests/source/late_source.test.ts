@@ -5,7 +5,15 @@ import type { OpenSource, SceneSource } from "../../src/source/scene_source";
 const PLAYHEAD = { time: 1.5, rate: 1 };
 
 function opened() {
-  const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state: vi.fn(), failed: vi.fn() };
+  const events = {
+    manifest() {},
+    grown() {},
+    chunk() {},
+    missing() {},
+    progress() {},
+    state: vi.fn(),
+    failed: vi.fn(),
+  };
   const source = { seek: vi.fn(), wake: vi.fn(), close: vi.fn(), fetchAgain: vi.fn(async () => new Uint8Array(3)) };
   const open = vi.fn<OpenSource>(() => source as unknown as SceneSource);
   let arrive: (open: OpenSource) => void = () => {};

@@ -10,7 +10,7 @@ async function opened(src: string, base: string): Promise<string> {
     sockets.push(url);
     Object.assign(this, { close: () => {} });
   });
-  const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
+  const events = { manifest() {}, grown() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
   const source = openSource(src, base)(events, { time: null, rate: 0 });
   await vi.waitUntil(() => sockets.length > 0);
   source.close();
@@ -46,7 +46,7 @@ describe("a scene in a folder", () => {
       return new Promise(() => {});
     });
     vi.stubGlobal("document", { hidden: false });
-    const events = { manifest() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
+    const events = { manifest() {}, grown() {}, chunk() {}, missing() {}, progress() {}, state() {}, failed() {} };
     openSource(src, "https://page.example/a/b.html")(events, { time: null, rate: 0 }).close();
     expect(fetched).toEqual([manifest]);
   });

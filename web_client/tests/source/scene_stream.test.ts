@@ -73,6 +73,7 @@ const sockets: FakeSocket[] = [];
 function connect(time: number | null = 0.5) {
   const events = {
     manifest: vi.fn(),
+    grown: vi.fn(),
     chunk: vi.fn<SourceEvents["chunk"]>(),
     missing: vi.fn(),
     progress: vi.fn(),
@@ -110,6 +111,40 @@ describe("SceneStream", () => {
     expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 2, parts: [], time: 0.5, rate: 1 });
     expect(socket.sent[0].credits).toBeGreaterThanOrEqual(4144);
     expect(socket.binaryType).toBe("arraybuffer");
+  });
+
+  it("tells what a scene that grows has become, and comes back with the names of what it has", () => {
+    const { socket, events } = connect();
+    const slice = (id: string) => ({ chunks: [{ id }] });
+    const first = { live: 1, end: 1, static: [], segments: [{ start: 0 }], slices: [slice(A)] };
+    const later = { live: 2, end: 2, static: [], segments: [{ start: 0 }, { start: 1 }], slices: [slice(A), slice(B)] };
+    const { live, ...last } = later;
+    socket.open();
+    expect(socket.sent[0]).toMatchObject({ follow: true });
+    socket.welcome(JSON.stringify(first));
+    const added = { live, end: 2, segments: [{ start: 1 }], slices: [slice(B)] };
+    const growth = new TextEncoder().encode(JSON.stringify(added));
+    socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32).fill(8), remaining: 1 }));
+    expect(events.grown.mock.calls).toEqual([[later]]);
+    socket.frame(B, 0, 1, Uint8Array.of(9));
+    socket.drop(1006);
+    vi.advanceTimersByTime(8000);
+    const again = sockets[1];
+    again.open();
+    expect(again.sent[0]).toMatchObject({ have: [fromHex(B)], manifest_id: new Uint8Array(32).fill(8) });
+    expect(again.sent[0]).not.toHaveProperty("have_bits");
+    again.welcome(JSON.stringify(last), 9);
+    expect(events.grown.mock.calls[1]).toEqual([last]);
+    expect([events.manifest.mock.calls.length, events.failed.mock.calls.length]).toEqual([1, 0]);
+  });
+
+  it("gives up where the scene becomes another one", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome(JSON.stringify({ live: 1, end: 1, static: [], segments: [], slices: [] }));
+    const growth = new TextEncoder().encode(JSON.stringify({ live: 1, end: 2, segments: [], slices: [] }));
+    socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32), remaining: 1 }));
+    expect(events.failed.mock.calls[0][0]).toBe("scene-changed");
   });
 
   it("leaves the time to the server where it knows none", () => {

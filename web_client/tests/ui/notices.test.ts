@@ -25,6 +25,10 @@ describe("describeNotice", () => {
     expect(describeNotice("stalled", stats())).toBe("Waiting for data: 100 KB of 400 KB");
   });
 
+  it("says that there will be more of a scene that grows", () => {
+    expect(describeNotice("stalled", stats({ atEdge: true }))).toBe("More of this scene is still being made…");
+  });
+
   it("tells a connection that is lost from one that is being made", () => {
     expect(describeNotice("loading", stats({ bytesTotal: 0, stream: "connecting" }))).toBe("Connecting…");
     expect(describeNotice("loading", stats({ stream: "retrying" }))).toContain("connection is lost");
