@@ -17,6 +17,7 @@ class EncodeConfig:
     """How a trained scene is encoded."""
 
     budget: str = "default"  # one of `BUDGETS`
+    by_segment: bool = False  # every segment as soon as it is trained, so that it can be watched while others are made
 
     def __post_init__(self) -> None:
         """Check the budget.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -33,11 +34,23 @@ class EncodeViews:
     moving: Callable[[int, int], Tensor] | None = None  # the mask [H, W] bool of a trained camera and a frame, if known
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
     photographed: bool = False  # `trained` took pictures: they tell from where the scene may be looked at
+    first: int = 0  # of the capture's frames, where these are not all of them
     up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
 
     def moment(self, camera: int, frame: int) -> float:
         """Return the second that a camera's picture of a frame shows."""
-        return float(self.times[frame]) if self.capture is None else self.capture.moment(camera, frame)
+        return float(self.times[frame]) if self.capture is None else self.capture.moment(camera, self.first + frame)
+
+    def of_frames(self, first: int, count: int) -> EncodeViews:
+        """Return the views of `count` frames from `first` on, alone."""
+
+        def later(picture: Callable[[int, int], Tensor] | None) -> Callable[[int, int], Tensor] | None:
+            return None if picture is None else lambda camera, frame: picture(camera, first + frame)
+
+        return dataclasses.replace(
+            self, times=self.times[first : first + count], truth=later(self.truth), moving=later(self.moving),
+            first=self.first + first,
+        )  # fmt: skip
 
     @property
     def every_camera(self) -> tuple[Camera, ...]:

@@ -104,6 +104,10 @@ class RunFolder:
         """Return where the training state of a segment is kept."""
         return self.path / ("checkpoint.pt" if segment == 0 else f"checkpoint-{segment}.pt")
 
+    def segment(self, number: int) -> Path:
+        """Return the folder of a segment that is encoded by itself."""
+        return self.path / "segments" / str(number)
+
     def write_spec(self, spec: RunSpec) -> None:
         """Create the folder and its run.json.
 

@@ -46,7 +46,6 @@ __all__ = [
 ]
 
 _MIN_CAMERAS = 2
-_NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
 
 log = logging.getLogger(__name__)
 
@@ -201,26 +200,23 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
 
 
 def train(run: Path, progress: ProgressCallback) -> None:
-    """Train from the last checkpoint, or from the points, to scene.npz and train.json."""
-    from hgs_core.decompose.masks import MotionMasks
-    from hgs_core.native.machine import machine_facts
-    from hgs_core.points.near_plane import with_near_planes
-    from hgs_core.points.point_cloud import PointCloud
+    """Train from the last checkpoint, or from the points, to scene.npz and train.json.
+
+    Where the config says `encode.by_segment`, every segment is encoded as soon as it is trained.
+    """
+    from hgs_core.runs.by_segment import train_by_segment
+    from hgs_core.runs.training import train_run
     from hgs_core.scene.files import save_scene
-    from hgs_core.train.capture_training import train_capture
 
     folder = RunFolder(run)
     if folder.train_summary.exists():
         return
-    capture, config = _open(folder)
-    points = PointCloud.load(folder.points)
-    cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
-    scene, summary = train_capture(
-        capture, {i: cameras[i] for i in config.capture.training_cameras(capture)}, config.train, config.seed, points,
-        capture.frames_in(config.points.interval), folder.checkpoint, progress, masks, folder.preview,
-    )  # fmt: skip
+    if folder.read_spec().config.encode.by_segment:
+        train_by_segment(run, progress)
+        return
+    scene, summary = train_run(folder, progress)
     save_scene(folder.trained, scene)
-    write_bytes(folder.train_summary, json.dumps(summary | {"machine": machine_facts()}, indent=1).encode())
+    write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
 
 
 @dataclass(frozen=True)
@@ -256,6 +252,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
     from hgs_core.runs.sound import scene_sound
+    from hgs_core.runs.training import told_of_training
 
     folder = RunFolder(run)
     spec = folder.read_spec()
@@ -279,7 +276,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
     summary = with_new_names(json.loads(folder.train_summary.read_text()))
-    training = {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED} | {
+    training = told_of_training(summary) | {
         "encoding_loss": round(found.loss.whole, 4),
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
     }

@@ -17,13 +17,34 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.preview import Preview
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segments import CaptureSegment, cut_into_segments
 from hgs_core.train.trainer import Trainer
 
-__all__ = ["train_capture"]
+__all__ = ["segment_trainer", "train_capture"]
+
+
+def segment_trainer(
+    capture: Capture,
+    cameras: Mapping[int, Camera],
+    config: TrainConfig,
+    seed: int,
+    points: PointCloud,
+    sampled_every: int,
+    checkpoint: Path,
+    segment: CaptureSegment,
+    masks: MotionMasks | None,
+    after: TrainState | None,
+) -> Trainer:
+    """Return the trainer of one segment of a capture; the arguments are those of `train_capture` and of `Trainer`."""
+    start = initial_splats(
+        segment.points(points), segment.clock, len(segment.sampled(sampled_every)), config.labels.initial,
+        coefficients=coefficients_of_order(config.motion_order),
+    )  # fmt: skip
+    return Trainer(capture, cameras, config, seed, segment, start, checkpoint, masks=masks, after=after)
 
 
 def train_capture(
@@ -62,13 +83,9 @@ def train_capture(
     total, trained, key = config.iterations * len(segments), [], None
     drawn = None if preview is None else Preview(preview, next(iter(cameras.values())), config)
     for number, segment in enumerate(segments):
-        start = initial_splats(
-            segment.points(points), segment.clock, len(segment.sampled(sampled_every)), config.labels.initial,
-            coefficients=coefficients_of_order(config.motion_order),
-        )  # fmt: skip
-        trainer = Trainer(
-            capture, cameras, config, seed, segment, start, checkpoint(number),
-            masks=masks, after=None if key is None else key.state,
+        trainer = segment_trainer(
+            capture, cameras, config, seed, points, sampled_every, checkpoint(number), segment, masks,
+            None if key is None else key.state,
         )  # fmt: skip
         before = number * config.iterations
 

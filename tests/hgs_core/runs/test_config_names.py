@@ -23,6 +23,7 @@ LATER = {
     "capture.downscale_cameras",
     "capture.sync",
     "capture.trust_poses",
+    "encode.by_segment",
     "train.density.dynamic_opacity_penalty",
     "train.density.static_opacity_penalty",
     "train.elongation",
