@@ -29,12 +29,13 @@ from pathlib import Path
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, silent
 from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
 from jobs.out_of_memory import limit_memory, out_of_memory
 from jobs.parent_process import when_parent_is_gone
-from jobs.stages import STAGES
+from jobs.segments import help_with_segment, make_segments
+from jobs.stages import HELP, STAGES
 from jobs.transient_faults import reason_to_wait
 
 __all__ = ["main"]
@@ -49,7 +50,7 @@ log = logging.getLogger("hgs.stage")
 def main(arguments: list[str] | None = None) -> int:
     """Run the stage that the command line names and return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m jobs.stage", description="Run one stage of one run.")
-    parser.add_argument("stage", choices=STAGES)
+    parser.add_argument("stage", choices=(*STAGES, HELP))
     parser.add_argument("run", type=Path)
     options = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
@@ -63,7 +64,8 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with contextlib.ExitStack() as held:
             try:
-                held.enter_context(RunFolder(options.run).exclusive(LOCK_WAIT, lambda: _lost(report)))
+                if options.stage != HELP:  # who helps holds the lock of a segment
+                    held.enter_context(RunFolder(options.run).exclusive(LOCK_WAIT, lambda: _lost(report)))
             except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
                 _send(report, {"waiting": str(error)})
                 return LATER
@@ -103,12 +105,23 @@ def _explain(error: Exception, report: IO[str]) -> int:
 
 
 def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
-    if stage == "publish":
+    def publish(report: ProgressCallback = silent) -> None:
         from jobs.artifacts import open_store
 
-        open_store(home).put_scene(run / "scene", run.name, progress)
+        open_store(home).put_scene(run / "scene", run.name, report)
+
+    if stage == "publish":
+        publish(progress)
+        return
+    pipeline = importlib.import_module(home.pipeline)
+    segments = getattr(pipeline, "segments_of", lambda run: None)(run) if stage in ("train", HELP) else None
+    if stage == HELP:
+        if segments is not None:
+            help_with_segment(segments, run, progress, publish)
+    elif segments is not None:
+        make_segments(segments, run, progress, publish)
     else:
-        getattr(importlib.import_module(home.pipeline), stage)(run, progress)
+        getattr(pipeline, stage)(run, progress)
 
 
 def _claim_stdout() -> IO[str]:

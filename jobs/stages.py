@@ -10,9 +10,10 @@ from typing import Self
 from hgs_core.base.errors import InputError
 from jobs.byte_sizes import bytes_of
 
-__all__ = ["STAGES", "StageBytes", "StageSeconds"]
+__all__ = ["HELP", "STAGES", "StageBytes", "StageSeconds"]
 
 STAGES = ("initialise", "train", "encode", "publish")
+HELP = "help"  # with a segment of a job that another worker has
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,21 @@ from dbos import DBOSClient, EnqueueOptions
 
 from jobs.stages import STAGES
 
-__all__ = ["MAX_PRIORITY", "TRAINING_QUEUE", "TRAIN_JOB", "enqueue", "workflow_id"]
+__all__ = [
+    "HELP_JOB",
+    "MAX_PRIORITY",
+    "TRAINING_QUEUE",
+    "TRAIN_JOB",
+    "ask_for_help",
+    "enqueue",
+    "helper_name",
+    "job_of",
+    "workflow_id",
+]
 
 TRAINING_QUEUE = "training"
 TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
+HELP_JOB = "help_job"  # and of the one that makes a segment of a job that another worker has
 
 MAX_PRIORITY = 100  # of a job, and the least is -100: the higher is taken first
 
@@ -53,3 +64,30 @@ def enqueue(
     if time_limit:
         options["workflow_timeout"] = time_limit  # counted from when a worker takes it
     queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, attempt, waits, first)
+
+
+def helper_name(job_id: str, number: int) -> str:
+    """Return the name under which the helper with this number works on a job; no job has it."""
+    return f"{job_id}#{number}"
+
+
+def job_of(name: str) -> str:
+    """Return the job of a helper's name, or of a job's own."""
+    return name.partition("#")[0]
+
+
+def ask_for_help(
+    queue: DBOSClient, connection: sa.Connection, job_id: str, attempt: int, helpers: int, priority: int = 0
+) -> None:
+    """Queue so many helpers of an attempt, each for one segment, as jobs of that `priority` are.
+
+    Those that are there already stay as they are.
+    """
+    for number in range(1, helpers + 1):
+        options: dict[str, Any] = {
+            "queue_name": TRAINING_QUEUE,
+            "workflow_name": HELP_JOB,
+            "workflow_id": workflow_id(helper_name(job_id, number), attempt),
+            "priority": NEW - priority,
+        }
+        queue.enqueue_in_transaction(connection, cast(EnqueueOptions, options), job_id, number, attempt)

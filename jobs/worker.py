@@ -18,6 +18,7 @@ from dbos import DBOS, DBOSPortableJSONSerializer
 
 from hgs_core.base.errors import InputError
 from jobs.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
+from jobs.helper_workflow import HelperWorkflow
 from jobs.home import Home
 from jobs.liveness import open_liveness
 from jobs.parent_process import when_parent_is_gone
@@ -25,7 +26,7 @@ from jobs.recovery import Recovery
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
 from jobs.surroundings import Surroundings
-from jobs.training_queue import TRAINING_QUEUE
+from jobs.training_queue import TRAINING_QUEUE, job_of
 from jobs.webhook_delivery import WebhookDelivery
 from jobs.webhook_rules import WebhookRules
 from jobs.webhook_table import WebhookTable
@@ -92,6 +93,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     surroundings.watch_store()
     workflow = TrainingWorkflow(home, surroundings, engine, queue, stages)
     workflow.register()
+    HelperWorkflow(home, engine, stages, workflow.attended).register()
     recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended, surroundings)
     register = WorkerRegister(engine, executor)
     gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
@@ -108,7 +110,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             gate.close_for(refusal)
             recovery.wake()
             recovery.settle()
-            register.tell(next((job_id for job_id, _ in list(workflow.attended)), ""), refusal)
+            register.tell(next((job_of(name) for name, _ in list(workflow.attended)), ""), refusal)
         except Exception:
             log.exception("will look after the other workers again in %g s", ROUND_INTERVAL)
         stop.wait(ROUND_INTERVAL)

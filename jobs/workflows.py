@@ -18,12 +18,13 @@ from hgs_core.base.progress import Progress
 from jobs.artifacts import open_store
 from jobs.home import Home
 from jobs.job_history import CourseWriter
+from jobs.segments import MADE, SEGMENTS
 from jobs.stage_pace import StagePace
 from jobs.stages import STAGES
 from jobs.store import JobState, JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
-from jobs.training_queue import TRAIN_JOB, enqueue, workflow_id
+from jobs.training_queue import TRAIN_JOB, ask_for_help, enqueue, workflow_id
 from jobs.transient_faults import one_line, reason_to_wait
 
 __all__ = ["MAX_TAKE_OVERS", "TrainingWorkflow"]
@@ -96,6 +97,12 @@ class TrainingWorkflow:
             finally:
                 self.attended.discard((job_id, attempt))
 
+    def _ask_for_help(self, job_id: str, attempt: int, helpers: int) -> None:
+        job = self._table.get(job_id)
+        if job is not None:
+            with self._engine.begin() as connection:
+                ask_for_help(self._queue, connection, job_id, attempt, helpers, job.priority)
+
     def missed_capture(self) -> Missing | None:
         """Return the capture that this machine lately did not see and still does not: another machine may see it.
 
@@ -124,9 +131,14 @@ class TrainingWorkflow:
 
         reached: dict[str, int] = {}
         tries = 0
+        asked = False
 
         async def on_progress(progress: Progress) -> None:
-            nonlocal tries
+            nonlocal asked, tries
+            free = int(progress.figures.get(SEGMENTS, 0) - progress.figures.get(MADE, 0))
+            if not asked and free > 1 and progress.figures.get(MADE):  # one is made here
+                asked = True
+                await _persist(self._ask_for_help, job_id, attempt, free - 1)
             if progress.done > reached.get(progress.stage, 0):
                 reached[progress.stage] = progress.done
                 tries = 1

@@ -12,6 +12,7 @@ import logging
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 from hgs_core.base.atomic import write_bytes
@@ -41,6 +42,7 @@ __all__ = [
     "encode_again",
     "initialise",
     "prepare",
+    "segments_of",
     "train",
     "train_scene",
 ]
@@ -217,6 +219,15 @@ def train(run: Path, progress: ProgressCallback) -> None:
     scene, summary = train_run(folder, progress)
     save_scene(folder.trained, scene)
     write_bytes(folder.train_summary, json.dumps(summary, indent=1).encode())
+
+
+def segments_of(run: Path) -> ModuleType | None:
+    """Return what makes the segments of a run one by one, if its config wants that and it is not trained yet."""
+    from hgs_core.runs import by_segment
+
+    folder = RunFolder(run)
+    wanted = folder.read_spec().config.encode.by_segment and not folder.train_summary.exists()
+    return by_segment if wanted else None
 
 
 @dataclass(frozen=True)

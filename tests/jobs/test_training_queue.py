@@ -12,7 +12,7 @@ from dbos import DBOSClient, WorkflowStatus
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
 from jobs.store import metadata
-from jobs.training_queue import enqueue, workflow_id
+from jobs.training_queue import ask_for_help, enqueue, helper_name, job_of, workflow_id
 
 
 @pytest.fixture
@@ -87,3 +87,20 @@ def test_nothing_is_queued_if_the_caller_s_transaction_fails(engine: sa.Engine, 
         enqueue(queue, connection, "a", 1)
         transaction.rollback()
     assert queued(queue) == {}
+
+
+def test_help_that_is_asked_for_again_is_there_once_and_stands_behind_no_job_of_its_priority(
+    engine: sa.Engine, queue: DBOSClient
+) -> None:
+    for _ in range(2):  # the worker that asked has died
+        with engine.begin() as connection:
+            ask_for_help(queue, connection, "studio", 2, 3, priority=5)
+    with engine.begin() as connection:
+        enqueue(queue, connection, "next", 1, priority=5)
+    found = queued(queue)
+    assert set(found) == {"studio#1:2", "studio#2:2", "studio#3:2", "next:1"}
+    assert len({status.priority for status in found.values()}) == 1
+
+
+def test_name_of_a_helper_tells_its_job() -> None:
+    assert job_of(helper_name("studio", 3)) == job_of("studio") == "studio"

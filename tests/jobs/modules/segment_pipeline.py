@@ -1,0 +1,115 @@
+"""A stand-in for training by segments: each counts to `config.train.iterations`, of the capture's `pace` seconds.
+
+There are as many segments as the capture's file `segments` says. Each leaves in `made.log` who made it and when, and
+every iteration a line in `iterations.log`; it goes on from its checkpoint.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import time
+from pathlib import Path
+from sys import modules
+from types import ModuleType
+
+import numpy as np
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.runs.config import RunConfig
+from hgs_core.scene.camera import Camera
+from tests.chunks import dynamic_chunk, splats_of, static_chunk
+
+
+def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
+    run.mkdir(parents=True)
+    numbers = {name: float((capture / name).read_text()) for name in ("segments", "pace")}
+    write_bytes(run / "run.json", json.dumps(numbers | {"iterations": config.train.iterations}).encode())
+    return config
+
+
+def initialise(run: Path, progress: ProgressCallback) -> None:
+    progress(Progress("initialise", 1, 1))
+
+
+def encode(run: Path, progress: ProgressCallback) -> None:
+    progress(Progress("encode", 1, 1))
+
+
+def segments_of(run: Path) -> ModuleType:
+    return modules[__name__]
+
+
+def segment_count(run: Path) -> int:
+    return int(_settings(run)["segments"])
+
+
+def made(run: Path, number: int) -> bool:
+    return (run / "segments" / str(number)).exists()
+
+
+def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
+    iterations, checkpoint = int(_settings(run)["iterations"]), run / "segments" / f"{number}.checkpoint"
+    done = int(checkpoint.read_text()) if checkpoint.exists() else 0
+    for iteration in range(done, iterations):
+        progress(Progress("train", iteration, iterations))
+        time.sleep(_settings(run)["pace"])
+        _note(run / "iterations.log", f"{number} {iteration}")
+        write_bytes(checkpoint, str(iteration + 1).encode())
+    _note(run / "made.log", f"{number} {os.getppid()} {time.time()}")
+    write_bytes(run / "segments" / str(number), b"segment %d" % number)
+
+
+def assemble(run: Path) -> int:
+    count = 0
+    while made(run, count):
+        count += 1
+    _write(run, count, live=True)
+    return count
+
+
+def finish(run: Path, progress: ProgressCallback) -> None:
+    _write(run, segment_count(run), live=False)
+
+
+def _settings(run: Path) -> dict[str, float]:
+    settings: dict[str, float] = json.loads((run / "run.json").read_text())
+    return settings
+
+
+def _note(log: Path, line: str) -> None:
+    with log.open("a") as file:
+        file.write(line + "\n")
+
+
+def _write(run: Path, count: int, *, live: bool) -> None:
+    static = static_chunk(b"room")
+    moving = [dynamic_chunk((run / "segments" / str(k)).read_bytes(), (float(k), k + 1.0)) for k in range(count)]
+    box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+
+    def entry(data: bytes) -> ChunkEntry:
+        name = hashlib.sha256(data).hexdigest()
+        write_bytes(run / "scene" / "chunks" / name, data)
+        return ChunkEntry(name, len(data), splats_of(data), box)
+
+    manifest = Manifest(
+        title="Growing",
+        start=0.0,
+        end=float(count),
+        frame_rate=30.0,
+        background=(0.0, 0.0, 0.0),
+        up=(0.0, -1.0, 0.0),
+        center=(0.0, 0.0, 0.0),
+        extent=1.0,
+        cameras=(Camera("cam00", 64, 48, 50.0, 50.0, 32.0, 24.0, np.eye(4)),),
+        segments=tuple(SegmentEntry(float(k), k + 1.0) for k in range(count)),
+        static=(entry(static),),
+        slices=tuple(SliceEntry(k, float(k), k + 1.0, (entry(data),), ()) for k, data in enumerate(moving)),
+        thumbnail=False,
+        training={},
+        live=count if live else None,
+    )
+    write_bytes(run / "scene" / "manifest.json", json.dumps(manifest.to_json()).encode())
