@@ -143,7 +143,8 @@ class JobFollowers:
 
     async def _stops_within(self, seconds: float) -> bool:
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._stopping.wait(), seconds)
+            async with asyncio.timeout(seconds):
+                await self._stopping.wait()
         return self._stopping.is_set()
 
 
@@ -154,8 +155,9 @@ async def job_events(followers: JobFollowers, job: Job) -> AsyncIterator[bytes]:
         return
     with followers.join(job) as follower:
         while True:
-            try:
-                await asyncio.wait_for(follower.bell.wait(), KEEP_ALIVE_SECONDS)
+            try:  # not wait_for, which loses a cancellation that comes together with news (before Python 3.12)
+                async with asyncio.timeout(KEEP_ALIVE_SECONDS):
+                    await follower.bell.wait()
             except TimeoutError:
                 yield b":\n\n"
                 continue

@@ -82,7 +82,8 @@ async def _listen(socket: WebSocket, session: StreamSession, budget: TokenBucket
     while True:
         greeted = session.greeted
         try:
-            message = await asyncio.wait_for(socket.receive(), None if greeted else HELLO_SECONDS)
+            async with asyncio.timeout(None if greeted else HELLO_SECONDS):
+                message = await socket.receive()
         except TimeoutError:
             raise ProtocolError(4008, "hello-timeout", f"no hello within {HELLO_SECONDS:g} s") from None
         if message["type"] == "websocket.disconnect":
@@ -103,8 +104,10 @@ async def _speak(
     while True:
         item = session.take(time.monotonic())
         if item is None:
+            # Not wait_for, which loses a cancellation that comes together with news (before Python 3.12).
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(news.wait(), session.wait(time.monotonic()))
+                async with asyncio.timeout(session.wait(time.monotonic())):
+                    await news.wait()
             news.clear()
         elif isinstance(item, bytes):
             await socket.send_bytes(item)

@@ -17,7 +17,7 @@ from websockets.asyncio.client import ClientConnection
 
 from server import chunk_cache, websocket_protocol
 from server.chunk_cache import ChunkCache
-from server.protocol import MAX_PAYLOAD, Hello, Seek, encode
+from server.protocol import MAX_PAYLOAD, Hello, Ping, Seek, encode
 from server.routes import stream
 from server.scene_index import Chunk
 from server.stream_session import StreamSession
@@ -171,3 +171,35 @@ def test_viewers_are_told_when_their_scene_is_deleted(server: Any, manifest: byt
         assert socket.close_code == 4004
 
     with_stream(server, manifest, chunks, talk)
+
+
+def test_stream_ends_with_a_bad_message_that_comes_together_with_a_good_one(
+    server: Any, manifest: bytes, chunks: list[bytes]
+) -> None:
+    server.artifacts.manifests["studio"] = manifest
+    for chunk in chunks:
+        server.artifacts.add_chunk(chunk)
+    hello = encode(Hello(2, 1 << 20, bytes_per_second=4096))  # the next frame waits for its time
+    waiting = [{"bytes": b"\xff"}, {"bytes": encode(Ping(1))}, {"bytes": hello}, {"type": "websocket.connect"}]
+    sent: list[Any] = []
+
+    async def receive_next() -> Any:
+        if len(waiting) == 2:
+            await asyncio.sleep(0.05)  # until nothing is sent any more
+        return {"type": "websocket.receive"} | waiting.pop()
+
+    async def send(message: Any) -> None:
+        sent.append(message)
+
+    scope = {
+        "type": "websocket", "path": PATH, "raw_path": PATH.encode(), "root_path": "", "scheme": "ws",
+        "query_string": b"", "headers": [(b"host", b"localhost")], "client": ("127.0.0.1", 1),
+        "server": ("127.0.0.1", 80), "subprotocols": [],
+    }  # fmt: skip
+
+    async def scenario() -> None:
+        async with asyncio.timeout(30):
+            await server.app(scope, receive_next, send)
+
+    asyncio.run(scenario())
+    assert sent[-1]["code"] == 4000
