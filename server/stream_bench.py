@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
+from fastapi import FastAPI
 
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
@@ -30,7 +31,7 @@ from server.serving import HttpServer, bind
 from server.shaped_line import ShapedLine
 from server.viewing import Viewer, Watched
 
-__all__ = ["BenchScene", "bench_stream", "made_up_scene", "scene_of", "serving", "stream_text", "watch"]
+__all__ = ["BenchScene", "application", "bench_stream", "made_up_scene", "scene_of", "serving", "stream_text", "watch"]
 
 MBIT = 1e6
 SEEKS = 20
@@ -134,15 +135,20 @@ class _NoJobs:
         return {}
 
 
+def application(scene: BenchScene, home: Path) -> FastAPI:
+    """Return the server's application with a scene, `bench`, and a queue that has never had a job."""
+    store, nothing = cast(Artifacts, _OneScene(scene)), cast(Jobs, _NoJobs())
+    app = create_app(Home(home, "", ""), job_client=nothing, artifacts=store)
+    app.router.lifespan_context = _no_lifespan
+    return app
+
+
 @asynccontextmanager
 async def serving(scene: BenchScene) -> AsyncIterator[int]:
     """Serve a scene as `bench` in this process, with the pages; gives the port."""
     with tempfile.TemporaryDirectory() as home, contextlib.closing(bind("127.0.0.1", 0)) as listener:
-        store, nothing = cast(Artifacts, _OneScene(scene)), cast(Jobs, _NoJobs())
         ready = asyncio.Event()
-        app = create_app(Home(Path(home), "", ""), job_client=nothing, artifacts=store)
-        app.router.lifespan_context = _no_lifespan
-        server = HttpServer(app, on_ready=ready.set)
+        server = HttpServer(application(scene, Path(home)), on_ready=ready.set)
         running = asyncio.create_task(server.serve(sockets=[listener]))
         try:
             await ready.wait()
