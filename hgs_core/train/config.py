@@ -28,8 +28,8 @@ class DensityConfig:
     prune_opacity: float = 0.005
     prune_contribution: float = 0.01  # remove splats of less blending weight in every training pixel; 0: none
     birth_rounds: int = 2  # times that splats are added where moving pixels are wrong: 0, 1 or 2
-    static_opacity_penalty: float = 0.1  # share of an opacity's step by which every static fades in a step; 0: none
-    dynamic_opacity_penalty: float = 0.02  # the same, of the dynamics that live then
+    static_opacity_penalty: float = 0.05  # share of an opacity's step by which every static fades in a step; 0: none
+    dynamic_opacity_penalty: float = 0.005  # the same, of the dynamics that live then
     infill: float = 0.03  # share of `max_static` that may be added at once where still pixels are wrong; 0: none
 
     def __post_init__(self) -> None:
