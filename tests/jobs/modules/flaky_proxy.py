@@ -10,12 +10,14 @@ import threading
 class FlakyProxy:
     """Passes everything on to a port of this machine, until it is told to refuse connections or to let them hang."""
 
-    def __init__(self, port: int) -> None:
+    def __init__(self, port: int, host: str = "127.0.0.1") -> None:
         self._target = port
+        self._host = host
         self._hanging = False
         self._open: set[socket.socket] = set()
         self._listener = self._listen(0)
-        self.address = f"http://127.0.0.1:{self._listener.getsockname()[1]}"
+        self.port = self._listener.getsockname()[1]
+        self.address = f"http://127.0.0.1:{self.port}"
 
     def refuse(self) -> None:
         """Refuse new connections and break those that there are."""
@@ -33,13 +35,13 @@ class FlakyProxy:
     def pass_on(self) -> None:
         """Work again."""
         if self._listener.fileno() < 0:
-            self._listener = self._listen(int(self.address.rpartition(":")[2]))
+            self._listener = self._listen(self.port)
         elif self._hanging:
             self._hanging = False
             self._break_all()
 
     def _listen(self, port: int) -> socket.socket:
-        listener = socket.create_server(("127.0.0.1", port), backlog=128)
+        listener = socket.create_server((self._host, port), backlog=128)
         threading.Thread(target=self._accept, args=(listener,), daemon=True).start()
         return listener
 

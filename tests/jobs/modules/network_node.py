@@ -44,13 +44,19 @@ class NetworkNode:
 
     def start(self, *command: str, env: dict[str, str] | None = None) -> subprocess.Popen[bytes]:
         """Start a program on the node."""
-        return subprocess.Popen(
-            ["ip", "netns", "exec", self._name, *command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, env=env
-        )
+        return subprocess.Popen(self.there(*command), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, env=env)
+
+    def there(self, *command: str) -> list[str]:
+        """Return the command that runs a program on the node, in the same process."""
+        return ["ip", "netns", "exec", self._name, *command]
 
     def pull_the_cable(self) -> None:
         """Drop all packets from now on, in both directions and without a word to either side."""
         _ip(f"-n {self._name} link set {self._there} down")
+
+    def plug_it_in(self) -> None:
+        """Let packets pass again."""
+        _ip(f"-n {self._name} link set {self._there} up")
 
 
 def why_no_nodes() -> str:
