@@ -25,9 +25,10 @@ __all__ = ["PIECE_SECONDS", "CutSound", "SoundPiece", "cut_sound"]
 PIECE_SECONDS = 1.0
 """At least so long is a piece, but for one at a hole: a request costs more than it brings."""
 
-_LEAD = {"opus": 0.08, "aac": 0.04}  # seconds that a decoder needs to find its state: RFC 7845; two packets of AAC
+_LEAD = {"opus": 0.12, "aac": 0.04}  # seconds that a decoder needs to find its state: RFC 7845 and half; two packets
 _BITS_PER_CHANNEL = 64_000  # per second, of what is encoded here
 _HOLE = 0.5  # of a packet's length: a longer gap between two begins a new piece
+_ROUNDED = 0.008  # seconds by which stamps may miss the end of the packet before, and still mean it
 _HEAD_BYTES = 19
 
 
@@ -127,18 +128,27 @@ def _copied(stream: av.AudioStream, packets: Sequence[av.Packet[Any]], offset: f
     name, config = stream.codec_context.name, bytes(stream.codec_context.extradata or b"")
     if not packets or stream.time_base is None:
         return None
-    times = [float(packet.pts * stream.time_base) + offset for packet in packets if packet.pts is not None]
+    stamps = [float(packet.pts * stream.time_base) + offset for packet in packets if packet.pts is not None]
     if name.startswith(("opus", "libopus")) and len(config) >= _HEAD_BYTES and config[18] == 0 and config[9] in (1, 2):
         head = config[:10] + bytes(2) + config[12:_HEAD_BYTES]  # nothing is skipped
         datas = [bytes(packet) for packet in packets]
-        found = [_Packet(time, opus_samples(data) / OPUS_RATE, data) for time, data in zip(times, datas, strict=True)]
+        found = _in_a_row(stamps, [opus_samples(data) / OPUS_RATE for data in datas], datas)
         return _Track("opus", OPUS_RATE, config[9], found, head)
     header = AacHeader.of(config, bytes(packets[0])) if name == "aac" else None
     if header is None:
         return None
-    length = AAC_SAMPLES / header.rate
-    found = [_Packet(time, length, header.packed(bytes(packet))) for time, packet in zip(times, packets, strict=True)]
+    lengths = [AAC_SAMPLES / header.rate] * len(packets)
+    found = _in_a_row(stamps, lengths, [header.packed(bytes(packet)) for packet in packets])
     return _Track("aac", header.rate, header.channels, found)
+
+
+def _in_a_row(stamps: Sequence[float], lengths: Sequence[float], datas: Sequence[bytes]) -> list[_Packet]:
+    """Return packets that follow each other to the sample where their stamps are only rounded, to 1 ms in Matroska."""
+    found: list[_Packet] = []
+    for stamp, length, data in zip(stamps, lengths, datas, strict=True):
+        expected = found[-1].time + found[-1].length if found else stamp
+        found.append(_Packet(expected if abs(stamp - expected) < _ROUNDED else stamp, length, data))
+    return found
 
 
 def _encoded(path: Path, start: float, end: float, offset: float) -> CutSound | None:

@@ -31,6 +31,8 @@ const RETRY = 3000;
 /** What sounds together, by one line: ended as one when the line changes. */
 interface Run {
   readonly line: Line;
+  /** The line moved by less than a sample, so that each piece begins at one, right after the one before. */
+  readonly exact: Line;
   readonly fade: GainNode;
   readonly pieces: Map<number, AudioBufferSourceNode>;
 }
@@ -87,7 +89,8 @@ export class SceneSound {
     const { performanceTime: heard, contextTime } = outputTime(context);
     const shown = clock.ticked + DISPLAY - heard / 1000; // when the picture at the playhead is seen, after what is heard now
     const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
-    if (line !== this.#run?.line) this.#begin(context, this.#volume, line);
+    const [first] = wanted;
+    if (line !== this.#run?.line && first !== undefined) this.#begin(context, this.#volume, line, first);
     for (const index of wanted) this.#hear(context, index);
   }
 
@@ -100,7 +103,7 @@ export class SceneSound {
         this.player.muted = true; // until the visitor asks for sound
         return null;
       }
-      const context = new AudioContext();
+      const context = newContext(this.#audio.sampleRate);
       this.#volume = context.createGain();
       this.#volume.gain.value = this.player.volume ** 2;
       this.#volume.connect(context.destination);
@@ -131,13 +134,15 @@ export class SceneSound {
     this.#rest = setTimeout(() => void this.#context?.suspend().catch(() => {}), REST);
   }
 
-  #begin(context: AudioContext, volume: GainNode, line: Line): void {
+  #begin(context: AudioContext, volume: GainNode, line: Line, first: number): void {
     this.#end();
+    const into = this.#audio.pieces[first].start / line.rate;
+    const exact = { zero: toSample(line.zero + into, context) - into, rate: line.rate };
     const fade = context.createGain();
     fade.gain.setValueAtTime(0, context.currentTime);
     fade.gain.linearRampToValueAtTime(1, context.currentTime + FADE);
     fade.connect(volume);
-    this.#run = { line, fade, pieces: new Map() };
+    this.#run = { line, exact, fade, pieces: new Map() };
   }
 
   #end(): void {
@@ -157,13 +162,13 @@ export class SceneSound {
     if (!run || !buffer || run.pieces.has(index)) return;
     const now = context.currentTime + LATEST;
     const { pieces } = this.#audio;
-    const part = partToHear(pieces, index, run.line, now);
+    const part = partToHear(pieces, index, run.exact, now);
     if (!part || part.when > now + SOON) return;
     const node = new AudioBufferSourceNode(context, { buffer, playbackRate: run.line.rate });
     node.connect(run.fade);
     // What is decoded ends with the piece; before it there is what the decoder needed to begin.
-    const from = buffer.duration - (pieces[index].end - part.from);
-    node.start(part.when, Math.max(0, from), part.until - part.from);
+    const from = Math.max(0, buffer.duration - (pieces[index].end - part.from));
+    node.start(toSample(part.when, context), toSample(from, context), part.until - part.from);
     run.pieces.set(index, node);
   }
 
@@ -216,6 +221,18 @@ export class SceneSound {
     setTimeout(() => void context?.close().catch(() => {}), 100); // it fades out
   }
 }
+
+/** At the rate of what was recorded, so that pieces need no resampling, of which each would have its own ends. */
+function newContext(sampleRate: number): AudioContext {
+  try {
+    return new AudioContext({ sampleRate });
+  } catch {
+    return new AudioContext(); // a rate that this browser does not know
+  }
+}
+
+/** The nearest moment of a sample, seconds. */
+const toSample = (seconds: number, { sampleRate }: AudioContext) => Math.round(seconds * sampleRate) / sampleRate;
 
 /** What is heard now: seconds of the sound's clock, at milliseconds of the page's. */
 function outputTime(context: AudioContext): { contextTime: number; performanceTime: number } {
