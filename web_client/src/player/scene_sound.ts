@@ -78,7 +78,8 @@ export class SceneSound {
     }
     const context = this.#wake();
     if (!context || !this.#volume) return;
-    this.#volume.gain.setTargetAtTime(volume * volume, context.currentTime, FADE); // as loudness is heard
+    const loud = Math.min(1, Math.max(0, volume || 0)) ** 2; // as loudness is heard
+    this.#volume.gain.setTargetAtTime(loud, context.currentTime, FADE);
     const wanted = new Set<number>();
     for (let ahead = 0; ahead <= AHEAD; ahead += 0.4 / clock.rate) {
       wanted.add(pieceAt(this.#audio.pieces, clock.after(ahead)));
@@ -105,7 +106,7 @@ export class SceneSound {
       }
       const context = newContext(this.#audio.sampleRate);
       this.#volume = context.createGain();
-      this.#volume.gain.value = this.player.volume ** 2;
+      this.#volume.gain.value = 0; // until the first look at how loud it should be
       this.#volume.connect(context.destination);
       this.#context = context;
     }

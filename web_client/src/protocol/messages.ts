@@ -14,8 +14,6 @@ export type ClientMessage =
       type: "hello";
       protocol: number;
       credits: number;
-      /** Chunks that are here, where the manifest may have changed. */
-      have?: Uint8Array[];
       /** Which of the manifest's chunks are here, lowest bits first; with `manifest_id`. */
       have_bits?: Uint8Array;
       /** Chunks that are here whatever the manifest. */
