@@ -158,7 +158,7 @@ def test_a_stretch_is_repeated_until_it_is_cleared(browser: Browser, site: Site)
         assert min(times) >= 0.4 - 1e-6
         assert max(times) <= 0.6 + 1e-6
         page.keyboard.press("x")
-        assert not stretch.is_visible()
+        stretch.wait_for(state="hidden")
         page.wait_for_function("() => window.hgs.state.time > 0.7")
 
 
@@ -173,11 +173,13 @@ def test_bookmarks_are_shown_reached_and_kept_in_the_address(browser: Browser, s
         wait_for_time(page, 0.4)
         page.reload()
         page.evaluate("() => window.hgs.ready")
+        page.locator(".mark").nth(1).wait_for()
         assert page.locator(".mark").count() == 2
         page.get_by_role("button", name="Settings").click()
         page.get_by_role("button", name="To the bookmark at 0:01.60").click()
         wait_for_time(page, 1.6)
         page.keyboard.press("b")  # takes it away
+        page.locator(".mark").nth(1).wait_for(state="detached")
         assert page.locator(".mark").count() == 1
         assert page.url.endswith("marks=0.4")
 
@@ -213,7 +215,7 @@ def test_a_copied_link_opens_on_the_same_picture(browser: Browser, site: Site) -
         page.goto(link)
         page.evaluate("() => window.hgs.ready")
         assert not playing(page)
-        assert page.locator(".loop-range").is_visible()
+        page.locator(".loop-range").wait_for()
         assert psnr(settled(page), shared) >= 45
 
 

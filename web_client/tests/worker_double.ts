@@ -6,6 +6,19 @@ import type { FromWorker, ToWorker } from "../src/worker/messages";
 /** Still chunks 1 and 2, and chunks 3 and 4, which move, in segments of one second each. */
 export const TWO_SEGMENTS = readFileSync(new URL("../../tests/vectors/manifest.json", import.meta.url));
 
+/** The same as JSON, and what it is while it has the first segment alone. */
+export const WHOLE = JSON.parse(TWO_SEGMENTS.toString());
+export const GROWING = firstSegment();
+
+function firstSegment() {
+  const slices = WHOLE.slices.filter((slice: { segment: number }) => slice.segment === 0);
+  const moving: Record<string, number>[] = slices.flatMap((slice: { chunks: unknown[] }) => slice.chunks);
+  const sum = (of: string) => moving.reduce((total, chunk) => total + chunk[of], 0);
+  const totals = { ...WHOLE.totals, splats_dynamic: sum("splats"), bytes_dynamic: sum("bytes") };
+  const [one, two] = WHOLE.segments;
+  return { ...WHOLE, live: 1, end: two.start, segments: [one], slices, totals };
+}
+
 export class WorkerDouble {
   static last: WorkerDouble;
   onmessage: ((event: { data: FromWorker }) => void) | null = null;

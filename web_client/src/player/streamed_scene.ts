@@ -102,7 +102,7 @@ export class StreamedScene {
     this.source = options.open(
       {
         manifest: (bytes) => this.#begin(bytes),
-        grown: (document) => this.#grow(document),
+        grown: (later) => this.#grow(later),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
         missing: (id) => this.#chunks.missing(id),
         progress: (bytes) => {
@@ -236,7 +236,7 @@ export class StreamedScene {
   }
 
   #begin(bytes: Uint8Array): void {
-    this.#orFail(() => {
+    try {
       const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
       const buffer = new SceneBuffer(manifest);
       this.#chunks.begin(manifest, buffer, this.#options.memoryBudget);
@@ -249,34 +249,25 @@ export class StreamedScene {
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause
       this.#events.changed();
-    });
-  }
-
-  /** All who have the manifest see what it has become. */
-  #grow(document: unknown): void {
-    this.#orFail(() => {
-      const clock = this.#playback?.clock;
-      if (!clock || !this.#manifest) return;
-      const manifest = Object.assign(this.#manifest, parseManifest(document));
-      clock.end = manifest.end;
-      clock.grows = manifest.live !== null;
-      this.#chunks.grow();
-      this.#worker.begin(manifest);
-      this.#events.grown?.(manifest);
-      this.#events.changed();
-    });
-  }
-
-  /** Do what depends on the manifest; one that cannot be read ends the source. */
-  #orFail(act: () => void): void {
-    try {
-      act();
     } catch (error) {
       this.source.close();
       const cause = error instanceof Error ? error.message : String(error);
       const unreadable = error instanceof ManifestError || error instanceof SyntaxError;
       this.#events.failed(unreadable ? SCENE_UNREADABLE : cause, cause);
     }
+  }
+
+  /** All who have the manifest see what it has become. */
+  #grow(later: Manifest): void {
+    const clock = this.#playback?.clock;
+    if (!clock || !this.#manifest) return;
+    const manifest = Object.assign(this.#manifest, later);
+    clock.end = manifest.end;
+    clock.grows = manifest.live !== null;
+    this.#chunks.grow();
+    this.#worker.begin(manifest);
+    this.#events.grown?.(manifest);
+    this.#events.changed();
   }
 
   /** Keep in memory what the playhead needs. */

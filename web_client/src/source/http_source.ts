@@ -4,7 +4,7 @@
  */
 
 import { parseManifest } from "../codec/manifest";
-import type { ChunkEntry } from "../codec/types";
+import type { ChunkEntry, Manifest } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
 import { download, LengthError, StatusError } from "./download";
 import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
@@ -111,17 +111,12 @@ export class HttpSource implements SceneSource {
       this.events.manifest(bytes.slice());
       if (signal.aborted) return; // the player cannot read it
       const document = JSON.parse(new TextDecoder().decode(bytes));
-      this.#become(document);
-      if (document.live) {
-        const grown = (later: unknown) => {
-          this.events.grown(later);
-          this.#become(later);
-        };
-        import("./manifest_polling").then(
-          ({ followManifest }) => followManifest(url, document, signal, this.hidden, grown),
-          ({ message }) => this.events.failed("not-loaded", message),
-        );
-      }
+      this.become(parseManifest(document));
+      if (!document.live) return;
+      import("./manifest_polling").then(
+        ({ followManifest }) => followManifest(this, url, document, signal),
+        ({ message }) => this.events.failed("not-loaded", message),
+      );
     } catch (error) {
       if (signal.aborted) return;
       if (error instanceof StatusError && (error.missing || error.status === 403)) {
@@ -133,8 +128,9 @@ export class HttpSource implements SceneSource {
     }
   }
 
-  #become(document: unknown): void {
-    this.#order = new ChunkOrder(parseManifest(document));
+  /** Fetch the chunks of this manifest from now on. */
+  become(manifest: Manifest): void {
+    this.#order = new ChunkOrder(manifest);
     this.#fetchMore();
   }
 

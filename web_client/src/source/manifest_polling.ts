@@ -1,36 +1,38 @@
 /** Follows a scene that grows in a folder of a web server: asks for its manifest again and again. */
 
+import { parseManifest } from "../codec/manifest";
 import { download } from "./download";
 import { continues, type ManifestDocument } from "./growth";
+import type { HttpSource } from "./http_source";
 
 /** Between two looks, ms; doubled after every one that fails. */
 const PAUSE = 2000;
 const LONGEST_PAUSE = 30_000;
 
 /**
- * Tell `grown` of every later version of a manifest, until the scene is complete.
+ * Tell a source of every later version of its manifest, until the scene is complete; not while nobody sees the page.
  *
  * @param url of the manifest.
- * @param hidden whether nobody sees the page: then nothing is fetched.
  */
 export async function followManifest(
+  source: Pick<HttpSource, "become" | "events" | "hidden">,
   url: string,
   manifest: ManifestDocument,
   signal: AbortSignal,
-  hidden: () => boolean,
-  grown: (document: ManifestDocument) => void,
 ): Promise<void> {
   let pause = PAUSE;
   for (let last = manifest; last.live !== undefined && !signal.aborted; ) {
     await new Promise((resolve) => setTimeout(resolve, pause));
-    if (hidden() || signal.aborted) continue;
+    if (source.hidden() || signal.aborted) continue;
     try {
       const { bytes } = await download(url, signal, "no-cache");
       const found: ManifestDocument = JSON.parse(new TextDecoder().decode(bytes));
       pause = PAUSE;
       if (signal.aborted || !continues(found, last)) continue; // a cache may answer with an earlier version
+      const later = parseManifest(found);
       last = found;
-      grown(found);
+      source.events.grown(later);
+      source.become(later);
     } catch {
       pause = Math.min(LONGEST_PAUSE, 2 * pause);
     }

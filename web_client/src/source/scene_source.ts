@@ -1,5 +1,7 @@
 /** Where a scene comes from: what a player needs of a stream, a server or a folder of files. */
 
+import type { Manifest } from "../codec/types";
+
 /**
  * The scene is not there; it is another one than before; page and server are of different versions; the source's own script
  * cannot be had; anything else.
@@ -12,8 +14,8 @@ export type SourceState = "connecting" | "open" | "retrying" | "closed";
 export interface SourceEvents {
   /** The manifest's bytes; once. */
   manifest(bytes: Uint8Array): void;
-  /** The scene has grown: its manifest is this JSON value now, a later version. */
-  grown(document: unknown): void;
+  /** The scene has grown: this is its manifest now, a later version. */
+  grown(manifest: Manifest): void;
   /** A complete chunk; call `consumed` with its size when it is done with. */
   chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;
   /** A chunk that cannot be had now; it may come later. */

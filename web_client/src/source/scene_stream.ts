@@ -3,6 +3,8 @@
  * a broken or silent connection with the list of what it has.
  */
 
+import { parseManifest } from "../codec/manifest";
+import type { Manifest } from "../codec/types";
 import { Connection, type Socket } from "../protocol/connection";
 import {
   CHUNK_FRAME,
@@ -291,11 +293,18 @@ export class SceneStream implements SceneSource {
       this.#fail("scene-changed", "another manifest than before");
       return;
     }
+    let manifest: Manifest;
+    try {
+      manifest = parseManifest(document);
+    } catch (error) {
+      this.#fail("not-understood", `the scene has grown into what cannot be read: ${error}`);
+      return;
+    }
     this.#manifestId = id;
     this.#document = document;
     this.#chunks = chunksIn(document);
     for (const id of soundsIn(document)) this.#sound.ids.add(id);
-    this.events.grown(document);
+    this.events.grown(manifest);
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {

@@ -1,12 +1,9 @@
-/** The bar that shows and moves the playhead: what is loaded, the repeated stretch, bookmarks, and the time under the pointer. */
+/** The bar that shows and moves the playhead: what is loaded, the repeated stretch, and bookmarks. */
 
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
-import { element, setAttribute, setText } from "./element";
+import { element, setAttribute } from "./element";
 import { formatTime } from "./format";
-
-/** Half of the knob's width, CSS pixels: so far from its ends the bar's first and last moment lie. */
-const KNOB = 8;
 
 /** A CSS gradient that shows the ranges on a bar from `start` to `end`. */
 export function bufferedGradient(ranges: readonly (readonly [number, number])[], start: number, end: number): string {
@@ -27,14 +24,11 @@ export class Timeline {
     max: 1,
     step: "any",
   });
-  readonly #bubble = element("span", { class: "bubble", "aria-hidden": "true", hidden: true });
-  readonly #range = element("span", { class: "loop-range", hidden: true });
-  readonly #marks = element("span", { class: "marks" });
-  readonly node = element("div", { class: "timeline" }, this.#seek, this.#range, this.#marks, this.#bubble);
+  readonly node = element("div", { class: "timeline" }, this.#seek);
   #resume = false;
   #dragging = false;
   #chunks = -1; // that had come, or were lost, at the last look at the buffer
-  #shownMarks: readonly number[] = [];
+  #marked = false; // there are marks to show, or were
 
   /** For the scene that the player shows now. `step` goes on by so many frames. */
   constructor(
@@ -52,13 +46,16 @@ export class Timeline {
       event.preventDefault();
       step(frames);
     });
-    this.#seek.addEventListener("pointermove", (event) => this.#point(event));
-    for (const type of ["pointerleave", "pointercancel"]) {
-      this.#seek.addEventListener(type, () => {
-        this.#bubble.hidden = true;
-      });
-    }
+    const point = async (event: PointerEvent): Promise<void> => {
+      const { showTimes } = await import("./time_bubble"); // for those who point
+      showTimes(this, this.#seek, event);
+    };
+    // biome-ignore lint/suspicious/noConsole: nobody has asked for it
+    this.#seek.addEventListener("pointerenter", (event) => point(event).catch(console.warn), { once: true });
   }
+
+  /** Whether the knob is held. */
+  readonly dragged = (): boolean => this.#dragging;
 
   /** Whether the scene would play if it were not dragged. */
   get resumes(): boolean {
@@ -73,12 +70,11 @@ export class Timeline {
     if (this.#seek.max !== String(end)) {
       this.#seek.max = String(end); // the scene has grown: what there is of it has another place on the bar
       this.#chunks = -1;
-      this.#shownMarks = [];
       this.mark();
     }
     if (!this.#dragging) this.#seek.value = String(currentTime);
     setAttribute(this.#seek, "aria-valuetext", formatTime(currentTime - start));
-    this.#setShare(this.#seek, "--played", currentTime);
+    this.#seek.style.setProperty("--played", ((currentTime - start) / (end - start)).toFixed(4));
     const { chunks, lostChunks } = statistics;
     if (chunks + lostChunks === this.#chunks) return;
     this.#chunks = chunks + lostChunks;
@@ -87,38 +83,9 @@ export class Timeline {
 
   /** Show the bookmarks and the repeated stretch. */
   mark(): void {
-    const range = this.player.loopRange;
-    this.#range.hidden = range === null;
-    if (range) {
-      this.#setShare(this.#range, "--from", range[0]);
-      this.#setShare(this.#range, "--to", range[1]);
-    }
-    const { times } = this.bookmarks;
-    if (times === this.#shownMarks) return;
-    this.#shownMarks = times;
-    this.#marks.replaceChildren(
-      ...times.map((time) => {
-        const mark = element("span", { class: "mark" });
-        this.#setShare(mark, "--at", time);
-        return mark;
-      }),
-    );
-  }
-
-  #setShare(target: HTMLElement, property: string, time: number): void {
-    const { start, duration } = this.player;
-    const share = ((time - start) / duration).toFixed(4);
-    if (target.style.getPropertyValue(property) !== share) target.style.setProperty(property, share);
-  }
-
-  /** Say which moment is under the pointer. */
-  #point({ clientX, pointerType }: PointerEvent): void {
-    if (pointerType === "touch" && !this.#dragging) return;
-    const { left, width } = this.#seek.getBoundingClientRect();
-    const share = Math.max(0, Math.min(1, (clientX - left - KNOB) / (width - 2 * KNOB)));
-    setText(this.#bubble, formatTime(share * this.player.duration));
-    this.#bubble.style.setProperty("--at", share.toFixed(4));
-    this.#bubble.hidden = false;
+    this.#marked ||= this.player.loopRange !== null || this.bookmarks.times.length > 0;
+    // biome-ignore lint/suspicious/noConsole: the scene plays on without
+    if (this.#marked) import("./timeline_marks").then(({ showMarks }) => showMarks(this), console.warn); // few have any
   }
 
   /** While the knob is dragged the scene stands where it is, and goes on afterwards. */

@@ -1,9 +1,10 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { parseManifest } from "../../src/codec/manifest";
 import { StreamedScene } from "../../src/player/streamed_scene";
 import type { View } from "../../src/player/view";
 import type { SplatSink } from "../../src/renderer/splat_drawer";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
-import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
+import { GROWING, TWO_SEGMENTS, WHOLE, WorkerDouble } from "../worker_double";
 
 vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
 vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
@@ -277,30 +278,23 @@ describe("a sink that has lost everything", () => {
 });
 
 describe("a scene that grows", () => {
-  const whole = JSON.parse(TWO_SEGMENTS.toString());
-  const [one, two] = whole.segments;
-  const slices = whole.slices.filter((slice: { segment: number }) => slice.segment === 0);
-  const moving = slices.flatMap((slice: { chunks: { splats: number; bytes: number }[] }) => slice.chunks);
-  const sum = (of: "splats" | "bytes") =>
-    moving.reduce((total: number, chunk: Record<string, number>) => total + chunk[of], 0);
-  const totals = { ...whole.totals, splats_dynamic: sum("splats"), bytes_dynamic: sum("bytes") };
-  const first = { ...whole, live: 1, end: two.start, segments: [one], slices, totals };
+  const border = WHOLE.segments[1].start;
 
   it("waits at its edge, goes on when it has grown, and closes its source once all of it is here", () => {
-    source.manifest(new TextEncoder().encode(JSON.stringify(first)));
+    source.manifest(new TextEncoder().encode(JSON.stringify(GROWING)));
     WorkerDouble.last.decodeAll();
     expect(close).not.toHaveBeenCalled();
     scene.playback?.play();
-    scene.playback?.seek(two.start);
+    scene.playback?.seek(border);
     scene.step(0, [view(0)]);
     scene.step(100, [view(0)]);
     expect([scene.playback?.atEdge, scene.playback?.clock.stalled]).toEqual([true, true]);
-    source.grown(whole);
-    expect(scene.manifest?.end).toBe(whole.end);
+    source.grown(parseManifest(WHOLE));
+    expect(scene.manifest?.end).toBe(WHOLE.end);
     expect(WorkerDouble.last.told.filter(({ type }) => type === "scene")).toHaveLength(2);
     expect(close).toHaveBeenCalled();
     scene.step(200, [view(0)]);
     expect(scene.playback?.clock.stalled).toBe(false);
-    expect(scene.playback?.clock.time).toBeGreaterThan(two.start);
+    expect(scene.playback?.clock.time).toBeGreaterThan(border);
   });
 });

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { parseManifest } from "../../src/codec/manifest";
 import { HttpSource } from "../../src/source/http_source";
 import type { SourceEvents } from "../../src/source/scene_source";
 
@@ -143,7 +144,7 @@ describe("a scene that grows", () => {
     expect(requests).toEqual([]); // a pause after what has failed
     await vi.advanceTimersByTimeAsync(2000);
     await requests[0].answer(MANIFEST);
-    expect(events.grown.mock.calls).toEqual([[document]]);
+    expect(events.grown.mock.calls).toEqual([[parseManifest(document)]]);
     expect(events.manifest).toHaveBeenCalledTimes(1);
     expect(asked()).toBe("cde");
     for (const _ of "cde") await requests[0].answer(whole());

@@ -1,10 +1,12 @@
 import { gzipSync } from "node:zlib";
 import { decode, encode } from "@msgpack/msgpack";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { parseManifest } from "../../src/codec/manifest";
 import type { Socket } from "../../src/protocol/connection";
 import { fromHex } from "../../src/protocol/messages";
 import type { SourceEvents } from "../../src/source/scene_source";
 import { SceneStream } from "../../src/source/scene_stream";
+import { GROWING, WHOLE } from "../worker_double";
 
 const A = "aa".repeat(32);
 const B = "bb".repeat(32);
@@ -68,6 +70,8 @@ class FakeSocket implements Socket {
   }
 }
 
+const text = (document: unknown) => new TextEncoder().encode(JSON.stringify(document));
+
 const sockets: FakeSocket[] = [];
 
 function connect(time: number | null = 0.5) {
@@ -115,34 +119,42 @@ describe("SceneStream", () => {
 
   it("tells what a scene that grows has become, and comes back with the names of what it has", () => {
     const { socket, events } = connect();
-    const slice = (id: string) => ({ chunks: [{ id }] });
-    const first = { live: 1, end: 1, static: [], segments: [{ start: 0 }], slices: [slice(A)] };
-    const later = { live: 2, end: 2, static: [], segments: [{ start: 0 }, { start: 1 }], slices: [slice(A), slice(B)] };
-    const { live, ...last } = later;
+    const { segments, slices, end, totals } = WHOLE;
+    const later = { ...WHOLE, live: 2 };
     socket.open();
     expect(socket.sent[0]).toMatchObject({ follow: true });
-    socket.welcome(JSON.stringify(first));
-    const added = { live, end: 2, segments: [{ start: 1 }], slices: [slice(B)] };
-    const growth = new TextEncoder().encode(JSON.stringify(added));
+    socket.welcome(JSON.stringify(GROWING));
+    const news = slices.slice(GROWING.slices.length);
+    const growth = text({ live: 2, end, totals, segments: segments.slice(1), slices: news });
     socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32).fill(8), remaining: 1 }));
-    expect(events.grown.mock.calls).toEqual([[later]]);
-    socket.frame(B, 0, 1, Uint8Array.of(9));
+    expect(events.grown.mock.calls).toEqual([[parseManifest(later)]]);
+    const added = news[0].chunks[0].id;
+    socket.frame(added, 0, 1, Uint8Array.of(9));
     socket.drop(1006);
     vi.advanceTimersByTime(8000);
     const again = sockets[1];
     again.open();
-    expect(again.sent[0]).toMatchObject({ have: [fromHex(B)], manifest_id: new Uint8Array(32).fill(8) });
+    expect(again.sent[0]).toMatchObject({ have: [fromHex(added)], manifest_id: new Uint8Array(32).fill(8) });
     expect(again.sent[0]).not.toHaveProperty("have_bits");
-    again.welcome(JSON.stringify(last), 9);
-    expect(events.grown.mock.calls[1]).toEqual([last]);
+    again.welcome(JSON.stringify(WHOLE), 9);
+    expect(events.grown.mock.calls[1]).toEqual([parseManifest(WHOLE)]);
     expect([events.manifest.mock.calls.length, events.failed.mock.calls.length]).toEqual([1, 0]);
+  });
+
+  it("gives up where the scene grows into what cannot be read", () => {
+    const { socket, events } = connect();
+    socket.open();
+    socket.welcome(JSON.stringify(GROWING));
+    const growth = text({ live: 2, title: 3, segments: [], slices: [] });
+    socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32), remaining: 1 }));
+    expect(events.failed.mock.calls[0][0]).toBe("not-understood");
   });
 
   it("gives up where the scene becomes another one", () => {
     const { socket, events } = connect();
     socket.open();
     socket.welcome(JSON.stringify({ live: 1, end: 1, static: [], segments: [], slices: [] }));
-    const growth = new TextEncoder().encode(JSON.stringify({ live: 1, end: 2, segments: [], slices: [] }));
+    const growth = text({ live: 1, end: 2, segments: [], slices: [] });
     socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32), remaining: 1 }));
     expect(events.failed.mock.calls[0][0]).toBe("scene-changed");
   });

@@ -1,0 +1,36 @@
+/** The time under the pointer, over the bar that shows and moves the playhead. */
+
+import type { HgsPlayer } from "../player/hgs_player";
+import { element, setText } from "./element";
+import { formatTime } from "./format";
+import { adoptStyle } from "./player_style";
+import css from "./time_bubble.css?inline";
+
+/** Half of the knob's width, CSS pixels: so far from its ends the bar's first and last moment lie. */
+const KNOB = 8;
+
+/** Say from now on which moment is under a pointer; a finger has none unless the knob is `dragged`. */
+export function showTimes(
+  { node, player, dragged }: { node: HTMLElement; player: HgsPlayer; dragged: () => boolean },
+  bar: HTMLElement,
+  entered: PointerEvent,
+): void {
+  const bubble = element("span", { class: "bubble", "aria-hidden": "true", hidden: true });
+  adoptStyle(node.getRootNode() as ShadowRoot, css);
+  node.append(bubble);
+  const point = ({ clientX, pointerType }: PointerEvent): void => {
+    if (pointerType === "touch" && !dragged()) return;
+    const { left, width } = bar.getBoundingClientRect();
+    const share = Math.max(0, Math.min(1, (clientX - left - KNOB) / (width - 2 * KNOB)));
+    setText(bubble, formatTime(share * player.duration));
+    bubble.style.setProperty("--at", share.toFixed(4));
+    bubble.hidden = false;
+  };
+  bar.addEventListener("pointermove", point);
+  for (const type of ["pointerleave", "pointercancel"]) {
+    bar.addEventListener(type, () => {
+      bubble.hidden = true;
+    });
+  }
+  if (bar.matches(":hover")) point(entered);
+}

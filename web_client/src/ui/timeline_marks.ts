@@ -1,0 +1,23 @@
+/** What is marked on the bar that shows the playhead: bookmarks, and the stretch that playing repeats. */
+
+import { element } from "./element";
+import { adoptStyle } from "./player_style";
+import type { Timeline } from "./timeline";
+import css from "./timeline_marks.css?inline";
+
+/** Show the marks as they are now in place of what was shown. */
+export function showMarks({ node, player, bookmarks }: Timeline): void {
+  const { start, duration, loopRange } = player;
+  const place = (mark: HTMLElement, places: Record<string, number>): HTMLElement => {
+    for (const [name, time] of Object.entries(places))
+      mark.style.setProperty(name, ((time - start) / duration).toFixed(4));
+    return mark;
+  };
+  const range = loopRange
+    ? [place(element("span", { class: "loop-range" }), { "--from": loopRange[0], "--to": loopRange[1] })]
+    : [];
+  const marks = bookmarks.times.map((time) => place(element("span", { class: "mark" }), { "--at": time }));
+  adoptStyle(node.getRootNode() as ShadowRoot, css);
+  node.querySelector(".marks")?.remove();
+  node.append(element("span", { class: "marks" }, ...range, ...marks));
+}
