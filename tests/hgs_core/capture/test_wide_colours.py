@@ -49,13 +49,16 @@ def test_a_colour_of_bt709_comes_back_from_bt2020() -> None:
 @pytest.mark.parametrize(("transfer", "primaries", "name"), [(PQ, 9, "HDR (PQ)"), (HLG, 9, "HDR (HLG)"), (1, 1, None)])
 def test_videos_are_read_as_their_tags_say(tmp_path: Path, transfer: int, primaries: int, name: str | None) -> None:
     with av.open(str(tmp_path / "a.mp4"), "w") as container:
-        stream = container.add_stream("libx265", rate=30, options={"x265-params": "log-level=none"})
+        stream = container.add_stream(
+            "libx265", rate=30, options={"x265-params": "log-level=none:pools=none:frame-threads=1"}
+        )
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p10le"
         context = stream.codec_context
         context.color_trc, context.color_primaries, context.colorspace = transfer, primaries, primaries
         given = av.VideoFrame.from_ndarray(np.full((48, 64, 3), round(0.75 * 65535), np.uint16), format="rgb48le")
         frame = given.reformat(format="yuv420p10le", dst_colorspace=primaries)
         frame.color_trc, frame.color_primaries, frame.colorspace = transfer, primaries, primaries
+        frame.pts = 0
         container.mux(stream.encode(frame))
         container.mux(stream.encode())
     video = VideoReader(tmp_path / "a.mp4")
