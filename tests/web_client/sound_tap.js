@@ -17,6 +17,7 @@
   window.AudioContext = class extends Original {
     constructor(...options) {
       super(...options);
+      window.context = this;
       const address = URL.createObjectURL(new Blob([tap], { type: "text/javascript" }));
       this.tap = this.audioWorklet.addModule(address).then(() => {
         const node = new AudioWorkletNode(this, "tap");

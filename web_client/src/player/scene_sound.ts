@@ -6,7 +6,9 @@
 import { type AudioEntry, readAudio } from "../codec/audio_entry";
 import type { HgsPlayer } from "./hgs_player";
 import type { ScenePlayer } from "./player";
+import { newContext, outputTime, toSample } from "./sound_device";
 import { Alignment, type Line, partToHear, pieceAt } from "./sound_timing";
+import { stretched } from "./stretch";
 
 /** Pieces for so many seconds of playing are fetched, and those of so many handed to the device. */
 const AHEAD = 3;
@@ -165,11 +167,12 @@ export class SceneSound {
     const { pieces } = this.#audio;
     const part = partToHear(pieces, index, run.exact, now);
     if (!part || part.when > now + SOON) return;
-    const node = new AudioBufferSourceNode(context, { buffer, playbackRate: run.line.rate });
+    const { start, end } = pieces[index];
+    const { rate } = run.line;
+    const node = new AudioBufferSourceNode(context, { buffer: atRate(context, buffer, end - start, rate) });
     node.connect(run.fade);
-    // What is decoded ends with the piece; before it there is what the decoder needed to begin.
-    const from = Math.max(0, buffer.duration - (pieces[index].end - part.from));
-    node.start(toSample(part.when, context), toSample(from, context), part.until - part.from);
+    const from = Math.max(0, node.buffer!.duration - (end - part.from) / rate);
+    node.start(toSample(part.when, context), toSample(from, context), (part.until - part.from) / rate);
     run.pieces.set(index, node);
   }
 
@@ -223,22 +226,16 @@ export class SceneSound {
   }
 }
 
-/** At the rate of what was recorded, so that pieces need no resampling, of which each would have its own ends. */
-function newContext(sampleRate: number): AudioContext {
-  try {
-    return new AudioContext({ sampleRate });
-  } catch {
-    return new AudioContext(); // a rate that this browser does not know
-  }
-}
-
-/** The nearest moment of a sample, seconds. */
-const toSample = (seconds: number, { sampleRate }: AudioContext) => Math.round(seconds * sampleRate) / sampleRate;
-
-/** What is heard now: seconds of the sound's clock, at milliseconds of the page's. */
-function outputTime(context: AudioContext): { contextTime: number; performanceTime: number } {
-  const { contextTime = 0, performanceTime = 0 } = context.getOutputTimestamp?.() ?? {};
-  if (performanceTime > 0) return { contextTime, performanceTime };
-  const latency = context.outputLatency || context.baseLatency || 0;
-  return { contextTime: context.currentTime - latency, performanceTime: performance.now() };
+/**
+ * A piece of so many seconds as it sounds at a rate, at the pitch that it has. What is decoded ends with the piece; before it there
+ * is what the decoder needed to begin.
+ */
+function atRate(context: AudioContext, decoded: AudioBuffer, seconds: number, rate: number): AudioBuffer {
+  if (rate === 1) return decoded;
+  const channels = Array.from({ length: Math.min(2, decoded.numberOfChannels) }, (_, i) => decoded.getChannelData(i));
+  const begin = Math.max(0, decoded.length - Math.round(seconds * decoded.sampleRate));
+  const made = stretched(channels, begin, rate, decoded.sampleRate);
+  const buffer = context.createBuffer(made.length, Math.max(1, made[0].length), decoded.sampleRate);
+  for (const [i, samples] of made.entries()) buffer.copyToChannel(samples, i);
+  return buffer;
 }
