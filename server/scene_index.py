@@ -12,6 +12,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec.format.growth import continues, growth_of
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import Manifest
+from server.scene_opening import opening
 from server.slice_queue import SliceQueue
 
 __all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
@@ -61,6 +62,7 @@ class SceneIndex:
     splats_dynamic: int
     live: int | None = None  # the number of the manifest of a scene that grows; None: it is complete
     sounds: tuple[Slice, ...] = ()  # pieces of sound in order of time, each of one chunk
+    opening: SceneIndex | None = None  # of the beginning of a long scene, of which this is a later version
 
     @cached_property
     def chunk_ids(self) -> frozenset[str]:
@@ -136,6 +138,9 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
     except (ValueError, RecursionError) as error:
         raise InputError(f"manifest of scene {scene_id}", f"is not JSON: {error}") from error
     described = Manifest.from_json(document, f"manifest of scene {scene_id}")
+    beginning = opening(document, described, len(manifest))
+    if beginning is not None:
+        _growth(manifest, beginning)  # here it makes nobody wait
     chunks: dict[str, Chunk] = {}
     for entries, part in ((described.static, STATIC_PART), *((piece.chunks, SLICE_PART) for piece in described.slices)):
         for entry, layer in zip(entries, layers([entry.bytes for entry in entries], part), strict=True):
@@ -158,4 +163,5 @@ def read_scene(scene_id: str, manifest: bytes) -> SceneIndex:
             Slice(piece.start, piece.end, (Chunk(bytes.fromhex(piece.id), piece.bytes),))
             for piece in (described.audio.pieces if described.audio is not None else ())
         ),
+        opening=None if beginning is None else read_scene(scene_id, beginning),
     )

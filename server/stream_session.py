@@ -42,6 +42,7 @@ from server.send_order import COMPLETE, Mark, SendOrder
 __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
+REST_SECONDS = 20.0  # of the scene before the end of a manifest's beginning, from which on the rest of it is sent
 PACE_SECONDS = 0.125  # of a limited rate that go at once
 
 
@@ -76,6 +77,7 @@ class StreamSession:
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
         self._playhead = Playhead(scene.start, scene.end, scene.start, grows=scene.live is not None)
+        self._whole: SceneIndex | None = None  # while the client has but the opening
         self._follows = False
         self._gzip = False
 
@@ -176,6 +178,7 @@ class StreamSession:
         self._outbox.append(encode(Missing(chunk.id)))
 
     def _greet(self, hello: Hello, clock: float) -> None:
+        self._open(hello)
         scene = self._scene
         sizes = scene.stored
         self._offsets = {chunk: offset for chunk, offset in hello.parts.items() if chunk in sizes and offset > 0}
@@ -208,6 +211,22 @@ class StreamSession:
         welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, remaining, coding)
         self._outbox.append(encode(welcome))
 
+    def _open(self, hello: Hello) -> None:
+        """Send of a long manifest the beginning alone, where the client starts there and does not know more."""
+        whole = self._scene
+        first = whole.opening
+        if first is None or not hello.follow or hello.manifest_id == whole.manifest_id:
+            return
+        if hello.time is None or hello.time < first.end - REST_SECONDS:
+            self._whole, self._scene = whole, first
+            self._playhead = Playhead(first.start, first.end, first.start, grows=True)
+
+    def _complete(self, clock: float) -> None:
+        """Send the rest of a manifest of which the client has the beginning."""
+        whole, self._whole = self._whole, None
+        if whole is not None:
+            self.grow(whole, clock)
+
     def _grant(self, amount: int) -> None:
         if self._balance + amount > MAX_BALANCE:
             raise ProtocolError(4009, "credit-overflow", f"the balance would rise above {MAX_BALANCE} bytes")
@@ -230,7 +249,12 @@ class StreamSession:
     def _choose(self, clock: float) -> Chunk | None:
         """Return what to send next; on the way, announce the slices that are found to be there."""
         order = self._order
+        if self._playhead.at(clock) > self._scene.end - REST_SECONDS:
+            self._complete(clock)
         chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
+        if chunk is None and self._whole is not None:
+            self._complete(clock)
+            chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
         while order.marks:
             self._announce(order.marks.popleft())
         if chunk is None and not self._ended:

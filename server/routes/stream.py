@@ -66,7 +66,7 @@ async def _converse(socket: WebSocket, session: StreamSession, service: Service,
         asyncio.create_task(_listen(socket, session, budget, news)),
         asyncio.create_task(_speak(socket, session, service.chunks, budget, news)),
         asyncio.create_task(_await_deletion(gone)),
-        asyncio.create_task(_grow(session, service.live, news)),
+        asyncio.create_task(_grow(session, session.scene, service.live, news)),
     }
     try:
         done, _ = await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
@@ -119,10 +119,10 @@ async def _speak(
         await asyncio.sleep(0)  # sending does not wait while the socket has room, and others want to be served too
 
 
-async def _grow(session: StreamSession, live: LiveScenes, news: asyncio.Event) -> NoReturn:
+async def _grow(session: StreamSession, scene: SceneIndex, live: LiveScenes, news: asyncio.Event) -> NoReturn:
     """Give the session every later version of its scene, if the scene grows; end only with a fault."""
     versions: asyncio.Queue[SceneIndex] = asyncio.Queue()
-    with live.follow(session.scene, versions.put_nowait):
+    with live.follow(scene, versions.put_nowait):  # the session may have but the beginning of it
         while True:
             session.grow(await versions.get(), time.monotonic())
             news.set()
