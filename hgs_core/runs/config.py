@@ -21,7 +21,6 @@ PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
         "points.dynamic": 5_000, "train.iterations": 2_300, "train.coarse_until": 0.4, "train.moving_steps": 1.0,
         "train.density.max_static": 35_000, "train.density.max_dynamic": 8_000,
-        "train.density.static_opacity_penalty": 0.1, "train.density.dynamic_opacity_penalty": 0.02,
     },
     "standard": {},
     "best": {
