@@ -54,6 +54,7 @@ def test_cancel_and_retry_are_the_same_as_on_sqlite(
     assert [iteration for _, iteration in iterations(home.run(job_id))] == list(range(150))
 
 
+@pytest.mark.slow
 def test_a_worker_has_three_connections_at_most(
     home: Home, server: PostgresServer, client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker]
 ) -> None:
