@@ -44,17 +44,19 @@ def test_workers_share_the_segments_of_a_job_and_one_that_dies_costs_what_it_had
     client: JobClient, worker: Callable[..., subprocess.Popen[bytes]], wait_for: WaitFor, tmp_path: Path
 ) -> None:
     workers = {process.pid: process for process in (worker(), worker(), worker())}
-    job_id = submitted(client, tmp_path / "capture", 6, 0.1)
+    job_id = submitted(client, tmp_path / "capture", 6, 0.01)
     run = client.home.run(job_id)
-    wait_for(job_id, lambda job: (live(client, job_id) or 0) >= 1, "the first segment")
-    wait_for(job_id, lambda job: len({made[1] for made in lines(run / "made.log")}) > 1, "help")
-    first = lines(run / "made.log")[0][1]
-    helper = next(made[1] for made in lines(run / "made.log") if made[1] != first)
+    (run / "hold").touch()
+    wait_for(job_id, lambda job: len({worker for _, worker in lines(run / "begun.log")}) == 3, "help")
+    assert live(client, job_id) == 1
+    first = lines(run / "begun.log")[0][1]
+    helper = next(worker for _, worker in lines(run / "begun.log") if worker != first)
     workers[int(helper)].kill()
+    (run / "hold").unlink()
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
     assert job.state is JobState.SUCCEEDED
     assert live(client, job_id) is None
-    assert sorted(made[0] for made in lines(run / "made.log")) == list("012345")
+    assert {made[0] for made in lines(run / "made.log")} == set("012345")
     steps = [tuple(step) for step in lines(run / "iterations.log")]
     assert len(steps) - len(set(steps)) <= 1  # the killed one's last
 
@@ -77,9 +79,10 @@ def test_helpers_of_a_cancelled_job_stop(
     client: JobClient, worker: Callable[..., subprocess.Popen[bytes]], wait_for: WaitFor, tmp_path: Path
 ) -> None:
     worker(), worker()
-    job_id = submitted(client, tmp_path / "capture", 3, 0.2, iterations=3)
-    log = client.home.run(job_id) / "iterations.log"
-    wait_for(job_id, lambda job: {"1", "2"} <= {step[0] for step in lines(log)}, "help")
+    job_id = submitted(client, tmp_path / "capture", 3, 0.01)
+    run = client.home.run(job_id)
+    (run / "hold").touch()
+    wait_for(job_id, lambda job: len({worker for _, worker in lines(run / "begun.log")}) == 2, "help")
     client.cancel(job_id)
     other = submitted(client, tmp_path / "other", 1, 0.02)
     assert wait_for(other, lambda job: job.state.finished, "the end of the other").state is JobState.SUCCEEDED

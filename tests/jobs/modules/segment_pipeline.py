@@ -1,7 +1,8 @@
 """A stand-in for training by segments: each counts to `config.train.iterations`, of the capture's `pace` seconds.
 
-There are as many segments as the capture's file `segments` says. Each leaves in `made.log` who made it and when, and
-every iteration a line in `iterations.log`; it goes on from its checkpoint.
+There are as many segments as the capture's file `segments` says. Whoever begins one leaves a line in `begun.log`, every
+iteration one in `iterations.log`, and a segment that is made one in `made.log`. They go on from their checkpoints, and
+all but the first wait while there is a file `hold` in the run folder.
 """
 
 from __future__ import annotations
@@ -54,12 +55,16 @@ def made(run: Path, number: int) -> bool:
 def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
     iterations, checkpoint = int(_settings(run)["iterations"]), run / "segments" / f"{number}.checkpoint"
     done = int(checkpoint.read_text()) if checkpoint.exists() else 0
+    _note(run / "begun.log", f"{number} {os.getppid()}")
     for iteration in range(done, iterations):
+        while number and (run / "hold").exists():
+            progress(Progress("train", iteration, iterations))
+            time.sleep(0.02)
         progress(Progress("train", iteration, iterations))
         time.sleep(_settings(run)["pace"])
         _note(run / "iterations.log", f"{number} {iteration}")
         write_bytes(checkpoint, str(iteration + 1).encode())
-    _note(run / "made.log", f"{number} {os.getppid()} {time.time()}")
+    _note(run / "made.log", str(number))
     write_bytes(run / "segments" / str(number), b"segment %d" % number)
 
 
