@@ -39,7 +39,7 @@ def run(request: Request, job_id: str, service: ServiceDep) -> Response:
         "announcement": _announcement(service, job),
         "picture": None if picture is None else str(picture.stat().st_mtime_ns),
         "report": (folder / "report.html").is_file(),
-        "scene": job.scene_id if _published(service, job) else None,
+        "scene": _scene(service, job),
     }
     return respond_json(request, answer)
 
@@ -105,8 +105,10 @@ def _announcement(service: Service, job: Job) -> dict[str, Any] | None:
     return {"state": state, "attempt": told.attempt, "tries": told.tries, "error": told.error or None}
 
 
-def _published(service: Service, job: Job) -> bool:
-    return job.scene_id != "" and service.artifacts.scene_entry(job.scene_id) is not None
+def _scene(service: Service, job: Job) -> str | None:
+    """Return the job's scene while it is published, as one that grows is before the job ends."""
+    scene_id = job.scene_id or job.id
+    return None if service.artifacts.scene_entry(scene_id) is None else scene_id
 
 
 def _whole(file: Path, most_bytes: int) -> bytes | None:

@@ -116,6 +116,13 @@ def test_bad_queries_of_the_log_are_422(server: Any, run: Path, query: str) -> N
     assert (answer.status_code, answer.json()["code"]) == (422, "query-invalid")
 
 
+def test_a_running_job_names_the_scene_that_grows(server: Any, run: Path, manifest: bytes) -> None:
+    server.jobs.change("job-0", state=JobState.RUNNING)
+    assert server.get("/v1/jobs/job-0/run").json()["scene"] is None
+    server.artifacts.manifests["job-0"] = manifest
+    assert server.get("/v1/jobs/job-0/run").json()["scene"] == "job-0"
+
+
 def test_the_picture_is_that_of_the_training_until_the_scene_has_one(server: Any, run: Path) -> None:
     (run / "preview.jpg").write_bytes(b"preview")
     first = server.get("/v1/jobs/job-0/picture")
