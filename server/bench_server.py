@@ -16,6 +16,7 @@ from pathlib import Path
 from hgs_core.codec.format.folder import load_manifest
 from hgs_core.codec.format.manifest import Manifest
 from server.connection_limits import raise_open_file_limit
+from server.serving import spare_collector
 from server.stream_bench import BenchScene, made_up_scene, scene_of, serving
 
 __all__ = ["BenchServer", "Costs"]
@@ -80,6 +81,7 @@ def _serve(pipe: Connection, folder: Path | None, minutes: float) -> None:
 
 async def _tell(pipe: Connection, scene: BenchScene) -> None:
     async with serving(scene) as port:
+        spare_collector()
         pipe.send((port, scene.manifest))
         while await asyncio.to_thread(pipe.recv):
             pipe.send(_costs())

@@ -95,7 +95,7 @@ def _run(options: argparse.Namespace) -> int:
     from server.log import configure_log
     from server.publishing import publish_run
     from server.request_log import configure_access_log
-    from server.serving import HttpServer, bind
+    from server.serving import HttpServer, bind, spare_collector
     from server.uploads.limits import UploadLimits
     from server.worker_processes import WorkerProcesses
 
@@ -127,9 +127,12 @@ def _run(options: argparse.Namespace) -> int:
         host = f"[{host}]" if ":" in host else host
         address = f"http://{host}:{listener.getsockname()[1]}"
         pages = [f"{address}/view/{scene}" for scene in scenes] or [f"{address}/"]
-        server = HttpServer(
-            app, limits=limits, drain=options.drain, on_ready=lambda: print(*pages, sep="\n", flush=True)
-        )
+
+        def announce() -> None:
+            print(*pages, sep="\n", flush=True)
+            spare_collector()
+
+        server = HttpServer(app, limits=limits, drain=options.drain, on_ready=announce)
         # Uvicorn handles the signals while it serves, and raises them again after its shutdown.
         signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
         with WorkerProcesses(home, options.workers):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import hashlib
 import json
+import math
 import struct
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Any
@@ -20,7 +22,7 @@ from hgs_core.base.errors import InputError
 from jobs.store import JobState
 from server.protocol import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream
-from server.serving import bind
+from server.serving import bind, spare_collector
 from tests.server.conftest import running_server
 
 
@@ -246,3 +248,12 @@ def test_address_that_is_taken_is_bad_input() -> None:
 def test_port_out_of_range_is_bad_input() -> None:
     with pytest.raises(InputError, match="70000 is not a port"):
         bind("127.0.0.1", 70_000)
+
+
+def test_what_is_there_when_a_server_begins_is_not_looked_through_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    frozen: list[Any] = []
+    monkeypatch.setattr(gc, "collect", lambda: frozen.append("collect"))
+    monkeypatch.setattr(gc, "freeze", lambda: frozen.append("freeze"))
+    monkeypatch.setattr(gc, "set_threshold", lambda *counts: frozen.append(math.prod(counts)))
+    spare_collector()
+    assert frozen == ["collect", "freeze", 1_000_000]  # what is garbage by then would stay for good
