@@ -50,7 +50,7 @@ def scene(name: str, **fields: Any) -> dict[str, Any]:
     """A scene as docs/protocol.md has it."""
     return {
         "id": name, "title": name, "created": 1.0, "start": 0.0, "end": 2.0, "bytes_total": 1000, "splats_static": 10,
-        "splats_dynamic": 5,
+        "splats_dynamic": 5, "live": False,
     } | fields  # fmt: skip
 
 
@@ -141,7 +141,7 @@ def test_no_long_name_widens_the_page(browser: Browser, site: Site, options: dic
         job("error", state="failed", error=f"/captures/{LONG}: cannot be read; replace it"),
         job("stage", **at_stage(LONG)),
     ]
-    with listing(browser, site, [scene("scene", title=LONG)], jobs, **options) as page:
+    with listing(browser, site, [scene("scene", title=LONG, live=True)], jobs, **options) as page:
         assert width_of(page) == options["viewport"]["width"]
 
 
@@ -232,7 +232,7 @@ def test_the_console_follows_the_system_and_the_player_stays_dark(
     browser: Browser, site: Site, theme: str, is_dark: bool
 ) -> None:
     ground = "() => getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)"
-    with listing(browser, site, [scene("a")], [], color_scheme=theme) as page:
+    with listing(browser, site, [scene("a", live=True)], [], color_scheme=theme) as page:
         assert (sum(page.evaluate(ground)) < 200) is is_dark
         page.goto(site.page)
         page.wait_for_function("() => window.hgs !== undefined")

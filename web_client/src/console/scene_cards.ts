@@ -1,24 +1,19 @@
-/** The scenes as cards: thumbnail, title, length, size, and what can be done with each. */
+/** The scenes as cards: thumbnail, title, length, size, whether it still grows, and what can be done with each. */
 
 import { type Scene, thumbnailUrl } from "../protocol/api";
 import { element, icon } from "../ui/element";
-import { formatBytes, formatDuration } from "../ui/format";
+import { formatDuration } from "../ui/format";
 import { PLAY } from "../ui/icons";
 import { type SceneEvents, sceneActions } from "./scene_actions";
 import { nameOf } from "./scene_order";
+import { describeScene, sceneBadge } from "./scene_words";
 import { showNodes } from "./shell";
 
 function card(scene: Scene, events: SceneEvents): HTMLElement {
-  const moving = scene.splats_dynamic > 0;
-  const figures = [
-    formatBytes(scene.bytes_total),
-    moving
-      ? `${Math.round((100 * scene.splats_dynamic) / (scene.splats_static + scene.splats_dynamic))}% moving`
-      : "still",
-  ];
   const picture = element("img", { src: thumbnailUrl(scene.id), alt: "", loading: "lazy", width: 320, height: 180 });
   picture.addEventListener("error", () => picture.remove()); // the placeholder behind it shows
   const length = scene.end - scene.start;
+  const badge = sceneBadge(scene);
   return element(
     "li",
     { class: "scene" },
@@ -30,10 +25,11 @@ function card(scene: Scene, events: SceneEvents): HTMLElement {
         { class: "card-picture" },
         picture,
         element("span", { class: "card-play" }, icon(PLAY)),
+        badge ? element("span", { class: "card-badge" }, badge) : null,
         length > 0 ? element("span", { class: "card-length" }, formatDuration(length)) : null, // a still scene has none
       ),
       element("h3", { class: "card-title" }, nameOf(scene)),
-      element("p", { class: "card-figures" }, figures.join(" · ")),
+      element("p", { class: "card-figures" }, describeScene(scene)),
     ),
     sceneActions(scene, events),
   );

@@ -13,6 +13,8 @@ export interface Scene {
   readonly bytes_total: number;
   readonly splats_static: number;
   readonly splats_dynamic: number;
+  /** Whether it grows. */
+  readonly live: boolean;
 }
 
 export interface JobProgress {

@@ -11,6 +11,7 @@ const scene = (id: string, title: string, created: number, seconds: number, byte
   bytes_total: bytes,
   splats_static: 1,
   splats_dynamic: 1,
+  live: false,
 });
 
 const SCENES = [

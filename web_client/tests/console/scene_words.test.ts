@@ -1,0 +1,16 @@
+import { expect, it } from "vitest";
+import { describeScene, sceneBadge } from "../../src/console/scene_words";
+import type { Scene } from "../../src/protocol/api";
+
+const scene = (fields: Partial<Scene>) =>
+  ({ bytes_total: 1_500_000, splats_static: 3, splats_dynamic: 1, live: false, ...fields }) as Scene;
+
+it("tells a scene's size and how much of it moves", () => {
+  expect(describeScene(scene({}))).toBe("1.5 MB · 25% moving");
+  expect(describeScene(scene({ splats_dynamic: 0 }))).toBe("1.5 MB · still");
+});
+
+it("marks a scene that grows, and no other", () => {
+  expect(sceneBadge(scene({ live: true }))).toBe("Still being made");
+  expect(sceneBadge(scene({}))).toBe("");
+});
