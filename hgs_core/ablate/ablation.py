@@ -20,7 +20,9 @@ from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.open import open_capture
 from hgs_core.evaluate.run import evaluate_run
 from hgs_core.evaluate.truth import Truth
-from hgs_core.runs.stages import create_run, encode, train
+from hgs_core.runs.creation import create_run
+from hgs_core.runs.encoding import encode
+from hgs_core.runs.stages import train
 from hgs_core.scene.files import load_scene, save_scene
 
 __all__ = ["ablate"]

@@ -17,8 +17,9 @@ from hgs_core.evaluate.run import evaluate_run
 from hgs_core.native.machine import machine_facts
 from hgs_core.render.backends import training_device
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.creation import create_run
 from hgs_core.runs.folder import RunFolder
-from hgs_core.runs.stages import STAGES, create_run
+from hgs_core.runs.stages import STAGES
 
 __all__ = ["DEVICES", "TrainingReport", "bench_training", "training_report_text"]
 

@@ -21,11 +21,11 @@ from hgs_core.codec.format.folder import MANIFEST, read_audio
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.encoding import encode
 from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.kept_views import KeptViews
 from hgs_core.runs.sound import write_sound
 from hgs_core.runs.source import open_source
-from hgs_core.runs.stages import encode
 from hgs_core.scene.files import save_scene
 
 __all__ = ["EditableScene", "EditedRun", "edit_run", "open_editable"]

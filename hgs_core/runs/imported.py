@@ -21,8 +21,9 @@ from hgs_core.interchange.importing import USUAL_DURATION, USUAL_FRAME_RATE, Imp
 from hgs_core.interchange.ply_sequence import frame_files
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.creation import create_run
+from hgs_core.runs.encoding import encode
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.runs.stages import create_run, encode
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene
 

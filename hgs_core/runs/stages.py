@@ -6,142 +6,25 @@ loading torch.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING
 
 from hgs_core.base.atomic import write_bytes
-from hgs_core.base.errors import InputError
 from hgs_core.base.heap import trim_heap
-from hgs_core.base.old_names import with_new_names
-from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.base.wording import counted
-from hgs_core.calibrate.uncalibrated import are_enough_videos, has_poses
+from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.held_out import AUTO, with_held_out
-from hgs_core.capture.open import open_capture
 from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.creation import create_run, prepare
+from hgs_core.runs.encoding import encode
+from hgs_core.runs.folder import RunFolder
 
-if TYPE_CHECKING:
-    from hgs_core.codec.format.manifest import Manifest
-    from hgs_core.fit.loss import Decibels
-
-__all__ = [
-    "STAGES",
-    "Encoded",
-    "check",
-    "create_run",
-    "encode",
-    "encode_again",
-    "initialise",
-    "prepare",
-    "segments_of",
-    "train",
-    "train_scene",
-]
-
-_MIN_CAMERAS = 2
+__all__ = ["STAGES", "check", "create_run", "encode", "initialise", "prepare", "segments_of", "train", "train_scene"]
 
 log = logging.getLogger(__name__)
-
-
-def create_run(
-    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
-) -> RunConfig:
-    """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
-
-    `masks` is a folder of masks to use instead of the capture's own; `audio` is the sound: "auto" for that of the first
-    camera with any, "none", or a file. What was left out or found is logged. Returns the config of the run, which names
-    the camera that is held out where `config` leaves the choice; that of videos without poses is chosen when `prepare`
-    has found them.
-
-    Raises:
-        InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
-            taken. Nothing is written.
-    """
-    from hgs_core.runs.sound import require_sound_file
-
-    audio = require_sound_file(audio)
-    folder = RunFolder(run)
-    found = folder.found if folder.found.is_dir() else None
-    if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
-        folder.write_spec(
-            RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
-        )
-        return config
-    opened = open_capture(
-        capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
-    )
-    config = _with_held_out(config, folder, opened)
-    _require_enough(config, opened)
-    prepared = not opened.unaligned or config.capture.sync == "none"
-    spec = RunSpec(
-        capture.resolve(), opened.fingerprint(), config, masks and masks.resolve(), found=found, prepared=prepared,
-        audio=audio,
-    )  # fmt: skip
-    folder.write_spec(spec)
-    for note in opened.notes:
-        log.warning("%s: %s", capture, note)
-    return config
-
-
-def _require_enough(config: RunConfig, capture: Capture) -> None:
-    left = len(config.capture.training_cameras(capture))
-    if left < _MIN_CAMERAS:
-        raise InputError(
-            "config.capture.hold_out",
-            f"leaves {left} of {counted(len(capture.cameras), 'camera')} to train on",
-            f"keep at least {_MIN_CAMERAS}",
-        )
-
-
-def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> RunConfig:
-    """Choose the camera to hold out, where that is asked for; a run that is there keeps its own."""
-    if config.capture.hold_out != AUTO:
-        return config
-    if folder.spec.exists() and (there := folder.read_spec().config.capture.hold_out) != AUTO:
-        return config.changed({"capture.hold_out": there})
-    chosen = with_held_out(config.capture, capture.cameras)
-    for name in chosen.hold_out:
-        log.warning(
-            "camera %s is held out, so that hgs eval can score the scene with it; --hold-out names others", name
-        )
-    return dataclasses.replace(config, capture=chosen)
-
-
-def prepare(run: Path, progress: ProgressCallback) -> None:
-    """Find out when the videos began and where the cameras stand, where the capture does not say.
-
-    Both are written beside the videos, sync.json and sparse/0, or below the run's folder where that cannot be done.
-
-    Raises:
-        InputError: the videos tell too little.
-    """
-    folder = RunFolder(run)
-    spec = folder.read_spec()
-    if spec.prepared:
-        return
-    from hgs_core.runs.preparation import prepared_capture
-
-    found = prepared_capture(spec, folder.found, progress)
-    spec = dataclasses.replace(spec, found=found, prepared=True)
-    reduced = spec.config.capture
-    opened = open_capture(
-        spec.capture, masks=spec.masks, downscale=reduced.downscale, reductions=reduced.reductions, found=found
-    )
-    config = _with_held_out(spec.config, folder, opened)
-    _require_enough(config, opened)
-    if not spec.fingerprint:
-        for note in opened.notes:
-            log.warning("%s: %s", spec.capture, note)
-    folder.replace_spec(dataclasses.replace(spec, fingerprint=opened.fingerprint(), config=config))
 
 
 def check(run: Path, progress: ProgressCallback) -> None:
@@ -228,80 +111,6 @@ def segments_of(run: Path) -> ModuleType | None:
     folder = RunFolder(run)
     wanted = folder.read_spec().config.encode.by_segment and not folder.train_summary.exists()
     return by_segment if wanted else None
-
-
-@dataclass(frozen=True)
-class Encoded:
-    """What encoding made of a scene."""
-
-    manifest: Manifest
-    coarseness: float  # of static splats
-    dynamic_share: float  # coarseness of dynamic splats over that
-    loss: Decibels  # of the training views
-    static: int  # splats before; those that show next to nothing are dropped
-    dynamic: int
-
-
-def encode(run: Path, progress: ProgressCallback) -> None:
-    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
-    folder = RunFolder(run)
-    if not folder.manifest.exists():
-        encode_again(run, None, progress)
-
-
-def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
-    """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
-
-    `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
-
-    Raises:
-        InputError: the run is not trained yet, or its capture is gone or has changed, or its masks cannot be read.
-    """
-    from hgs_core.codec import encode_scene
-    from hgs_core.fit.coarseness import fine_tune_iterations, fit
-    from hgs_core.fit.utility import measure_utility
-    from hgs_core.render.thumbnail import thumbnail
-    from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
-    from hgs_core.runs.sound import scene_sound
-    from hgs_core.runs.training import told_of_training
-
-    folder = RunFolder(run)
-    spec = folder.read_spec()
-    config, scene = spec.config, trained_scene(folder)
-    views = views_of_run(folder, spec, scene)
-    iterations = fine_tune_iterations(config.train) if fine_tune is None else fine_tune
-    if views.capture is None:  # there is nothing to train with
-        iterations = 0
-    steps = 4 + iterations
-    progress(Progress("encode", 0, steps))
-    utility = measure_utility(
-        scene, list(views.trained.values()), views.times,
-        any_background=views.any_background,
-    )  # fmt: skip
-    progress(Progress("encode", 1, steps))
-    found = fit(
-        scene, views, utility, budget or config.encode.budget, config.train, seed=config.seed, iterations=iterations,
-        states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
-    )  # fmt: skip
-    progress(Progress("encode", steps - 2, steps))
-    picture = thumbnail(found.scene, views.cameras[0])
-    progress(Progress("encode", steps - 1, steps))
-    summary = with_new_names(json.loads(folder.train_summary.read_text()))
-    training = told_of_training(summary) | {
-        "encoding_loss": round(found.loss.whole, 4),
-        "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
-    }
-    manifest = encode_scene(
-        found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
-        settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
-        trained=list(views.trained.values()) if views.photographed else (), up=views.up,
-        audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
-    )  # fmt: skip
-    progress(Progress("encode", steps, steps))
-    settings = found.settings
-    return Encoded(
-        manifest, settings.coarseness, settings.dynamic_share, found.loss, len(scene.static), scene.dynamic_splats
-    )
 
 
 STAGES: Mapping[str, Callable[[Path, ProgressCallback], None]] = {

@@ -38,8 +38,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from hgs_core.runs.encoding import encode_again
     from hgs_core.runs.folder import RunFolder
-    from hgs_core.runs.stages import encode_again
 
     if options.fine_tune is not None and options.fine_tune < 0:
         raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")

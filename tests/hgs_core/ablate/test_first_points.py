@@ -12,7 +12,8 @@ from hgs_core.ablate.mask_changes import grown_to_share
 from hgs_core.ablate.plan import RowRun
 from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.runs.stages import create_run, initialise
+from hgs_core.runs.creation import create_run
+from hgs_core.runs.stages import initialise
 from tests.hgs_core.ablate.conftest import MakeAblation
 
 

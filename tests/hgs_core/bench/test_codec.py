@@ -19,7 +19,7 @@ from hgs_core.fit.loss import Decibels
 from hgs_core.fit.views import EncodeViews
 from hgs_core.interchange import export_scene
 from hgs_core.runs.config import RunConfig
-from hgs_core.runs.stages import create_run
+from hgs_core.runs.creation import create_run
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from tests.synthetic import ring_of_cameras, write_capture
 

@@ -19,8 +19,8 @@ from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.edited import edit_run, open_editable
 from hgs_core.runs.encode_inputs import trained_scene
+from hgs_core.runs.encoding import encode_again
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.runs.stages import encode_again
 from hgs_core.scene.files import load_scene, save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.synthetic import ring_of_cameras, synthetic_scene

@@ -15,9 +15,9 @@ from hgs_core.base.progress import silent
 from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.creation import create_run
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.runs.stages import create_run
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from hgs_core.train.checkpoint import fresh_state, save_state

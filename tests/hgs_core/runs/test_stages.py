@@ -14,7 +14,6 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.base.version import software_version
-from hgs_core.capture.held_out import AUTO
 from hgs_core.check.findings import CaptureCheck, Finding
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.encoder.captured_space import find_captured_space
@@ -138,45 +137,6 @@ def test_a_run_is_published_and_scored_as_antialiased_as_it_was_trained(finished
     assert evaluate_run(run, silent)["psnr"] != evaluate_run(finished, silent)["psnr"]
 
 
-def test_an_equal_run_is_kept_and_a_different_one_refused(finished: Path, capture: Path) -> None:
-    create_run(finished, capture, CONFIG)
-    with pytest.raises(InputError, match="another capture or config"):
-        create_run(finished, capture, CONFIG.changed({"seed": 5}))
-
-
-def test_a_folder_with_other_files_is_not_touched(capture: Path, tmp_path: Path) -> None:
-    (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(InputError, match="is not a run"):
-        create_run(tmp_path, capture, CONFIG)
-    assert [path.name for path in tmp_path.iterdir()] == ["thesis.tex"]
-
-
-@pytest.mark.parametrize(
-    ("hold_out", "problem"), [(["7"], "7"), (["0", "1", "2", "3"], "leaves 1 of 5 cameras to train on")]
-)
-def test_bad_hold_outs_are_refused_before_anything_is_written(
-    capture: Path, tmp_path: Path, hold_out: list[str], problem: str
-) -> None:
-    config = CONFIG.changed({"capture.hold_out": hold_out})
-    with pytest.raises(InputError, match=problem):
-        create_run(tmp_path / "run", capture, config)
-    assert not (tmp_path / "run").exists()
-
-
-def test_of_six_cameras_one_is_held_out_where_the_choice_is_left(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    write_capture(tmp_path / "capture", cameras=6, frames=1)
-    config = CONFIG.changed({"capture.hold_out": AUTO})
-    made = create_run(tmp_path / "run", tmp_path / "capture", config)
-    assert made.capture.hold_out == RunFolder(tmp_path / "run").read_spec().config.capture.hold_out == ("2",)
-    assert "camera 2 is held out" in caplog.text
-    assert create_run(tmp_path / "run", tmp_path / "capture", config) == made
-    # A run that was made with another choice is resumed as it was made.
-    create_run(tmp_path / "mine", tmp_path / "capture", CONFIG.changed({"capture.hold_out": ["0"]}))
-    assert create_run(tmp_path / "mine", tmp_path / "capture", config).capture.hold_out == ("0",)
-
-
 @pytest.fixture
 def faulty(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Have every capture checked as faulty; the list has an entry per check."""
@@ -227,30 +187,6 @@ def test_a_capture_that_changed_is_noticed(tmp_path: Path) -> None:
     meta.write_text(json.dumps(value))
     with pytest.raises(InputError, match="has changed"):
         STAGES["initialise"](tmp_path / "run", silent)
-
-
-def test_a_run_keeps_its_masks_and_its_resolution(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    write_capture(tmp_path / "capture", frames=2)
-    for frame in range(2):
-        file = tmp_path / "masks" / "0" / f"{frame:04d}.png"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        Image.new("L", (64, 48), 255 * frame).save(file)
-    monkeypatch.chdir(tmp_path)
-    config = CONFIG.changed({"capture.downscale": 2})
-    for _ in range(2):  # the second time the run is resumed
-        create_run(Path("run"), Path("capture"), config, masks=Path("masks"))
-    assert "the masks of 0 are given" in caplog.text
-    monkeypatch.chdir("/")
-    capture = RunFolder(tmp_path / "run").read_spec().open_capture()
-    assert capture.frame(0, 0).shape == (24, 32, 3)
-    assert [capture.mask(0, frame).mean() for frame in range(2)] == [0, 1]  # type: ignore[union-attr]
-    with pytest.raises(InputError, match="another capture or config"):
-        create_run(tmp_path / "run", tmp_path / "capture", config)
-    (tmp_path / "masks" / "0" / "0001.png").write_bytes(b"edited")
-    with pytest.raises(InputError):
-        RunFolder(tmp_path / "run").read_spec().open_capture()
 
 
 def test_photographs_of_one_moment_end_without_anything_dynamic(tmp_path: Path) -> None:

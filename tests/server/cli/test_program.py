@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from hgs_core.runs.config import RunConfig
-from hgs_core.runs.stages import create_run
+from hgs_core.runs.creation import create_run
 from server.cli import main
 from tests.server.cli.conftest import FRAMES
 

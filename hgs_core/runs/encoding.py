@@ -1,0 +1,95 @@
+"""A trained scene becomes the scene folder: as closely as the budget asks, with a thumbnail and its sound.
+
+This module is light, as `hgs_core.runs.stages` is: torch is loaded when a scene is encoded.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hgs_core.base.old_names import with_new_names
+from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.runs.folder import RunFolder
+
+if TYPE_CHECKING:
+    from hgs_core.codec.format.manifest import Manifest
+    from hgs_core.fit.loss import Decibels
+
+__all__ = ["Encoded", "encode", "encode_again"]
+
+
+@dataclass(frozen=True)
+class Encoded:
+    """What encoding made of a scene."""
+
+    manifest: Manifest
+    coarseness: float  # of static splats
+    dynamic_share: float  # coarseness of dynamic splats over that
+    loss: Decibels  # of the training views
+    static: int  # splats before; those that show next to nothing are dropped
+    dynamic: int
+
+
+def encode(run: Path, progress: ProgressCallback) -> None:
+    """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
+    folder = RunFolder(run)
+    if not folder.manifest.exists():
+        encode_again(run, None, progress)
+
+
+def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
+    """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
+
+    `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
+
+    Raises:
+        InputError: the run is not trained yet, or its capture is gone or has changed, or its masks cannot be read.
+    """
+    from hgs_core.codec import encode_scene
+    from hgs_core.fit.coarseness import fine_tune_iterations, fit
+    from hgs_core.fit.utility import measure_utility
+    from hgs_core.render.thumbnail import thumbnail
+    from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
+    from hgs_core.runs.sound import scene_sound
+    from hgs_core.runs.training import told_of_training
+
+    folder = RunFolder(run)
+    spec = folder.read_spec()
+    config, scene = spec.config, trained_scene(folder)
+    views = views_of_run(folder, spec, scene)
+    iterations = fine_tune_iterations(config.train) if fine_tune is None else fine_tune
+    if views.capture is None:  # there is nothing to train with
+        iterations = 0
+    steps = 4 + iterations
+    progress(Progress("encode", 0, steps))
+    utility = measure_utility(
+        scene, list(views.trained.values()), views.times,
+        any_background=views.any_background,
+    )  # fmt: skip
+    progress(Progress("encode", 1, steps))
+    found = fit(
+        scene, views, utility, budget or config.encode.budget, config.train, seed=config.seed, iterations=iterations,
+        states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
+    )  # fmt: skip
+    progress(Progress("encode", steps - 2, steps))
+    picture = thumbnail(found.scene, views.cameras[0])
+    progress(Progress("encode", steps - 1, steps))
+    summary = with_new_names(json.loads(folder.train_summary.read_text()))
+    training = told_of_training(summary) | {
+        "encoding_loss": round(found.loss.whole, 4),
+        "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
+    }
+    manifest = encode_scene(
+        found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
+        settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
+        trained=list(views.trained.values()) if views.photographed else (), up=views.up,
+        audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
+    )  # fmt: skip
+    progress(Progress("encode", steps, steps))
+    settings = found.settings
+    return Encoded(
+        manifest, settings.coarseness, settings.dynamic_share, found.loss, len(scene.static), scene.dynamic_splats
+    )

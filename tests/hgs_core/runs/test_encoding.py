@@ -1,0 +1,64 @@
+"""A trained scene is encoded as closely as its budget says, from nothing but its run folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.progress import silent
+from hgs_core.codec import load_manifest
+from hgs_core.points.point_cloud import PointCloud
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.creation import create_run
+from hgs_core.runs.encoding import Encoded, encode, encode_again
+from hgs_core.runs.folder import RunFolder
+from hgs_core.scene.files import save_scene
+from hgs_core.scene.splats import HybridScene, Segment
+from tests.synthetic import synthetic_scene, write_capture
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> RunFolder:
+    """A run of a filmed scene, "trained" to that very scene, and not encoded yet."""
+    path = tmp_path_factory.mktemp("encoding")
+    write_capture(path / "capture", frames=2)
+    create_run(path / "run", path / "capture", RunConfig.from_json({"capture": {"hold_out": ["2"]}}))
+    folder = RunFolder(path / "run")
+    static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
+    save_scene(folder.trained, HybridScene[np.ndarray](static, (Segment(0.0, 1.0, dynamic),)))
+    origin, ones = np.zeros((50, 3), np.float32), np.ones(50, np.float32)
+    PointCloud.at_rest(origin, origin, 0 * ones, 0 * ones, ones).save(folder.points)
+    folder.train_summary.write_text('{"iterations": 60}')
+    return folder
+
+
+@pytest.fixture(scope="module")
+def encoded(folder: RunFolder) -> Encoded:
+    return encode_again(folder.path, None, silent, fine_tune=0)
+
+
+def test_the_manifest_tells_what_training_said_and_what_encoding_lost(folder: RunFolder, encoded: Encoded) -> None:
+    told = load_manifest(folder.scene).training
+    assert told["iterations"] == 60
+    assert told["encoding_loss"] == round(encoded.loss.whole, 4)
+    assert -1 < encoded.loss.whole <= 0.1  # the default budget
+    assert encoded.loss.moving is told["encoding_loss_moving"] is None, "no masks tell what moves"
+
+
+def test_an_encoded_scene_is_kept_until_it_is_asked_for_again(folder: RunFolder, encoded: Encoded) -> None:
+    before = folder.manifest.read_bytes()
+    encode(folder.path, silent)
+    assert folder.manifest.read_bytes() == before
+    small = encode_again(folder.path, "low", silent, fine_tune=0)
+    assert small.manifest.to_json() == load_manifest(folder.scene).to_json()
+    assert small.manifest.totals.bytes_static < encoded.manifest.totals.bytes_static
+
+
+def test_a_run_that_is_not_trained_is_refused(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=1)
+    create_run(tmp_path / "run", tmp_path / "capture", RunConfig.from_json({"capture": {"hold_out": ["2"]}}))
+    with pytest.raises(InputError, match=r"scene\.npz"):
+        encode(tmp_path / "run", silent)
