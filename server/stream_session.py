@@ -1,24 +1,20 @@
 """One watcher's stream as a state machine: messages in, frames out; no socket, no clock, no file.
 
-The order of what is sent and the credits are those of docs/protocol.md, sections "Messages" and "Order".
+The order of what is sent and the credits are those of docs/protocol.md, "Messages of the client" and "Order".
 """
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from dataclasses import dataclass
-from itertools import islice
 from typing import assert_never
 
+from server.client_cache import ClientCache
 from server.client_messages import decode
 from server.content_coding import compress
+from server.flow_control import FlowControl
 from server.playhead import Playhead
 from server.protocol import (
-    HEADER_BYTES,
-    MAX_BALANCE,
-    MAX_PAYLOAD,
-    MIN_PAYLOAD,
     PROTOCOL_VERSION,
     Credit,
     End,
@@ -43,7 +39,6 @@ __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
 REST_SECONDS = 20.0  # of the scene before the end of a manifest's beginning, from which on the rest of it is sent
-PACE_SECONDS = 0.125  # of a limited rate that go at once
 
 
 @dataclass(frozen=True)
@@ -68,11 +63,9 @@ class StreamSession:
         self._greeted = False
         self._ended = False
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
-        self._balance = 0  # bytes of chunk frames that the client has room for
-        self._sent_bytes = 0
+        self._flow = FlowControl()
         self._version = PROTOCOL_VERSION  # that the client speaks
         self._limits = Limits()
-        self._next_frame = -math.inf  # when the client takes more; seconds of the caller's clock
         self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
@@ -89,7 +82,7 @@ class StreamSession:
     @property
     def balance(self) -> int:
         """Bytes of chunk frames that may still be sent."""
-        return self._balance
+        return self._flow.balance
 
     @property
     def greeted(self) -> bool:
@@ -109,7 +102,7 @@ class StreamSession:
             case Hello():
                 self._greet(message, clock)
             case Credit():
-                self._grant(message.bytes)
+                self._flow.grant(message.bytes)
             case Seek():
                 self._seek(message.time, clock)
             case Play():
@@ -133,7 +126,7 @@ class StreamSession:
         chunk = self._current or self._choose(clock)
         if self._outbox:
             return self._outbox.popleft()
-        return None if chunk is None or clock < self._next_frame else self._part(chunk, clock)
+        return None if chunk is None or self.wait(clock) is not None else self._part(chunk, clock)
 
     def grow(self, scene: SceneIndex, clock: float) -> None:
         """Go on with a later version of the scene at the moment `clock`, unless the client does not follow it.
@@ -164,13 +157,12 @@ class StreamSession:
 
     def wait(self, clock: float) -> float | None:
         """Return after how many seconds `take` has more without a message of the client, None if it never has."""
-        return self._next_frame - clock if clock < self._next_frame else None
+        return self._flow.wait(clock)
 
     def miss(self, part: ChunkPart) -> None:
         """Go on without the chunk of a frame that `take` has just returned, because it cannot be read."""
         chunk = part.chunk
-        self._balance += HEADER_BYTES + part.length
-        self._sent_bytes -= part.length
+        self._flow.refund(part.length)
         self._offsets.pop(chunk.id, None)
         self._order.settle(chunk)
         if self._current is not None and self._current == chunk:
@@ -180,31 +172,17 @@ class StreamSession:
     def _greet(self, hello: Hello, clock: float) -> None:
         self._open(hello)
         scene = self._scene
-        sizes = scene.stored
-        self._offsets = {chunk: offset for chunk, offset in hello.parts.items() if chunk in sizes and offset > 0}
-        for chunk, offset in self._offsets.items():
-            if offset >= sizes[chunk]:
-                detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
-                raise ProtocolError(4000, "malformed", detail)
+        cache = ClientCache.of(hello, scene)
+        self._offsets = cache.parts
         self._greeted = True
         self._version = hello.protocol
         self._follows, self._gzip = hello.follow, "gzip" in hello.codings
-        self._grant(hello.credits)
-        have = {chunk for chunk in hello.have if chunk in sizes}
-        known = hello.manifest_id == scene.manifest_id
-        if known and hello.have_bits is not None:
-            bits = hello.have_bits
-            have.update(
-                chunk for k, chunk in enumerate(islice(scene.sizes, 8 * len(bits))) if bits[k // 8] >> k % 8 & 1
-            )
-        for chunk in have:
-            self._offsets.pop(chunk, None)
-        self._order = SendOrder(scene, have)
+        self._flow.grant(hello.credits)
+        self._order = SendOrder(scene, cache.whole)
         self._limit(Limits(hello.splats, hello.bytes_per_second, audio=hello.audio))
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
-        wanted = sizes if hello.audio else scene.sizes
-        remaining = sum(wanted.values()) - sum(wanted.get(chunk, 0) for chunk in have)
-        remaining -= sum(offset for chunk, offset in self._offsets.items() if chunk in wanted)
+        remaining = cache.lacking(scene.stored if hello.audio else scene.sizes)
+        known = hello.manifest_id == scene.manifest_id
         manifest, coding = (b"", None) if known else (scene.manifest, None)
         if manifest and self._gzip:
             manifest, coding = compress(manifest, "gzip"), "gzip"
@@ -227,11 +205,6 @@ class StreamSession:
         if whole is not None:
             self.grow(whole, clock)
 
-    def _grant(self, amount: int) -> None:
-        if self._balance + amount > MAX_BALANCE:
-            raise ProtocolError(4009, "credit-overflow", f"the balance would rise above {MAX_BALANCE} bytes")
-        self._balance += amount
-
     def _limit(self, limits: Limits) -> None:
         if limits.splats != self._limits.splats:
             self._order.limit(limits.splats)
@@ -239,7 +212,7 @@ class StreamSession:
         if limits.audio != self._limits.audio:
             self._order.hear(limits.audio)
             self._ended = False
-        self._limits = limits
+        self._limits, self._flow.bytes_per_second = limits, limits.bytes_per_second
 
     def _seek(self, time: float, clock: float) -> None:
         self._playhead.set(time, clock)
@@ -260,7 +233,7 @@ class StreamSession:
         if chunk is None and not self._ended:
             self._ended = True
             left_out = order.left_out if self._version > 1 else None
-            self._outbox.append(encode(End(self._sent_bytes, left_out)))
+            self._outbox.append(encode(End(self._flow.sent_bytes, left_out)))
         return chunk
 
     def _announce(self, mark: Mark) -> None:
@@ -274,15 +247,9 @@ class StreamSession:
         """Cut the next part of the chunk to the credit, and account for it."""
         offset = self._offsets.get(chunk.id, 0)
         rest = chunk.size - offset
-        pace = self._limits.bytes_per_second
-        most = MAX_PAYLOAD if pace is None else min(MAX_PAYLOAD, max(MIN_PAYLOAD, int(pace * PACE_SECONDS)))
-        length = min(rest, most, self._balance - HEADER_BYTES)
-        if length < min(rest, MIN_PAYLOAD):
+        length = self._flow.spend(rest, clock)
+        if length is None:
             return None
-        self._balance -= HEADER_BYTES + length
-        self._sent_bytes += length
-        if pace is not None:
-            self._next_frame = max(self._next_frame, clock - PACE_SECONDS) + (HEADER_BYTES + length) / pace
         if length < rest:
             self._offsets[chunk.id] = offset + length
             self._current = chunk

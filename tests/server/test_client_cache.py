@@ -1,0 +1,36 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from server.client_cache import ClientCache
+from server.protocol import Hello, ProtocolError
+from server.scene_index import SceneIndex
+
+MakeScene = Callable[..., SceneIndex]
+
+
+def test_chunks_are_named_by_id_or_by_bits_of_the_manifest_that_is_there(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], [(0.0, 1.0, [1000, 2000])])
+    order = list(scene.sizes)
+    hello = Hello(2, 0, have=frozenset({order[3], bytes(32)}), manifest_id=scene.manifest_id, have_bits=b"\x03")
+    assert ClientCache.of(hello, scene).whole == {order[0], order[1], order[3]}
+    other = Hello(2, 0, have=frozenset({order[3]}), manifest_id=bytes(32), have_bits=b"\x03")
+    assert ClientCache.of(other, scene).whole == {order[3]}
+
+
+def test_what_is_lacking_counts_parts_once_and_wholes_not_at_all(make_scene: MakeScene) -> None:
+    scene = make_scene([10, 20], [(0.0, 1.0, [1000])])
+    first, second = scene.static
+    parts = {first.id: 4, second.id: 5, bytes(32): 1 << 40}
+    cache = ClientCache.of(Hello(2, 0, have=frozenset({second.id}), parts=parts), scene)
+    assert cache.parts == {first.id: 4}
+    assert cache.lacking(scene.sizes) == 6 + 1000
+
+
+@pytest.mark.parametrize("offset", [10, 1 << 40])
+def test_a_part_must_be_smaller_than_its_chunk(make_scene: MakeScene, offset: int) -> None:
+    scene = make_scene([10], [])
+    with pytest.raises(ProtocolError, match=f"has 10 bytes, not more than {offset}"):
+        ClientCache.of(Hello(2, 0, parts={scene.static[0].id: offset}), scene)
