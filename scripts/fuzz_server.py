@@ -30,8 +30,9 @@ from fastapi import FastAPI
 
 from jobs.home import Home
 from server.app import create_app
+from server.bench_scene import made_up_scene
 from server.capture_folders import CaptureFolders
-from server.stream_bench import application, made_up_scene
+from server.one_scene_server import application
 
 CLOSES = {1003, 1009, 4000, 4001, 4004, 4008, 4009}  # that a client's message may cause
 LONGEST = 30.0  # seconds that a stream may take to end

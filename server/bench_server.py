@@ -15,9 +15,10 @@ from pathlib import Path
 
 from hgs_core.codec.format.folder import load_manifest
 from hgs_core.codec.format.manifest import Manifest
+from server.bench_scene import BenchScene, made_up_scene, scene_of
 from server.connection_limits import raise_open_file_limit
+from server.one_scene_server import serving
 from server.serving import spare_collector
-from server.stream_bench import BenchScene, made_up_scene, scene_of, serving
 
 __all__ = ["BenchServer", "Costs"]
 

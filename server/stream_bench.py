@@ -3,164 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import hashlib
-import json
 import random
-import tempfile
 import time
-from collections.abc import AsyncIterator, Callable, Collection, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
-from datetime import UTC, datetime
-from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
-import numpy as np
-from fastapi import FastAPI
-
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
-from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
-from hgs_core.scene.camera import Camera
-from jobs.artifacts import SceneEntry
-from jobs.home import Home
-from server.app import create_app
+from server.bench_scene import BenchScene
+from server.one_scene_server import serving
 from server.protocol import PROTOCOL_VERSION
-from server.service import Artifacts, Jobs
-from server.serving import HttpServer, bind
 from server.shaped_line import ShapedLine
 from server.viewing import Viewer, Watched
 
-__all__ = ["BenchScene", "application", "bench_stream", "made_up_scene", "scene_of", "serving", "stream_text", "watch"]
+__all__ = ["bench_stream", "stream_text", "watch"]
 
 MBIT = 1e6
 SEEKS = 20
 DROPS = 5
-
-
-@dataclass(frozen=True)
-class BenchScene:
-    """A scene to be served."""
-
-    manifest: Manifest
-    document: bytes  # of the manifest
-    chunks: Mapping[str, bytes]
-
-    @property
-    def size(self) -> int:
-        """Bytes of all chunks and of the manifest."""
-        return len(self.document) + sum(map(len, self.chunks.values()))
-
-    @property
-    def rate(self) -> float:
-        """Bits per second of what moves."""
-        return 8 * self.manifest.totals.bytes_dynamic / max(self.manifest.end - self.manifest.start, 1e-3)
-
-
-def scene_of(folder: Path) -> BenchScene:
-    """Read a scene folder.
-
-    Raises:
-        InputError: it has no manifest of a scene.
-        OSError: a chunk cannot be read.
-    """
-    manifest = load_manifest(folder)
-    chunks = {entry.id: (folder / CHUNKS / entry.id).read_bytes() for entry in manifest.chunks}
-    return BenchScene(manifest, (folder / MANIFEST).read_bytes(), chunks)
-
-
-def made_up_scene(seconds: int = 60, *, static_bytes: int = 900_000, slice_bytes: int = 60_000) -> BenchScene:
-    """Return a scene of random bytes in segments of 2 s and slices of half a second, each of two chunks."""
-    dice, chunks = random.Random(0), {}
-    box = ((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0))
-
-    def entry(size: int) -> ChunkEntry:
-        data = dice.randbytes(size)
-        name = hashlib.sha256(data).hexdigest()
-        chunks[name] = data
-        return ChunkEntry(name, size, max(1, size // 10), box)
-
-    slices: list[SliceEntry] = []
-    for place in range(2 * seconds):
-        segment, start = place // 4, place / 2
-        needs = tuple(piece.chunks[0].id for piece in slices[-2:] if piece.segment == segment)
-        slices.append(
-            SliceEntry(segment, start, start + 0.5, (entry(slice_bytes * 2 // 3), entry(slice_bytes // 3)), needs)
-        )
-    manifest = Manifest(
-        title="Made up",
-        start=0.0,
-        end=float(seconds),
-        frame_rate=30.0,
-        background=(0.0, 0.0, 0.0),
-        up=(0.0, -1.0, 0.0),
-        center=(0.0, 0.0, 0.0),
-        extent=4.0,
-        cameras=(Camera("cam00", 640, 360, 500.0, 500.0, 320.0, 180.0, np.eye(4)),),
-        segments=tuple(SegmentEntry(2.0 * k, 2.0 * k + 2) for k in range((seconds + 1) // 2)),
-        static=tuple(entry(static_bytes // 12) for _ in range(12)),
-        slices=tuple(slices),
-        thumbnail=False,
-        training={},
-    )
-    return BenchScene(manifest, json.dumps(manifest.to_json(), separators=(",", ":")).encode(), chunks)
-
-
-class _OneScene:
-    """A store that holds one scene, `bench`."""
-
-    def __init__(self, scene: BenchScene) -> None:
-        self._scene = scene
-
-    def scene_entry(self, scene_id: str) -> SceneEntry | None:
-        return SceneEntry("bench", datetime.now(UTC), "1") if scene_id == "bench" else None
-
-    def manifest(self, scene_id: str) -> bytes | None:
-        return self._scene.document if scene_id == "bench" else None
-
-    def title(self, scene_id: str) -> str | None:
-        return None
-
-    def thumbnail(self, scene_id: str) -> bytes | None:
-        return None
-
-    def chunk(self, chunk_id: str) -> bytes | None:
-        return self._scene.chunks.get(chunk_id)
-
-
-class _NoJobs:
-    """A queue that has never had a job."""
-
-    def many(self, job_ids: Collection[str]) -> dict[str, Any]:
-        return {}
-
-
-def application(scene: BenchScene, home: Path) -> FastAPI:
-    """Return the server's application with a scene, `bench`, and a queue that has never had a job."""
-    store, nothing = cast(Artifacts, _OneScene(scene)), cast(Jobs, _NoJobs())
-    app = create_app(Home(home, "", ""), job_client=nothing, artifacts=store)
-    app.router.lifespan_context = _no_lifespan
-    return app
-
-
-@asynccontextmanager
-async def serving(scene: BenchScene) -> AsyncIterator[int]:
-    """Serve a scene as `bench` in this process, with the pages; gives the port."""
-    with tempfile.TemporaryDirectory() as home, contextlib.closing(bind("127.0.0.1", 0)) as listener:
-        ready = asyncio.Event()
-        server = HttpServer(application(scene, Path(home)), on_ready=ready.set)
-        running = asyncio.create_task(server.serve(sockets=[listener]))
-        try:
-            await ready.wait()
-            yield listener.getsockname()[1]
-        finally:
-            server.should_exit = True
-            await running
-
-
-@asynccontextmanager
-async def _no_lifespan(_: Any) -> AsyncIterator[None]:
-    yield
 
 
 @asynccontextmanager

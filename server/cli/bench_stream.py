@@ -53,7 +53,8 @@ def add_parts(parts: Any) -> None:
 
 def _run_stream(options: argparse.Namespace) -> int:
     seconds, output = _seconds(options.seconds), JsonOutput(options.json)
-    from server.stream_bench import bench_stream, made_up_scene, scene_of, stream_text
+    from server.bench_scene import made_up_scene, scene_of
+    from server.stream_bench import bench_stream, stream_text
 
     if options.run_folder is None:
         report, _ = asyncio.run(bench_stream(made_up_scene(round(60 * _minutes(options.minutes))), seconds))

@@ -9,9 +9,10 @@ from collections.abc import Awaitable, Callable
 import pytest
 
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece
+from server.bench_scene import BenchScene, made_up_scene
 from server.client import StreamClient, StreamRefusedError
+from server.one_scene_server import serving
 from server.protocol import Play
-from server.stream_bench import BenchScene, made_up_scene, serving
 
 SCENE = made_up_scene(2, static_bytes=1_800_000, slice_bytes=300_000)  # a chunk is several frames
 

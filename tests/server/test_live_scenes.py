@@ -12,11 +12,11 @@ import pytest
 
 from hgs_core.codec.format.growth import first_segments
 from server import live_scenes
+from server.bench_scene import made_up_scene
 from server.client import StreamClient, StreamRefusedError
 from server.live_scenes import LiveScenes
 from server.problems import ProblemError
 from server.scene_index import SceneIndex, read_scene
-from server.stream_bench import made_up_scene
 from tests.server.conftest import Server, running_server
 
 SCENE = made_up_scene(6, static_bytes=90_000, slice_bytes=9000)

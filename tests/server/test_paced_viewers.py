@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import asyncio
 
+from server.bench_scene import made_up_scene
+from server.one_scene_server import serving
 from server.paced_viewers import Crowd, CrowdFigures, Pace
-from server.stream_bench import made_up_scene, serving
 
 SCENE = made_up_scene(10, static_bytes=120_000, slice_bytes=30_000)
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from hgs_core.codec.format.growth import first_segments
 from hgs_core.codec.format.manifest import Manifest
+from server.bench_scene import made_up_scene
 from server.playback import Buffer, Clock, Throughput
-from server.stream_bench import made_up_scene
 
 MADE_UP: Manifest = made_up_scene(10, static_bytes=1200, slice_bytes=90).manifest  # 20 slices of 60 and 30 bytes
 ROOM = [entry.id for entry in MADE_UP.static]

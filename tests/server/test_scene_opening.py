@@ -11,11 +11,12 @@ import pytest
 from hgs_core.codec.format.growth import apply_growth, continues
 from hgs_core.codec.format.manifest import Manifest
 from server import scene_opening
+from server.bench_scene import made_up_scene
 from server.live_scenes import LiveScenes
+from server.one_scene_server import application
 from server.protocol import Hello, Play, encode
 from server.scene_index import SceneIndex, read_scene
 from server.scene_opening import opening
-from server.stream_bench import application, made_up_scene
 from server.stream_session import ChunkPart, StreamSession
 
 SCENE = made_up_scene(60, static_bytes=1_200, slice_bytes=90)

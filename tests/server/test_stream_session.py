@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hgs_core.codec.format.growth import apply_growth, first_segments
+from server.bench_scene import made_up_scene
 from server.protocol import (
     HEADER_BYTES,
     MAX_BALANCE,
@@ -30,7 +31,6 @@ from server.protocol import (
 )
 from server.scene_index import Chunk, SceneIndex, read_scene
 from server.send_order import COMPLETE
-from server.stream_bench import made_up_scene
 from server.stream_session import MAX_UNSENT, ChunkPart, StreamSession
 
 MakeScene = Callable[..., SceneIndex]

@@ -2,7 +2,8 @@ from __future__ import annotations
 
 import asyncio
 
-from server.stream_bench import made_up_scene, serving
+from server.bench_scene import made_up_scene
+from server.one_scene_server import serving
 from server.viewing import Viewer, play
 
 SCENE = made_up_scene(1, static_bytes=12_000, slice_bytes=3_000)
