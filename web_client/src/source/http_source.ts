@@ -7,6 +7,7 @@ import { parseManifest } from "../codec/manifest";
 import type { ChunkEntry, Manifest } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
 import { download, LengthError, StatusError } from "./download";
+import { retryDelay } from "./retry_delay";
 import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 
@@ -14,9 +15,6 @@ import { Throughput } from "./throughput";
 const PARALLEL = 4;
 /** Complete chunks that may wait for their decoding before no more are fetched, bytes. */
 const UNDECODED = 16 << 20;
-/** Longest wait before the first retry, ms; doubled at each failure. */
-const FIRST_RETRY = 500;
-const LAST_RETRY = 8000; // ms
 /** How often a server may answer something else in place of a chunk before it is shown without. */
 const MOST_REFUSALS = 3;
 
@@ -195,15 +193,16 @@ export class HttpSource implements SceneSource {
     }
   }
 
-  /** Anywhere in a span, so that all players of a server that has come back do not come at once. */
   #retryLater(again: () => void): void {
     if (this.#retry !== undefined) return;
     this.events.state("retrying");
-    const longest = Math.min(LAST_RETRY, FIRST_RETRY * 2 ** this.#failures++);
-    this.#retry = setTimeout(() => {
-      this.#retry = undefined;
-      again();
-    }, longest * Math.random());
+    this.#retry = setTimeout(
+      () => {
+        this.#retry = undefined;
+        again();
+      },
+      retryDelay(this.#failures++),
+    );
   }
 
   #chunkUrl(id: string): string {

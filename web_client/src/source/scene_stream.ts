@@ -1,19 +1,14 @@
 /**
- * A scene's stream over WebSocket: puts chunk frames together, grants credit as chunks are consumed, and comes back after
- * a broken or silent connection with the list of what it has.
+ * A scene's stream over WebSocket: takes the server's messages, puts chunk frames together, and grants credit as chunks are
+ * consumed.
  */
 
-import { parseManifest } from "../codec/manifest";
-import type { Manifest } from "../codec/types";
-import { Connection, type Socket } from "../protocol/connection";
+import type { Socket } from "../protocol/connection";
 import {
   CHUNK_FRAME,
   type ClientMessage,
   decodeChunkFrame,
   decodeMessage,
-  fromHex,
-  MOST_HAVE,
-  MOST_PARTS,
   PROTOCOL,
   ProtocolError,
   type ServerMessage,
@@ -21,55 +16,57 @@ import {
 } from "../protocol/messages";
 import { PartialChunks } from "../protocol/partial_chunks";
 import { PlayheadMessages } from "../protocol/playhead_messages";
-import { fetchChunk } from "./fetch_chunk";
-import { continues, grown, type ManifestDocument } from "./growth";
+import { chunkUrl, fetchChunk } from "./fetch_chunk";
+import { RateReports } from "./rate_reports";
+import { ReconnectingSocket } from "./reconnecting_socket";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
+import { helloOf } from "./stream_hello";
+import { StreamedManifest } from "./streamed_manifest";
 import { StreamedSound } from "./streamed_sound";
-import { Throughput } from "./throughput";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
-/** Longest wait before the first retry, ms; doubled at each failure. */
-const FIRST_RETRY = 500;
-const LAST_RETRY = 8000; // ms
-const MOST_PATIENCE = 8;
 /** Faults that may pass: the close that follows decides whether to come back. */
 const PASSING: ReadonlySet<string> = new Set(["internal", "hello-timeout"]);
-/** Closed with one of these, or with 4000 and above, the server would refuse again. */
-const FINAL_CODES: ReadonlySet<number> = new Set([1003, 1009]);
-const HELLO_TIMEOUT = 4008;
-/** The server is told how fast the line is so often at most, ms, and when it has changed by so much. */
-const TELL = 1000;
-const CHANGE = 1.2;
 
 export class SceneStream implements SceneSource {
   readonly #have = new Set<string>();
   readonly #partial = new PartialChunks();
-  readonly #line = new Throughput();
-  #told = { at: Number.NEGATIVE_INFINITY, rate: 0 };
+  readonly #rates = new RateReports(() => this.#tell());
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
-  #connection: Connection | null = null;
-  #chunks: readonly string[] = []; // of the manifest
+  readonly #manifest: StreamedManifest;
+  readonly #socket: ReconnectingSocket;
   #sound = new StreamedSound(new Set(), () => {});
-  #document: ManifestDocument | null = null; // the manifest; null while it cannot be read
   /** What has come while a manifest is decompressed. */
   #held: Uint8Array<ArrayBuffer>[] | null = null;
-  #manifestId: Uint8Array | null = null;
   #playhead: Playhead;
   #undecoded = 0;
-  #failures = 0;
-  #patience = 1; // doubled by every silence
-  #retry: ReturnType<typeof setTimeout> | undefined; // while there is no connection
 
   constructor(
     readonly url: string,
     readonly events: SourceEvents,
     playhead: Playhead,
-    readonly connect: (url: string) => Socket = (url) => new WebSocket(url),
+    connect: (url: string) => Socket = (url) => new WebSocket(url),
   ) {
     this.#playhead = playhead;
-    this.#connect();
+    this.#manifest = new StreamedManifest({
+      grown: (manifest) => {
+        for (const id of this.#manifest.sounds) this.#sound.ids.add(id);
+        events.grown(manifest);
+      },
+      failed: (failure, detail) => this.#fail(failure, detail),
+    });
+    this.#socket = new ReconnectingSocket(() => connect(url), {
+      connecting: () => events.state("connecting"),
+      open: (credits) => this.#greet(credits),
+      message: (bytes) => this.#guarded(bytes),
+      retrying: () => {
+        this.#moves.clear();
+        events.state("retrying");
+      },
+      refused: (code) => this.#fail(streamFailure(code), `the server closed the stream (${code})`),
+    });
   }
 
   seek(time: number): void {
@@ -104,55 +101,38 @@ export class SceneStream implements SceneSource {
     return streamed || fetchChunk(chunkUrl(this.url, id), signal, cache);
   }
 
-  /** The network or the page is back: connect now, or find out whether the connection has survived. */
   wake(): void {
-    if (this.#retry !== undefined) this.#connect();
-    else this.#connection?.check();
+    this.#socket.wake();
   }
 
   /** Leave for good. */
   close(): void {
-    clearTimeout(this.#retry);
-    this.#retry = undefined;
     this.#sound.end();
-    this.#leave();
+    this.#moves.clear();
+    this.#socket.close();
     this.events.state("closed");
   }
 
-  #connect(): void {
-    clearTimeout(this.#retry);
-    this.#retry = undefined;
-    this.events.state("connecting");
-    const events = {
-      open: (credits: number) => this.#greet(credits),
-      message: (bytes: Uint8Array<ArrayBuffer>) => this.#guarded(bytes),
-      closed: (code: number) => this.#closed(code),
-      silent: () => this.#silent(),
-    };
-    this.#connection = new Connection(this.connect(this.url), events, this.#patience);
+  #fail(failure: SourceFailure, detail: string): void {
+    this.close();
+    this.events.failed(failure, detail);
   }
 
   #greet(credits: number): void {
     this.#moves.clear();
-    const { time, rate } = this.#playhead;
-    this.#told.rate = 0; // another connection, another server
-    const grows = this.#document?.live !== undefined; // then the manifest may have become another one
-    const sounds = this.#sound.wanted ? this.#sound.sent : [];
-    const named = [...sounds, ...(grows ? this.#have : [])].slice(-MOST_HAVE);
-    this.#send({
-      type: "hello",
-      protocol: PROTOCOL,
-      credits,
-      ...((grows || this.#sound.wanted) && { have: named.map(fromHex) }),
-      have_bits: !grows && this.#chunks.length > 0 ? bitsOf(this.#chunks, this.#have) : undefined,
-      codings: ["gzip"],
-      parts: this.#partial.keep(MOST_PARTS).map(([id, filled]) => [fromHex(id), filled]),
-      ...(this.#manifestId && { manifest_id: this.#manifestId }),
-      ...(time !== null && { time }),
-      rate,
-      ...(this.#sound.wanted && { audio: true }),
-      follow: true,
-    });
+    this.#rates.forget();
+    const [playhead, manifest, sound] = [this.#playhead, this.#manifest, this.#sound];
+    this.#send(helloOf(credits, { playhead, manifest, sound, have: this.#have, partial: this.#partial }));
+  }
+
+  /** What the server should know of this client. */
+  #tell(): void {
+    const { rate } = this.#rates;
+    this.#send({ type: "limits", ...(rate > 0 && { measured: rate }), ...(this.#sound.wanted && { audio: true }) });
+  }
+
+  #send(message: ClientMessage): void {
+    this.#socket.send(message);
   }
 
   #guarded(bytes: Uint8Array<ArrayBuffer>): void {
@@ -168,45 +148,6 @@ export class SceneStream implements SceneSource {
     }
   }
 
-  #closed(code: number): void {
-    this.#leave();
-    const final = FINAL_CODES.has(code) || (code >= 4000 && code !== HELLO_TIMEOUT);
-    if (final) this.#fail(streamFailure(code), `the server closed the stream (${code})`);
-    else this.#retryLater();
-  }
-
-  /** Let go of the connection; it tells nothing any more. */
-  #leave(): void {
-    this.#connection?.leave();
-    this.#connection = null;
-    this.#moves.clear();
-  }
-
-  /** Nothing has come for too long. A line on which a message takes longer than that is given more time next. */
-  #silent(): void {
-    this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
-    this.#leave();
-    this.#retryLater();
-  }
-
-  /** Anywhere in a span, so that all viewers of a server that has come back do not come at once. */
-  #retryLater(): void {
-    this.events.state("retrying");
-    const longest = Math.min(LAST_RETRY, FIRST_RETRY * 2 ** this.#failures++);
-    this.#retry = setTimeout(() => this.#connect(), longest * Math.random());
-  }
-
-  #fail(failure: SourceFailure, detail: string): void {
-    this.#sound.end();
-    this.#leave();
-    this.events.state("closed");
-    this.events.failed(failure, detail);
-  }
-
-  #send(message: ClientMessage): void {
-    this.#connection?.send(message);
-  }
-
   #receive(bytes: Uint8Array<ArrayBuffer>): void {
     if (bytes[0] === CHUNK_FRAME) {
       this.#receiveFrame(bytes);
@@ -218,7 +159,7 @@ export class SceneStream implements SceneSource {
         this.#welcome(message);
         break;
       case "grow":
-        this.#open(message.growth, message.coding, (bytes) => this.#grow(bytes, message.manifest_id.slice()));
+        this.#open(message.growth, message.coding, (bytes) => this.#manifest.grow(bytes, message.manifest_id.slice()));
         break;
       case "missing":
         this.#partial.drop(toHex(message.id));
@@ -226,10 +167,10 @@ export class SceneStream implements SceneSource {
         else this.events.missing(toHex(message.id));
         break;
       case "pong":
-        this.#connection?.answered(message.id);
+        this.#socket.answered(message.id);
         break;
       case "end":
-        if (this.#document?.live === undefined) this.#connection?.rest(); // else there will be more
+        if (!this.#manifest.grows) this.#socket.rest(); // else there will be more
         break;
       case "error":
         if (!PASSING.has(message.code)) this.#fail(streamFailure(message.code), message.detail);
@@ -241,14 +182,18 @@ export class SceneStream implements SceneSource {
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.events.state("open");
     const id = manifest_id.slice();
-    if (this.#manifestId === null) {
-      if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
-      this.#manifestId = id;
-      this.#open(manifest, coding, (bytes) => this.#begin(bytes));
-    } else if (!sameBytes(this.#manifestId, id)) {
-      if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
-      this.#open(manifest, coding, (bytes) => this.#become(parse(bytes), id));
+    if (this.#manifest.is(id)) return;
+    if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
+    if (this.#manifest.id !== null) {
+      this.#open(manifest, coding, (bytes) => this.#manifest.become(bytes, id));
+      return;
     }
+    this.#manifest.id = id;
+    this.#open(manifest, coding, (bytes) => {
+      this.#manifest.begin(bytes);
+      this.#sound = new StreamedSound(new Set(this.#manifest.sounds), () => this.#tell());
+      this.events.manifest(bytes);
+    });
   }
 
   /** Read a manifest, or what has been added to it. */
@@ -275,113 +220,24 @@ export class SceneStream implements SceneSource {
     for (const message of held) this.#guarded(message);
   }
 
-  #begin(manifest: Uint8Array): void {
-    this.#document = parse(manifest);
-    this.#chunks = chunksIn(this.#document);
-    this.#sound = new StreamedSound(new Set(soundsIn(this.#document)), () => this.#tell());
-    this.events.manifest(manifest);
-  }
-
-  #grow(growth: Uint8Array, id: Uint8Array): void {
-    const added = parse(growth);
-    this.#become(this.#document && added && grown(this.#document, added), id);
-  }
-
-  /** The manifest has become another one: a later version of the scene, or another scene's. */
-  #become(document: ManifestDocument | null, id: Uint8Array): void {
-    if (!document || !this.#document || !continues(document, this.#document)) {
-      this.#fail("scene-changed", "another manifest than before");
-      return;
-    }
-    let manifest: Manifest;
-    try {
-      manifest = parseManifest(document);
-    } catch (error) {
-      this.#fail("not-understood", `the scene has grown into what cannot be read: ${error}`);
-      return;
-    }
-    this.#manifestId = id;
-    this.#document = document;
-    this.#chunks = chunksIn(document);
-    for (const id of soundsIn(document)) this.#sound.ids.add(id);
-    this.events.grown(manifest);
-  }
-
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
     const frame = decodeChunkFrame(message);
     const chunk = this.#partial.add(frame);
     const sound = this.#sound.ids.has(frame.id);
     if (!sound) this.events.progress(frame.payload.length);
-    this.#measure(message.length);
+    this.#rates.count(message.length, performance.now());
     if (chunk && sound) this.#sound.arrived(frame.id, chunk);
     else if (chunk && !this.#have.has(frame.id)) {
       this.#have.add(frame.id);
-      this.#failures = 0; // it moves: the next retry comes soon again
-      this.#patience = 1;
+      this.#socket.succeeded();
       this.#undecoded += chunk.length;
       this.events.chunk(frame.id, chunk);
     }
     this.#grant();
   }
 
-  /** Tell the server how fast the line is: what would come too late can then be left for later. */
-  #measure(bytes: number): void {
-    const now = performance.now();
-    this.#line.count(bytes, now);
-    const rate = Math.round(this.#line.rate(now));
-    const change = rate / this.#told.rate; // infinite at first
-    if (rate === 0 || now - this.#told.at < TELL || (change < CHANGE && change > 1 / CHANGE)) return;
-    this.#told = { at: now, rate };
-    this.#tell();
-  }
-
-  /** What the server should know of this client. */
-  #tell(): void {
-    const { rate } = this.#told;
-    this.#send({ type: "limits", ...(rate > 0 && { measured: rate }), ...(this.#sound.wanted && { audio: true }) });
-  }
-
   /** Give credit back in portions, but not to a decoder that cannot keep up. */
   #grant(): void {
-    if (this.#undecoded <= UNDECODED) this.#connection?.grant();
+    if (this.#undecoded <= UNDECODED) this.#socket.grant();
   }
-}
-
-/** A manifest, or what is added to one; null for what is none, which the player finds out. */
-function parse(bytes: Uint8Array): ManifestDocument | null {
-  try {
-    const document = JSON.parse(new TextDecoder().decode(bytes));
-    return Array.isArray(document?.slices) ? document : null;
-  } catch {
-    return null;
-  }
-}
-
-const soundsIn = (document: ManifestDocument | null): string[] => document?.audio?.pieces?.map(({ id }) => id) ?? [];
-
-/** The ids of a manifest's chunks in order; what is no manifest, the player finds out. */
-function chunksIn(document: ManifestDocument | null): string[] {
-  try {
-    const { static: stills = [], slices = [] } = document ?? {};
-    return [...stills, ...slices.flatMap((slice) => slice.chunks)].map(({ id }) => id);
-  } catch {
-    return [];
-  }
-}
-
-/** Which of the names are there, one bit each, lowest bits first. */
-function bitsOf(names: readonly string[], there: ReadonlySet<string>): Uint8Array {
-  const bits = new Uint8Array(Math.ceil(names.length / 8));
-  for (const [i, name] of names.entries()) if (there.has(name)) bits[i >> 3] |= 1 << (i & 7);
-  return bits;
-}
-
-/** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`, with the link that opens both. */
-function chunkUrl(stream: string, id: string): string {
-  const { search } = new URL(stream);
-  return new URL(`../../chunks/${id}${search}`, stream).href.replace(/^ws/, "http");
-}
-
-function sameBytes(a: Uint8Array, b: Uint8Array): boolean {
-  return a.length === b.length && a.every((byte, i) => byte === b[i]);
 }

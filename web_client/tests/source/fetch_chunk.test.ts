@@ -1,5 +1,5 @@
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { fetchChunk } from "../../src/source/fetch_chunk";
+import { chunkUrl, fetchChunk } from "../../src/source/fetch_chunk";
 
 const { signal } = new AbortController();
 
@@ -24,4 +24,9 @@ describe("fetchChunk", () => {
     vi.stubGlobal("fetch", vi.fn().mockRejectedValue(new TypeError("failed")));
     await expect(fetchChunk("http://here/c", signal)).rejects.toThrow("The server cannot be reached.");
   });
+});
+
+it("finds a chunk on the server of a stream, by the link that opens both", () => {
+  expect(chunkUrl("ws://here/v1/scenes/s/stream", "ab")).toBe("http://here/v1/chunks/ab");
+  expect(chunkUrl("wss://far/below/v1/scenes/s/stream?key=k", "ab")).toBe("https://far/below/v1/chunks/ab?key=k");
 });
