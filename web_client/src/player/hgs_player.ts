@@ -1,21 +1,15 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
-import type { Manifest } from "../codec/types";
 import type { Quality } from "../renderer/qualities";
 import { checkedSplats } from "../renderer/quality";
-import type { Pixels } from "../renderer/shot";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import type { PlayerClock } from "./clock";
-import type { Beginning, HgsPlayerEvents, HgsPlayerListening, HgsPlayerOptions } from "./hgs_player_events";
-import type { Playback } from "./playback";
-import { type Asked, asked, played } from "./played_scene";
-import type { ScenePlayer } from "./player";
+import type { Beginning, HgsPlayerEvents, HgsPlayerOptions } from "./hgs_player_events";
+import { PicturedPlayer } from "./pictured_player";
+import { type Asked, asked } from "./played_scene";
 import { PlayerCamera } from "./player_camera";
-import type { PlayerStats } from "./player_types";
 import { ScreenedScene } from "./screened_scene";
-
-const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
 
 /**
  * Plays one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
@@ -25,7 +19,7 @@ const Target = EventTarget as new () => HgsPlayerListening & EventTarget;
  * await player.load("https://cdn.example/studio/manifest.json");
  * player.play();
  */
-export class HgsPlayer extends played(Target) {
+export class HgsPlayer extends PicturedPlayer {
   /** From where the scene is seen. */
   readonly camera = new PlayerCamera(() => this.#scene?.viewpoint ?? null);
   protected readonly asked: Asked;
@@ -167,53 +161,8 @@ export class HgsPlayer extends played(Target) {
     if (clock) clock.range = range;
   }
 
-  /** What the scene says of itself; null until it has come. */
-  get manifest(): Manifest | null {
-    return this.#scene?.manifest ?? null;
-  }
-
-  /** Of the picture, in its own pixels; 0 without one. */
-  get width(): number {
-    return this.#scene?.canvas.width ?? 0;
-  }
-
-  get height(): number {
-    return this.#scene?.canvas.height ?? 0;
-  }
-
-  /** The scene that is there, for a loop of frames other than the page's, such as a headset's; null without one. */
-  get scene(): ScenePlayer | null {
-    return this.#scene?.player ?? null;
-  }
-
-  /** Figures of the scene that is there; null without one. */
-  get statistics(): PlayerStats | null {
-    return this.#scene?.player.stats ?? null;
-  }
-
-  /**
-   * The picture, RGBA from the top row: sRGB in bytes, or in floats without the canvas's rounding.
-   *
-   * @throws Error if nothing has been drawn yet.
-   */
-  readPixels({ float = false } = {}): Pixels {
-    return this.#read(float ? "float" : "canvas");
-  }
-
-  /**
-   * The picture as a file, as finely drawn as it can be, whatever the quality is.
-   *
-   * @param type such as `image/png` or `image/jpeg`.
-   * @throws Error if nothing has been drawn yet.
-   */
-  async screenshot(type = "image/png"): Promise<Blob> {
-    const pixels = this.#read("finest");
-    const { pictureFile } = await import("./picture_file"); // few ask for it
-    return pictureFile(pixels, type);
-  }
-
-  protected get playback(): Playback | null {
-    return this.#scene?.player.playback ?? null;
+  protected get screened(): ScreenedScene | null {
+    return this.#scene;
   }
 
   protected changed(): void {
@@ -228,12 +177,6 @@ export class HgsPlayer extends played(Target) {
 
   protected tell<K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]): void {
     this.dispatchEvent(new CustomEvent(type, { detail }));
-  }
-
-  #read(as: "canvas" | "float" | "finest"): Pixels {
-    const pixels = this.#scene?.player.readPixels(as);
-    if (!pixels) throw new Error("nothing has been drawn yet");
-    return pixels;
   }
 
   async #load(src: string | OpenSource): Promise<void> {

@@ -2,6 +2,7 @@
 
 import { sliceAt } from "../codec/slices";
 import type { Manifest, SegmentEntry } from "../codec/types";
+import type { Playback } from "./playback";
 
 export interface Moment {
   /** Seconds: the moment of which the order is exact. */
@@ -28,6 +29,25 @@ export function momentOf(manifest: Manifest, time: number, from = time, until = 
     from: Math.min(time, Math.max(from, segment?.start ?? from)),
     until: Math.max(time, Math.min(until, segment?.end ?? until)),
   };
+}
+
+/** For at least so long an order can be drawn while the scene moves, seconds, should the next one be late. */
+const SHORTEST_USE = 0.05;
+
+/**
+ * What to order: at rest the very moment, else the one at which the order will be shown and those about it. While that lacks
+ * its base, what was shown last; null if nothing was.
+ *
+ * @param lead seconds until the order will be shown.
+ */
+export function nextMoment({ clock, moving, buffer }: Playback, shown: Moment | null, lead: number): Moment | null {
+  const now = clock.time;
+  if (!buffer.playable(now)) return shown && momentOf(buffer.manifest, shown.time);
+  if (!moving) return momentOf(buffer.manifest, now);
+  const next = clock.after(lead);
+  const time = buffer.playable(next) ? next : now;
+  const until = time + clock.rate * Math.max(SHORTEST_USE, 2 * lead);
+  return momentOf(buffer.manifest, time, Math.min(now, time), until);
 }
 
 /** An order this far from the playhead, in seconds, is not late or early: the playhead has jumped, or will. */

@@ -10,7 +10,8 @@ import type { SceneSource } from "../source/scene_source";
 import { Picture } from "./picture";
 import type { Playback } from "./playback";
 import type { PlayerOptions, PlayerStats } from "./player_types";
-import { type SceneStep, StreamedScene } from "./streamed_scene";
+import { StreamedScene } from "./streamed_scene";
+import type { SceneStep } from "./streamed_scene_types";
 import type { View } from "./view";
 
 export class ScenePlayer {

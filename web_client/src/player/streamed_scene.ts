@@ -7,56 +7,19 @@ import { ManifestError } from "../codec/errors";
 import { parseManifest } from "../codec/manifest";
 import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
-import type { SplatSink } from "../renderer/splat_drawer";
-import type { OpenSource, SceneSource, SourceState } from "../source/scene_source";
+import type { SceneSource, SourceState } from "../source/scene_source";
 import { Throughput } from "../source/throughput";
 import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
 import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
-import { drawnTime, type Moment, momentOf, normalised } from "./moment";
+import { drawnTime, nextMoment, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
 import { SceneChunks } from "./scene_chunks";
 import { type Sight, sameSight, sightOf } from "./sight";
+import type { SceneEvents, SceneOptions, SceneStep } from "./streamed_scene_types";
 import type { View } from "./view";
-
-/** For at least so long an order can be drawn while the scene moves, seconds, should the next one be late. */
-const SHORTEST_USE = 0.05;
-
-export interface SceneOptions {
-  readonly open: OpenSource;
-  readonly sink: SplatSink;
-  /** Seconds from which to show and load first; null for the start. */
-  readonly time: number | null;
-  readonly playing: boolean;
-  /** Whether to draw with antialiasing; null to do as the scene's manifest says. */
-  readonly antialiased: boolean | null;
-  /** Bytes that the scene's splats may take, of this page and of the device; by the kind of device if not given. */
-  readonly memoryBudget?: number;
-}
-
-/** What a step has come to. */
-export interface SceneStep {
-  /** What to draw for each of the views; none before the first order. */
-  readonly shots: readonly Shot[];
-  /** Whether the scene moves, and is not waiting for data. */
-  readonly moving: boolean;
-  /** Whether all that is alive at the time of the shots is in them. */
-  readonly settled: boolean;
-}
-
-export interface SceneEvents {
-  manifest(manifest: Manifest): void;
-  /** The manifest has become a later version. */
-  grown?(manifest: Manifest): void;
-  /** Something has changed that the next frame should look at. */
-  changed(): void;
-  /** The sink has a new order. */
-  ordered(): void;
-  /** One line for people, and the cause for whoever looks into it; playing may go on. */
-  failed(message: string, cause: string): void;
-}
 
 export class StreamedScene {
   readonly orders: OrderRequests;
@@ -168,7 +131,7 @@ export class StreamedScene {
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
     const { splatBudget: budget } = this;
-    const moment = this.#nextMoment(playback);
+    const moment = nextMoment(playback, this.orders.shown, this.orders.lead / 1000);
     if (!moment) return { shots: [], moving: false, settled: false };
     const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
     this.orders.want(wanted);
@@ -217,22 +180,6 @@ export class StreamedScene {
     return playback.clock.playing
       ? shown.version === wanted.version && shown.budget === wanted.budget
       : this.orders.shows(wanted);
-  }
-
-  /**
-   * What to order: at rest the very moment, else the one at which the order will be shown and those about it. While that lacks
-   * its base, what was shown last; null if nothing was.
-   */
-  #nextMoment({ clock, moving, buffer }: Playback): Moment | null {
-    const now = clock.time;
-    const { shown } = this.orders;
-    if (!buffer.playable(now)) return shown && momentOf(buffer.manifest, shown.time);
-    if (!moving) return momentOf(buffer.manifest, now);
-    const lead = this.orders.lead / 1000;
-    const next = clock.after(lead);
-    const time = buffer.playable(next) ? next : now;
-    const until = time + clock.rate * Math.max(SHORTEST_USE, 2 * lead);
-    return momentOf(buffer.manifest, time, Math.min(now, time), until);
   }
 
   #begin(bytes: Uint8Array): void {

@@ -1,5 +1,6 @@
-import { expect, it } from "vitest";
-import { drawnTime, momentOf, normalised } from "../../src/player/moment";
+import { describe, expect, it } from "vitest";
+import { drawnTime, momentOf, nextMoment, normalised } from "../../src/player/moment";
+import type { Playback } from "../../src/player/playback";
 import { manifest, slice } from "../scene";
 
 const scene = manifest({
@@ -40,4 +41,33 @@ it("is given to the renderer in the time of its segment, also at the segment's e
   expect(normalised(scene, moment, 2)).toBe(1);
   expect(normalised(scene, momentOf(scene, 2), 2)).toBe(0);
   expect(normalised(manifest(), momentOf(manifest(), 1), 1)).toBe(0);
+});
+
+describe("nextMoment", () => {
+  /** A playhead at `time`; what can be shown begins before `until`. */
+  const playback = (time: number, moving: boolean, until = 4) =>
+    ({
+      clock: { time, rate: 1, after: (lead: number) => time + lead },
+      moving,
+      buffer: { manifest: scene, playable: (at: number) => at < until },
+    }) as unknown as Playback;
+  const shown = { time: 0.5, from: 0.4, until: 0.6 };
+
+  it("is the very moment while the playhead rests", () => {
+    expect(nextMoment(playback(1, false), shown, 0.1)).toEqual({ time: 1, from: 1, until: 1 });
+  });
+
+  it("is the one at which the order will be shown while it moves, and those about it", () => {
+    expect(nextMoment(playback(1, true), shown, 0.25)).toEqual({ time: 1.25, from: 1, until: 1.75 });
+    expect(nextMoment(playback(1, true), shown, 0)).toEqual({ time: 1, from: 1, until: 1.05 });
+  });
+
+  it("is the playhead's where what comes then cannot be shown yet", () => {
+    expect(nextMoment(playback(1, true, 1.1), shown, 0.25)).toEqual({ time: 1, from: 1, until: 1.5 });
+  });
+
+  it("is what was shown last where the playhead lacks its base, and none if nothing was", () => {
+    expect(nextMoment(playback(1, true, 0.9), shown, 0.1)).toEqual({ time: 0.5, from: 0.5, until: 0.5 });
+    expect(nextMoment(playback(1, true, 0.9), null, 0.1)).toBeNull();
+  });
 });
