@@ -3,8 +3,7 @@
 import { element, icon, setText } from "../ui/element";
 import { formatTime } from "../ui/format";
 import { CLOSE } from "../ui/icons";
-import type { CropBox, CropWish } from "./crop_box";
-import { commandFor } from "./crop_box";
+import { type CropBox, type CropWish, commandFor } from "./crop_box";
 
 const SIDES = ["Width", "Height", "Depth"] as const;
 const PLACES = ["X", "Y", "Z"] as const;
@@ -91,7 +90,7 @@ export class CropPanel {
       [this.#center, wish.box.center],
     ] as const) {
       fields.forEach(({ input }, axis) => {
-        if (root.activeElement !== input) input.value = String(Number((values[axis] as number).toPrecision(4)));
+        if (root.activeElement !== input) input.value = fourDigits(values[axis]);
       });
     }
     this.#kept.forEach((button, i) => {
@@ -112,7 +111,7 @@ export class CropPanel {
     const value = input.valueAsNumber;
     if (!box) return;
     if (!Number.isFinite(value) || (name === "size" && value <= 0)) {
-      input.value = String(Number((box[name][axis] as number).toPrecision(4)));
+      input.value = fourDigits(box[name][axis]);
       return;
     }
     events.changed({ ...box, [name]: box[name].map((given, i) => (i === axis ? value : given)) });
@@ -130,6 +129,9 @@ export class CropPanel {
     }
   }
 }
+
+/** A number as people would type it, to four digits. */
+const fourDigits = (value: number): string => String(Number(value.toPrecision(4)));
 
 function number(name: string): { readonly label: HTMLElement; readonly input: HTMLInputElement } {
   const input = element("input", { type: "number", step: "any", inputmode: "decimal" });
