@@ -11,7 +11,7 @@ const LONGEST_WAIT = 20; // seconds between two tries
 const MAY_PASS = new Set([0, 408, 429, 502, 503, 504]); // statuses that another try may not get
 
 /** The requests of docs/upload.md, as protocol/uploads.ts makes them. */
-export interface Line {
+export interface UploadRequests {
   /** All uploads that the server knows of. */
   uploads(signal: AbortSignal): Promise<readonly Upload[]>;
   begin(announced: Announcement, signal: AbortSignal): Promise<{ upload: Upload; resumed: boolean }>;
@@ -61,7 +61,7 @@ export class Transfer {
    */
   constructor(
     readonly chosen: Chosen,
-    readonly line: Line,
+    readonly requests: UploadRequests,
     readonly hash: (file: File) => Promise<string>,
     readonly onChange: () => void,
   ) {
@@ -110,9 +110,9 @@ export class Transfer {
       this.upload = there;
       return;
     }
-    const { upload, resumed } = await this.#patiently(() => this.line.begin(announced, signal), signal);
+    const { upload, resumed } = await this.#patiently(() => this.requests.begin(announced, signal), signal);
     this.upload = upload;
-    const listed = resumed ? await this.#patiently(() => this.line.files(upload.id, signal), signal) : [];
+    const listed = resumed ? await this.#patiently(() => this.requests.files(upload.id, signal), signal) : [];
     const known = new Map(listed.map((file) => [file.path, file]));
     for (const file of this.files) file.sent = known.get(file.path)?.offset ?? 0;
     let next = 0;
@@ -124,15 +124,15 @@ export class Transfer {
     };
     await Promise.all(Array.from({ length: AT_ONCE }, sendNext));
     this.#set("finishing");
-    this.upload = await this.#patiently(() => this.line.finish(upload.id, signal), signal);
+    this.upload = await this.#patiently(() => this.requests.finish(upload.id, signal), signal);
   }
 
   /** The upload that has become a capture of the same content before, if there is one. */
   async #present({ name, files, bytes }: Announcement, signal: AbortSignal): Promise<Upload | null> {
-    const all = await this.#patiently(() => this.line.uploads(signal), signal);
+    const all = await this.#patiently(() => this.requests.uploads(signal), signal);
     const alike = all.filter((one) => one.capture && one.name === name && one.files === files && one.bytes === bytes);
     for (const upload of alike) {
-      const listed = await this.#patiently(() => this.line.files(upload.id, signal), signal);
+      const listed = await this.#patiently(() => this.requests.files(upload.id, signal), signal);
       if (await this.#same(new Map(listed.map((file) => [file.path, file])), signal)) return upload;
     }
     return null;
@@ -194,7 +194,7 @@ export class Transfer {
     signal: AbortSignal,
   ): Promise<void> {
     sent.state = "sending";
-    const made = await this.#patiently(() => this.line.announce(id, announced, signal), signal);
+    const made = await this.#patiently(() => this.requests.announce(id, announced, signal), signal);
     let { offset } = made;
     let again = false;
     while (offset < file.size) {
@@ -208,13 +208,13 @@ export class Transfer {
       };
       offset = await this.#patiently(async () => {
         // after a cut only the server knows how much came
-        if (again) return this.line.offset(made.location, signal);
+        if (again) return this.requests.offset(made.location, signal);
         again = true;
         const piece = file.slice(start, start + PIECE);
-        return this.line.send(made.location, start, piece, onBytes, signal);
+        return this.requests.send(made.location, start, piece, onBytes, signal);
       }, signal).catch((error: unknown) => {
         if (error instanceof ApiError && error.code === "offset-mismatch")
-          return this.line.offset(made.location, signal);
+          return this.requests.offset(made.location, signal);
         throw error;
       });
       again = false;
@@ -232,7 +232,7 @@ export class Transfer {
       } catch (error) {
         if (signal.aborted || !(error instanceof ApiError) || !MAY_PASS.has(error.status)) throw error;
         this.#set("waiting", error.message);
-        await this.line.wait(Math.min(LONGEST_WAIT, 0.5 * 2 ** Math.min(tries, 10)), signal);
+        await this.requests.wait(Math.min(LONGEST_WAIT, 0.5 * 2 ** Math.min(tries, 10)), signal);
       }
     }
   }

@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it } from "vitest";
 import { ApiError } from "../../src/protocol/http";
 import type { Upload } from "../../src/protocol/uploads";
 import { arranged } from "../../src/upload/chosen_files";
-import { type Line, Transfer } from "../../src/upload/transfer";
+import { Transfer, type UploadRequests } from "../../src/upload/transfer";
 
 const MIB = 1 << 20;
 const LARGE = 20 * MIB;
@@ -14,7 +14,7 @@ const hashOf = async (file: File): Promise<string> =>
     .digest("hex");
 
 /** What docs/upload.md says of a server, in memory; `fault` may stand in the way of a request. */
-class FakeServer implements Line {
+class FakeServer implements UploadRequests {
   readonly files_ = new Map<string, { sha256: string; size: number; data: Buffer }>();
   readonly requests: string[] = [];
   waits: number[] = [];
@@ -110,7 +110,7 @@ const chosen = arranged([
   { path: "studio/cam00.mp4", file: new File([content], "cam00.mp4") },
   { path: "studio/sparse/0/a.txt", file: new File(["poses"], "a.txt") },
 ]);
-const transferTo = (line: Line) => new Transfer(chosen, line, hashOf, () => {});
+const transferTo = (requests: UploadRequests) => new Transfer(chosen, requests, hashOf, () => {});
 
 beforeEach(() => {
   server = new FakeServer();

@@ -1,0 +1,86 @@
+/** A folder on its way to the server, as the page shows it: how far it is, its files, and what can be done with it. */
+
+import { element, setText } from "../ui/element";
+import { formatBytes } from "../ui/format";
+import type { SentFile, Transfer, TransferState } from "../upload/transfer";
+import { describeTransfer } from "../upload/upload_words";
+
+const MOST_ROWS = 100; // files that are listed
+
+const STATE_WORDS: Readonly<Record<SentFile["state"], string>> = {
+  waiting: "waits",
+  reading: "is read",
+  sending: "",
+  there: "there",
+};
+
+/** Of a failure, the whole words are said. */
+const SAID: Readonly<Record<TransferState, string>> = {
+  sending: "Sending",
+  paused: "Paused",
+  waiting: "Waiting for the server",
+  finishing: "All is sent",
+  done: "Sent",
+  failed: "",
+};
+
+export class TransferView {
+  readonly node: HTMLElement;
+  readonly pause = element("button", { type: "button", class: "button" }, "Pause");
+  readonly cancel = element("button", { type: "button", class: "button quiet" }, "Cancel");
+  readonly #bar = element("progress", { max: 1, value: 0, "aria-label": "Sent" });
+  readonly #words = element("p", { class: "upload-words" });
+  readonly #told = element("p", { class: "unseen", role: "status" }); // what is read out: not every byte
+  readonly #summary = element("summary", {}, "Files");
+  readonly #rows = element("ul", { class: "upload-files" });
+
+  constructor(name: string) {
+    this.node = element(
+      "div",
+      { class: "transfer" },
+      element("strong", {}, name),
+      this.#bar,
+      this.#words,
+      this.#told,
+      element("p", { class: "hint" }, "If this page is closed, choose the same folder again: it goes on where it was."),
+      element("div", { class: "actions" }, this.pause, this.cancel),
+      element("details", {}, this.#summary, this.#rows),
+    );
+  }
+
+  show(transfer: Transfer, perSecond: number | null): void {
+    const { state, files, sent, total } = transfer;
+    this.#bar.value = total > 0 ? sent / total : 1;
+    const words = describeTransfer(transfer, perSecond);
+    setText(this.#words, words);
+    setText(this.#told, SAID[state] || words);
+    this.#words.classList.toggle("wrong", state === "failed");
+    setText(this.pause, state === "failed" ? "Try again" : state === "paused" ? "Go on" : "Pause");
+    this.pause.disabled = state === "finishing" || state === "done";
+    const there = files.filter((file) => file.state === "there").length;
+    setText(this.#summary, `${there.toLocaleString("en")} of ${files.length.toLocaleString("en")} files`);
+    // those under way first, then those to come
+    const rank = { sending: 0, reading: 1, waiting: 2, there: 3 };
+    const shown = [...files].sort((a, b) => rank[a.state] - rank[b.state]).slice(0, MOST_ROWS);
+    shown.forEach((file, place) => {
+      const row = this.#rows.children[place] ?? this.#rows.appendChild(fileRow());
+      showFile(row, file);
+    });
+  }
+}
+
+const fileRow = (): HTMLElement =>
+  element(
+    "li",
+    {},
+    element("span"),
+    element("small"),
+    element("progress", { max: 1, value: 0, "aria-hidden": "true" }),
+  );
+
+function showFile(row: Element, { path, size, sent, state }: SentFile): void {
+  const [name, words, bar] = row.children;
+  setText(name, path);
+  setText(words, STATE_WORDS[state] || `${formatBytes(sent)} of ${formatBytes(size)}`);
+  (bar as HTMLProgressElement).value = state === "there" ? 1 : size > 0 ? sent / size : 0;
+}
