@@ -14,10 +14,11 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import require_storable
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
 from jobs.run_trash import empty_trash, throw_away
-from jobs.store import Job, JobState, JobTable, Place, metadata
+from jobs.store import JobTable, metadata
 from jobs.training_queue import enqueue, workflow_id
 from jobs.webhook_table import Announcement, WebhookTable
 from jobs.worker_register import Worker, list_workers

@@ -10,8 +10,9 @@ from dbos import DBOS
 
 from hgs_core.base.progress import Progress
 from jobs.home import Home
+from jobs.job import JobState
 from jobs.stages import HELP
-from jobs.store import JobState, JobTable
+from jobs.store import JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.training_queue import HELP_JOB, helper_name, workflow_id
 from jobs.transient_faults import one_line

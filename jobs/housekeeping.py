@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from jobs.artifacts import open_store
 from jobs.chunk_collection import YOUNGEST, Collection, collect_chunks
 from jobs.client import JobClient, JobConflictError
+from jobs.job import Job, JobState, Place
 from jobs.retention import FinishedRun, Retention, folder_bytes
 from jobs.run_trash import empty_trash, trash
-from jobs.store import Job, JobState, Place
 
 __all__ = ["Tidied", "tidy"]
 

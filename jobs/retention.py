@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Self
 
 from jobs.byte_sizes import bytes_of
-from jobs.store import Job
+from jobs.job import Job
 
 __all__ = ["FinishedRun", "Retention", "folder_bytes"]
 

@@ -2,92 +2,22 @@
 
 from __future__ import annotations
 
-import dataclasses
 import time
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
-from enum import StrEnum
+from collections.abc import Collection
 from typing import Any
 
 import sqlalchemy as sa
 
 from hgs_core.base.progress import Progress
+from jobs.job import ACTIVE, Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_schema import job_labels, job_rows, metadata
 from jobs.webhook_table import announce
 
-__all__ = ["Job", "JobState", "JobTable", "Place", "metadata"]
+__all__ = ["JobTable", "metadata"]
 
 SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s, after which a running job says so
-
-
-class JobState(StrEnum):
-    """Where a job is: queued -> running -> succeeded, failed or cancelled; a retry queues it again.
-
-    A running job that meets a fault that passes waits; it runs again by itself.
-    """
-
-    QUEUED = "queued"
-    RUNNING = "running"
-    WAITING = "waiting"
-    SUCCEEDED = "succeeded"
-    FAILED = "failed"
-    CANCELLED = "cancelled"
-
-    @property
-    def finished(self) -> bool:
-        """Whether nothing more happens to the job unless it is retried."""
-        return self not in _ACTIVE
-
-
-_ACTIVE = (JobState.QUEUED, JobState.RUNNING, JobState.WAITING)
-
 _MOST_IDS = 10_000  # in one query: SQLite takes 32,766 values, Postgres 65,535
-
-
-@dataclass(frozen=True)
-class Job:
-    """One row of the job table. Empty strings stand for what is not known (yet)."""
-
-    id: str
-    title: str
-    capture: str  # absolute path
-    config: Mapping[str, Any]  # RunConfig.to_json(); of older jobs, its flat form
-    state: JobState = JobState.QUEUED
-    attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
-    stage: str = ""  # initialise, train, encode or publish
-    done: int = 0  # of `total` units of the stage
-    total: int = 0
-    figures: Mapping[str, float] = field(default_factory=dict)  # e.g. loss, psnr, splats
-    error: str = ""  # one line, when failed
-    scene_id: str = ""  # the published scene, when succeeded
-    waiting: str = ""  # one line: why an unfinished job does not go on at the moment
-    cause: str = ""  # of a waiting job: what could not be seen, a `Cause` of surroundings.py; "" if that is not known
-    created: float = 0.0  # seconds since the epoch
-    updated: float = 0.0
-    labels: tuple[str, ...] = ()  # for people to find it by
-    priority: int = 0  # higher ones are taken first
-    time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
-    webhook: str = ""  # the URL that is told when the job ends
-    stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
-
-    def to_json(self) -> dict[str, Any]:
-        """Return the fields as plain JSON values."""
-        return {**dataclasses.asdict(self), "state": self.state.value}
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where a job stands in the list of jobs; it moves when the job begins or ends."""
-
-    turn: int  # 0: it runs, 1: it waits, 2: it is finished
-    created: float
-    job_id: str
-
-    @classmethod
-    def of(cls, job: Job) -> Place:
-        """Return where the job stands."""
-        return cls(0 if job.state is JobState.RUNNING else 1 + job.state.finished, job.created, job.id)
 
 
 class JobTable:
@@ -124,7 +54,7 @@ class JobTable:
 
     def delete(self, connection: sa.Connection, job_id: str) -> bool:
         """Remove the row of a finished job, inside the caller's transaction."""
-        finished = job_rows.c.state.not_in(_ACTIVE)
+        finished = job_rows.c.state.not_in(ACTIVE)
         if connection.execute(sa.delete(job_rows).where(job_rows.c.id == job_id, finished)).rowcount != 1:
             return False
         connection.execute(sa.delete(job_labels).where(job_labels.c.job_id == job_id))
@@ -152,7 +82,7 @@ class JobTable:
 
         Only jobs in `state`, only those behind the place `after`, and only those `wanted`, where they are given.
         """
-        turn = sa.case((job_rows.c.state == JobState.RUNNING, 0), (job_rows.c.state.in_(_ACTIVE), 1), else_=2)
+        turn = sa.case((job_rows.c.state == JobState.RUNNING, 0), (job_rows.c.state.in_(ACTIVE), 1), else_=2)
         order = (turn, job_rows.c.created.desc(), job_rows.c.id)
         query = sa.select(job_rows.c.id).order_by(*order).limit(limit)
         if state is not None:
@@ -187,7 +117,7 @@ class JobTable:
 
     def active(self) -> list[Job]:
         """Return the jobs that are not finished."""
-        return self._where(job_rows.c.state.in_(_ACTIVE))
+        return self._where(job_rows.c.state.in_(ACTIVE))
 
     def waiting(self) -> list[Job]:
         """Return the jobs that wait for something which can be looked for, their `cause`."""
@@ -271,7 +201,7 @@ class JobTable:
 def _unfinished(job_id: str, attempt: int) -> sa.Update:
     """Return the change of an attempt's row that does nothing once the attempt is finished or followed by another."""
     return sa.update(job_rows).where(
-        job_rows.c.id == job_id, job_rows.c.attempt == attempt, job_rows.c.state.in_(_ACTIVE)
+        job_rows.c.id == job_id, job_rows.c.attempt == attempt, job_rows.c.state.in_(ACTIVE)
     )
 
 

@@ -17,11 +17,12 @@ from dbos import DBOS, DBOSClient
 from hgs_core.base.progress import Progress
 from jobs.artifacts import open_store
 from jobs.home import Home
+from jobs.job import JobState
 from jobs.job_history import CourseWriter
 from jobs.segments import MADE, SEGMENTS
 from jobs.stage_pace import StagePace
 from jobs.stages import STAGES
-from jobs.store import JobState, JobTable
+from jobs.store import JobTable
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.training_queue import TRAIN_JOB, ask_for_help, enqueue, workflow_id

@@ -18,9 +18,9 @@ import sqlalchemy as sa
 from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient
 from jobs.home import Home
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_schema import job_labels, job_rows
-from jobs.store import Job, JobState, Place
 
 TIMES = 15
 

@@ -13,7 +13,7 @@ from urllib.parse import urlsplit
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.runs.config_names import by_stage
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from jobs.worker_register import Worker
 from server.encodable import encodable
 

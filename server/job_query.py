@@ -9,8 +9,8 @@ from typing import NoReturn, Self
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.storable_text import is_storable
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter, checked_labels
-from jobs.store import Job, JobState, Place
 from server.problems import ProblemError
 
 __all__ = ["JobQuery", "cursor"]

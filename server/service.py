@@ -12,9 +12,9 @@ from starlette.requests import HTTPConnection
 
 from jobs.artifacts import SCENE_ID, SceneEntry
 from jobs.home import Home
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_request import JobRequest
-from jobs.store import Job, JobState, Place
 from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
 from server.access import Access

@@ -11,7 +11,7 @@ from urllib.parse import quote, urlencode
 from hgs_core.base.errors import InputError
 from jobs.client import JobClient, JobConflictError
 from jobs.home import Home
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from server.cli.server_client import RefusedError, ServerClient
 from server.job_events import describe_job, describe_worker
 from server.job_log import log_tail

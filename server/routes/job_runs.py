@@ -9,8 +9,8 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 
 from hgs_core.runs.folder import RunFolder
+from jobs.job import Job, JobState
 from jobs.job_history import read_course, thinned
-from jobs.store import Job, JobState
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.encodable import encodable
 from server.job_log import MOST_LOG_LINES, log_tail

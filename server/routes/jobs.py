@@ -15,9 +15,9 @@ from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import by_stage
 from jobs.client import JobConflictError, KeyReusedError
+from jobs.job import Job, JobState
 from jobs.job_filter import MAX_LABELS
 from jobs.job_request import MAX_TITLE, JobRequest
-from jobs.store import Job, JobState
 from server.conditional import respond_json
 from server.job_events import describe_job, job_events, revision
 from server.job_query import JobQuery, cursor

@@ -9,7 +9,7 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from jobs.store import JobState, Place
+from jobs.job import JobState, Place
 from server.conditional import respond_json
 from server.problems import ProblemError
 from server.request_body import read_json

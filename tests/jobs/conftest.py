@@ -25,8 +25,9 @@ from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
+from jobs.job import Job
 from jobs.job_request import JobRequest
-from jobs.store import Job, metadata
+from jobs.store import metadata
 
 MODULES = Path(__file__).parent / "modules"
 REPOSITORY = Path(__file__).resolve().parent.parent.parent

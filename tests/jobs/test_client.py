@@ -15,9 +15,9 @@ from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder
 from jobs.client import JobClient, JobConflictError, KeyReusedError
 from jobs.home import Home
+from jobs.job import JobState
 from jobs.job_request import JobRequest
 from jobs.run_trash import trash
-from jobs.store import JobState
 from jobs.training_queue import enqueue, workflow_id
 
 

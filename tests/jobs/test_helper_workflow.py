@@ -13,8 +13,8 @@ from hgs_core.runs.config import RunConfig
 from hgs_core.runs.stages import train_scene
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
+from jobs.job import Job, JobState
 from jobs.job_request import JobRequest
-from jobs.store import Job, JobState
 from tests.synthetic import write_capture
 
 stand_in = pytest.mark.parametrize("pipeline", ["segment_pipeline"])

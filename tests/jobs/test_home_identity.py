@@ -16,7 +16,7 @@ from postgres_server import PostgresServer
 from hgs_core.base.errors import InputError
 from jobs.client import JobClient
 from jobs.home import Home
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]

@@ -4,9 +4,10 @@ import pytest
 import sqlalchemy as sa
 
 from hgs_core.base.errors import InputError
+from jobs.job import Job, JobState
 from jobs.job_filter import JobFilter, checked_labels
 from jobs.job_schema import job_rows
-from jobs.store import Job, JobState, JobTable
+from jobs.store import JobTable
 
 
 @pytest.fixture

@@ -13,8 +13,8 @@ import pytest
 from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
+from jobs.job import Job, JobState
 from jobs.job_request import JobRequest
-from jobs.store import Job, JobState
 
 SAMPLE = Path(__file__).resolve().parent.parent.parent / "samples" / "studio"
 

@@ -29,9 +29,9 @@ from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
+from jobs.job import JobState
 from jobs.job_request import JobRequest
 from jobs.stages import StageSeconds
-from jobs.store import JobState
 
 OUTAGE = float(os.environ.get("HGS_NIGHT_OUTAGE", "30"))  # seconds that the store refuses, and then hangs
 FULL = 0.4 * OUTAGE  # seconds that the disk is full

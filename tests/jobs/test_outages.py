@@ -14,7 +14,7 @@ from hgs_core.runs.folder import RunFolder
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from jobs.training_queue import enqueue
 
 Worker = subprocess.Popen[bytes]

@@ -17,8 +17,9 @@ from hgs_core.base.progress import Progress
 from jobs.client import JobClient
 from jobs.database import create_engine
 from jobs.home import Home
+from jobs.job import Job, JobState, Place
 from jobs.liveness import PostgresLiveness
-from jobs.store import Job, JobState, JobTable, Place
+from jobs.store import JobTable
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]

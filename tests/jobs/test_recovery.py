@@ -18,9 +18,10 @@ import sqlalchemy as sa
 from dbos import DBOS
 
 from jobs import recovery
+from jobs.job import Job, JobState
 from jobs.liveness import Liveness
 from jobs.recovery import Recovery
-from jobs.store import Job, JobState, JobTable
+from jobs.store import JobTable
 from jobs.subprocesses import StageRunner
 from jobs.surroundings import Surroundings
 

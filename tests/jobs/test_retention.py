@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
+from jobs.job import Job
 from jobs.retention import FinishedRun, Retention, folder_bytes
-from jobs.store import Job
 
 DAY = 86400.0
 NOW = 100 * DAY

@@ -13,7 +13,7 @@ from s3_server import S3Server, missing_program
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from tests.chunks import static_chunk
 
 CHUNK = static_chunk(b"a chunk")

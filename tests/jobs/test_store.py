@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import json
 import time
 from pathlib import Path
 
@@ -10,7 +9,8 @@ import sqlalchemy as sa
 from hgs_core.base.progress import Progress
 from jobs.database import prepare_database
 from jobs.home import Home
-from jobs.store import Job, JobState, JobTable, Place, metadata
+from jobs.job import Job, JobState, Place
+from jobs.store import JobTable, metadata
 
 
 @pytest.fixture
@@ -240,12 +240,6 @@ def test_active_jobs_are_the_unfinished_ones(table: JobTable) -> None:
     assert [job.id for job in table.active()] == ["a"]
     table.cancel("a", 1)
     assert table.active() == []
-
-
-def test_a_job_is_plain_json(table: JobTable) -> None:
-    job = table.get("a")
-    assert job is not None
-    assert json.loads(json.dumps(job.to_json()))["state"] == "queued"
 
 
 def test_preparing_twice_keeps_what_is_there(tmp_path: Path, engine: sa.Engine, table: JobTable) -> None:

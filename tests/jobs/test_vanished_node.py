@@ -17,8 +17,8 @@ from postgres_server import PostgresServer
 from jobs.client import JobClient
 from jobs.database import connection_url
 from jobs.home import Home
+from jobs.job import Job
 from jobs.liveness import PostgresLiveness
-from jobs.store import Job
 from jobs.worker import FENCED
 
 Worker = subprocess.Popen[bytes]

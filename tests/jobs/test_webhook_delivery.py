@@ -18,8 +18,9 @@ import sqlalchemy as sa
 from hgs_core.runs.config import RunConfig
 from jobs import webhook_table
 from jobs.client import JobClient
+from jobs.job import Job
 from jobs.job_request import JobRequest
-from jobs.store import Job, JobTable
+from jobs.store import JobTable
 from jobs.webhook_delivery import WebhookDelivery, signature
 from jobs.webhook_rules import WebhookRules
 from jobs.webhook_table import Announcement, WebhookTable

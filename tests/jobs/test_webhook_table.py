@@ -7,7 +7,8 @@ import pytest
 import sqlalchemy as sa
 
 from jobs import webhook_table
-from jobs.store import Job, JobTable
+from jobs.job import Job
+from jobs.store import JobTable
 from jobs.webhook_table import Announcement, WebhookTable
 
 

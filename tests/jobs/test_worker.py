@@ -14,11 +14,11 @@ from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
+from jobs.job import Job, JobState
 from jobs.job_history import read_course
 from jobs.job_request import JobRequest
 from jobs.out_of_memory import CURE
 from jobs.stages import STAGES, StageBytes, StageSeconds
-from jobs.store import Job, JobState
 from jobs.worker import start_worker
 
 Worker = subprocess.Popen[bytes]

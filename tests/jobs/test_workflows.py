@@ -21,8 +21,9 @@ from jobs import workflows
 from jobs.artifacts import ArtifactStore
 from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
+from jobs.job import Job, JobState
 from jobs.job_history import read_course
-from jobs.store import Job, JobState, JobTable, metadata
+from jobs.store import JobTable, metadata
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.workflows import TrainingWorkflow

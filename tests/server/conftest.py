@@ -23,9 +23,9 @@ from hgs_core.scene.camera import Camera
 from jobs.artifacts import SceneEntry
 from jobs.client import JobConflictError
 from jobs.home import Home
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_request import JobRequest
-from jobs.store import Job, JobState, Place
 from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
 from server.app import create_app

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from sqlalchemy.exc import OperationalError
 
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from server import job_events as module
 from server.job_events import JobFollowers, job_events
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
-from jobs.store import Job, JobState, Place
 from server.job_query import JobQuery, cursor
 from server.problems import ProblemError
 

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from jobs.artifacts import ArtifactStore, SceneEntry
-from jobs.store import Job
+from jobs.job import Job
 from server import scene_catalogue as module
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue

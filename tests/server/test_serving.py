@@ -19,7 +19,7 @@ import websockets
 from websockets.asyncio.client import ClientConnection
 
 from hgs_core.base.errors import InputError
-from jobs.store import JobState
+from jobs.job import JobState
 from server.protocol import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream
 from server.serving import bind, spare_collector

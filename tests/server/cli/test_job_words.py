@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from server.cli.job_words import duration, job_details, job_table, seconds_of, since, worker_table
 from server.job_events import describe_job
 

@@ -12,7 +12,7 @@ from PIL import Image
 
 from hgs_core.runs.folder import RunFolder
 from jobs.client import JobClient
-from jobs.store import Job, JobState
+from jobs.job import Job, JobState
 from server.cli import main, submit
 from tests.server.cli.conftest import FRAMES
 

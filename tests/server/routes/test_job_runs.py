@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from hgs_core.base.progress import Progress
+from jobs.job import JobState
 from jobs.job_history import CourseWriter
-from jobs.store import JobState
 from jobs.webhook_table import Announcement
 
 

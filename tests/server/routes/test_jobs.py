@@ -8,7 +8,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from jobs.client import KeyReusedError
-from jobs.store import JobState
+from jobs.job import JobState
 
 PROBLEM = "application/problem+json"
 

@@ -1,0 +1,78 @@
+"""A job as its users see it: its state, what was asked for, and how far it is."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+__all__ = ["ACTIVE", "Job", "JobState", "Place"]
+
+
+class JobState(StrEnum):
+    """Where a job is: queued -> running -> succeeded, failed or cancelled; a retry queues it again.
+
+    A running job that meets a fault that passes waits; it runs again by itself.
+    """
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    WAITING = "waiting"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+    CANCELLED = "cancelled"
+
+    @property
+    def finished(self) -> bool:
+        """Whether nothing more happens to the job unless it is retried."""
+        return self not in ACTIVE
+
+
+ACTIVE = (JobState.QUEUED, JobState.RUNNING, JobState.WAITING)  # not finished
+
+
+@dataclass(frozen=True)
+class Job:
+    """One row of the job table. Empty strings stand for what is not known (yet)."""
+
+    id: str
+    title: str
+    capture: str  # absolute path
+    config: Mapping[str, Any]  # RunConfig.to_json(); of older jobs, its flat form
+    state: JobState = JobState.QUEUED
+    attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
+    stage: str = ""  # initialise, train, encode or publish
+    done: int = 0  # of `total` units of the stage
+    total: int = 0
+    figures: Mapping[str, float] = field(default_factory=dict)  # e.g. loss, psnr, splats
+    error: str = ""  # one line, when failed
+    scene_id: str = ""  # the published scene, when succeeded
+    waiting: str = ""  # one line: why an unfinished job does not go on at the moment
+    cause: str = ""  # of a waiting job: what could not be seen, a `Cause` of surroundings.py; "" if that is not known
+    created: float = 0.0  # seconds since the epoch
+    updated: float = 0.0
+    labels: tuple[str, ...] = ()  # for people to find it by
+    priority: int = 0  # higher ones are taken first
+    time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
+    webhook: str = ""  # the URL that is told when the job ends
+    stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the fields as plain JSON values."""
+        return {**dataclasses.asdict(self), "state": self.state.value}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a job stands in the list of jobs; it moves when the job begins or ends."""
+
+    turn: int  # 0: it runs, 1: it waits, 2: it is finished
+    created: float
+    job_id: str
+
+    @classmethod
+    def of(cls, job: Job) -> Place:
+        """Return where the job stands."""
+        return cls(0 if job.state is JobState.RUNNING else 1 + job.state.finished, job.created, job.id)
