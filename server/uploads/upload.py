@@ -10,7 +10,6 @@
 
 from __future__ import annotations
 
-import errno
 import json
 import os
 import shutil
@@ -23,6 +22,7 @@ from typing import Any, Self
 from hgs_core.base.atomic import write_bytes
 from server.problems import ProblemError
 from server.uploads.arriving_file import ArrivingFile
+from server.uploads.journal import FileJournal
 from server.uploads.limits import UploadLimits, bytes_for_people
 from server.uploads.names import FolderNames, normal_path
 
@@ -53,6 +53,7 @@ class Upload:
         self.finishing = threading.RLock()  # held while it becomes a capture, or is deleted
         self._data = folder / "data"
         self._tree = folder / "capture"
+        self._journal = FileJournal(folder / "files.jsonl")
         self._files: list[ArrivingFile | None] = []  # by number; None: replaced by a later one of the same path
         self._by_path: dict[str, ArrivingFile] = {}
         self._names = FolderNames()
@@ -102,7 +103,7 @@ class Upload:
         """Return what has been announced and has come, file by file."""
         with self._lock:
             if self.capture:
-                there = {told["path"]: told for told in self._journal()}
+                there = {told["path"]: told for told in self._journal.read()}
                 return [
                     {"number": number, **told, "offset": told["size"], "verified": True}
                     for number, told in enumerate(there.values())
@@ -129,8 +130,7 @@ class Upload:
             self._names.add(path)
             if known is not None:
                 self._forget(known)
-            line = json.dumps({"path": path, "size": size, "sha256": sha256}, separators=(",", ":")) + "\n"
-            self._write_line(line.encode())
+            self._journal.add(path, size, sha256)
             file = self._index(path, size, sha256)
             if size == 0:
                 file.verify()
@@ -218,16 +218,6 @@ class Upload:
         told = asdict(self.announced) | {"created": self.created, "capture": self.capture}
         write_bytes(self.folder / "upload.json", json.dumps(told, indent=1).encode())
 
-    def _write_line(self, line: bytes) -> None:
-        with (self.folder / "files.jsonl").open("ab", buffering=0) as journal:
-            end = journal.tell()
-            try:
-                if journal.write(line) != len(line):
-                    raise OSError(errno.ENOSPC, "the journal of an upload")
-            except OSError:
-                journal.truncate(end)
-                raise
-
     def _index(self, path: str, size: int, sha256: str) -> ArrivingFile:
         file = ArrivingFile(len(self._files), path, size, sha256, self._data)
         self._files.append(file)
@@ -241,17 +231,8 @@ class Upload:
         self._files[file.number] = None
         self._total -= file.size
 
-    def _journal(self) -> list[dict[str, Any]]:
-        """Return the files that were announced, in order; of one path the last counts."""
-        journal = self.folder / "files.jsonl"
-        lines = journal.read_bytes() if journal.is_file() else b""
-        whole = lines[: lines.rfind(b"\n") + 1]
-        if whole != lines:  # the server was killed while it wrote the last line
-            os.truncate(journal, len(whole))
-        return [json.loads(line) for line in whole.splitlines()]
-
     def _read_journal(self) -> None:
-        for told in self._journal():
+        for told in self._journal.read():
             before = self._by_path.get(told["path"])
             self._names.add(told["path"])
             if before is not None:
