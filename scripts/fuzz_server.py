@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 import logging
 import random
 import re
@@ -20,15 +19,15 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Mapping, MutableMapping, Sequence
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote, unquote, urlencode
+from urllib.parse import unquote
 
-import msgpack
 from fastapi import FastAPI
 
 from jobs.home import Home
+from scripts.fuzz_inputs import packed, random_frame, random_requests
 from server.app import create_app
 from server.bench_scene import made_up_scene
 from server.capture_folders import CaptureFolders
@@ -38,19 +37,6 @@ CLOSES = {1003, 1009, 4000, 4001, 4004, 4008, 4009}  # that a client's message m
 LONGEST = 30.0  # seconds that a stream may take to end
 HANGS = -1  # in place of a code
 FRAMES = 60  # of one stream; more than 200 at once would wait
-HOSTILE: tuple[Any, ...] = (
-    None, True, -1, 0, 2**31, 2**63, 2**64 - 1, 10**400, 1e308, float("nan"), float("inf"), "", "a" * 5000, "\x00",
-    "\ud800", "..", "../../etc/passwd", "%00", "'; --", [], {}, [[]] * 50, {"a": {"b": {}}}, "0", "-1",
-    "1e400", "\u202e", "🂡" * 20,
-)  # fmt: skip
-HEADERS = (
-    ("Range", "bytes=0-"), ("Range", "bytes=" + "9" * 5000), ("If-None-Match", "*"), ("If-Range", '"x"'),
-    ("Accept", "\xff"), ("Accept-Encoding", "gzip;q=" + "9" * 3000), ("Origin", "http://["),
-    ("Content-Type", "text/plain"),
-    ("Authorization", "Bearer hgs_x"), ("Last-Event-ID", "99999999999999999999"), ("Idempotency-Key", "a"),
-    ("Idempotency-Key", "\xe4" * 300), ("Cookie", "hgs=\xff"), ("Host", "evil.example"),
-    ("X-Request-Id", "\x7f"), ("Upload-Offset", "-1"), ("Content-Length", "5"),
-)  # fmt: skip
 
 
 class Faults(logging.Handler):
@@ -102,7 +88,7 @@ async def _fuzz(folder: Path, requests: int, frames: int, seed: int) -> list[str
             "chunk_id": [*scene.chunks],
             "number": ["0"],
         }
-        cases = _requests(app, known, random.Random(seed))
+        cases = random_requests(app, known, random.Random(seed))
         for _ in range(requests):
             method, target, headers, body = next(cases)
             of_scene = method in ("GET", "HEAD") and re.match("/v1/(scenes/|chunks/)", target)
@@ -123,9 +109,9 @@ async def _fuzz(folder: Path, requests: int, frames: int, seed: int) -> list[str
     before = len(asyncio.all_tasks())
     dice = random.Random(seed)
     while read < frames:
-        messages = [_frame(dice) for _ in range(min(FRAMES, frames - read))]
+        messages = [random_frame(dice) for _ in range(min(FRAMES, frames - read))]
         if dice.random() < 0.9:
-            messages[0] = _packed({"type": "hello", "protocol": 2, "credits": dice.choice([0, 4144, 1 << 20])})
+            messages[0] = packed({"type": "hello", "protocol": 2, "credits": dice.choice([0, 4144, 1 << 20])})
         count, close = await _stream(app, messages)
         if close == HANGS:
             problems.append(f"a stream does not end: {messages[:count]!r:.2000}")
@@ -146,76 +132,6 @@ async def _fuzz(folder: Path, requests: int, frames: int, seed: int) -> list[str
 def _say(what: str, count: int, begun: float, found: Mapping[int, int]) -> None:
     ends = ", ".join(f"{number} x {code or 'left'}" for code, number in sorted(found.items()))
     print(f"{count} {what} in {time.monotonic() - begun:.0f} s: {ends}", flush=True)
-
-
-def _requests(
-    app: FastAPI, known: Mapping[str, Sequence[str]], dice: random.Random
-) -> Iterator[tuple[str, str, list[tuple[str, str]], bytes]]:
-    """Make requests of the server's description without end: method, target, headers and body."""
-    described = json.loads(json.dumps(app.openapi()))
-    operations = [
-        (method.upper(), path, operation)
-        for path, methods in described["paths"].items()
-        for method, operation in methods.items()
-    ]
-    while True:
-        method, path, operation = dice.choice(operations)
-        parts = {name: _odd(dice, dice.choice(known.get(name, ["x"])), 0.2) for name in re.findall(r"{(\w+)}", path)}
-        target = path.format(
-            **{name: quote(_text(value), safe="", errors="surrogatepass") for name, value in parts.items()}
-        )
-        names = [one["name"] for one in operation.get("parameters", ()) if one["in"] == "query"]
-        names += [name for name in ("limit", "after", "state", "label", "lines", "link", "x") if dice.random() < 0.15]
-        if query := [(name, _text(_odd(dice, "1", 0.6))) for name in names if dice.random() < 0.7]:
-            target += "?" + urlencode(query, errors="surrogatepass")
-        headers = [dice.choice(HEADERS) for _ in range(dice.choice([0, 0, 1, 2]))]
-        body = b""
-        for kind, content in operation.get("requestBody", {}).get("content", {}).items():
-            headers.insert(0, ("Content-Type", kind))
-            body = _body(dice, content.get("schema", {}))
-        yield dice.choice([method] * 9 + ["PUT"]), target, headers, body
-
-
-def _body(dice: random.Random, schema: Mapping[str, Any]) -> bytes:
-    value = _odd(dice, _value(dice, schema), 0.05)
-    data = json.dumps(value).encode()
-    if dice.random() < 0.1 and data:
-        place = dice.randrange(len(data))
-        data = data[:place] + dice.randbytes(dice.randrange(4)) + data[place + dice.randrange(3) :]
-    return data
-
-
-def _value(dice: random.Random, schema: Mapping[str, Any]) -> Any:
-    """Return a value of a JSON schema, with odd parts here and there."""
-    if "anyOf" in schema:
-        schema = dice.choice(schema["anyOf"])
-    value: Any = None
-    match schema.get("type"):
-        case "object":
-            named = schema.get("properties", {})
-            needed = schema.get("required", ())
-            value = {name: _value(dice, named[name]) for name in named if name in needed or dice.random() < 0.4}
-            if dice.random() < 0.1:
-                value[_text(_odd(dice, "more", 0.5))] = 1
-        case "array":
-            value = [_value(dice, schema.get("items", {})) for _ in range(dice.choice([0, 1, 2, 30]))]
-        case "string":
-            value = dice.choice(schema.get("enum", ["x", "a" * dice.randrange(300), "train.iterations"]))
-        case "integer" | "number":
-            value = dice.choice([0, 1, -1, 7, 0.5, 10**9])
-        case "boolean":
-            value = dice.random() < 0.5
-        case _:
-            value = dice.choice(HOSTILE)
-    return _odd(dice, value, 0.15)
-
-
-def _odd(dice: random.Random, value: Any, share: float) -> Any:
-    return dice.choice(HOSTILE) if dice.random() < share else value
-
-
-def _text(value: Any) -> str:
-    return value if isinstance(value, str) else f"{value!r:.400}"
 
 
 async def _ask(
@@ -244,41 +160,6 @@ async def _ask(
 
     await app(scope, receive, send)
     return status, made
-
-
-MESSAGES: tuple[dict[str, Any], ...] = (
-    {"type": "hello", "protocol": 2, "credits": 65536, "have": [b"x" * 32], "parts": [[b"y" * 32, 5]],
-     "manifest_id": b"m" * 32, "have_bits": b"\xff", "codings": ["gzip"], "time": 1.0, "rate": 1.0,
-     "splats": 5000, "bytes_per_second": 9000, "follow": True},
-    {"type": "credit", "bytes": 5000}, {"type": "seek", "time": 1.5}, {"type": "play", "time": 0.5, "rate": 1.0},
-    {"type": "pause", "time": 0.25}, {"type": "limits", "splats": 100, "bytes_per_second": 65536, "measured": 100000},
-    {"type": "ping", "id": 1},
-)  # fmt: skip
-
-
-def _packed(value: Any) -> bytes:
-    data: bytes = msgpack.packb(value, use_bin_type=True, unicode_errors="surrogatepass")
-    return data
-
-
-def _frame(dice: random.Random) -> bytes:
-    """Return a control message, three of four of which are mutated: a field, or bytes."""
-    message: dict[Any, Any] = dict(dice.choice(MESSAGES[1:] if dice.random() < 0.8 else MESSAGES))
-    how = dice.random()
-    if how < 0.4:
-        name = dice.choice(list(message))
-        wild = dice.choice(HOSTILE)
-        message[name] = 2**64 - 1 if wild == 10**400 else wild
-    elif how < 0.5:
-        message.pop(dice.choice(list(message)))
-    elif how < 0.55:
-        message[dice.choice(["new", 1, b"x"])] = 1
-    data = _packed(message)
-    if dice.random() < 0.2:
-        for _ in range(dice.randrange(1, 4)):
-            place = dice.randrange(len(data))
-            data = data[:place] + dice.randbytes(dice.randrange(3)) + data[place + dice.randrange(1, 3) :] or b"\0"
-    return data
 
 
 async def _stream(app: FastAPI, messages: Sequence[bytes]) -> tuple[int, int]:
