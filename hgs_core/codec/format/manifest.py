@@ -11,6 +11,7 @@ from hgs_core.codec.format.audio import AudioEntry
 from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
 from hgs_core.codec.format.json_fields import Field, field_of
+from hgs_core.codec.format.manifest_references import check_references
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
@@ -202,7 +203,7 @@ class Manifest:
             version=version,
             live=root["live"].whole(1) if "live" in root.mapping() else None,
         )
-        _check_references(manifest, root)
+        check_references(manifest, root)
         return manifest
 
 
@@ -221,40 +222,6 @@ def _slice(field: Field) -> SliceEntry:
         tuple(ChunkEntry.read(chunk) for chunk in field["chunks"].items()),
         tuple(item.hash() for item in field["needs"].items()),
     )
-
-
-def _check_references(manifest: Manifest, root: Field) -> None:
-    """Check what a field alone cannot show: order of time, references, totals."""
-    for name in ("segments", "slices", "cameras"):
-        if not getattr(manifest, name):
-            raise root[name].error("is empty, expected at least one")
-    for name, entries in (("segments", manifest.segments), ("slices", manifest.slices)):
-        starts = [entry.start for entry in entries]
-        for i in range(1, len(starts)):
-            if starts[i] < starts[i - 1]:
-                raise root[name].items()[i]["start"].error(f"is {starts[i]}, before the one that precedes it")
-    known: set[str] = {chunk.id for chunk in manifest.static}
-    if len(known) < len(manifest.static):
-        raise root["static"].error("lists a chunk twice")
-    earlier: dict[str, int] = {}  # chunk -> segment
-    for piece, field in zip(manifest.slices, root["slices"].items(), strict=True):
-        if piece.segment >= len(manifest.segments):
-            raise field["segment"].error(f"is {piece.segment}, expected below {len(manifest.segments)}")
-        for need, item in zip(piece.needs, field["needs"].items(), strict=True):
-            if earlier.get(need) != piece.segment:
-                raise item.error(f"{need} is not a chunk of an earlier slice of the segment")
-        for chunk, item in zip(piece.chunks, field["chunks"].items(), strict=True):
-            if chunk.id in known:
-                raise item["id"].error(f"{chunk.id} is listed twice")
-            known.add(chunk.id)
-            earlier[chunk.id] = piece.segment
-    for number, sound in enumerate(manifest.audio.pieces if manifest.audio else ()):
-        if sound.id in known:
-            raise root["audio"]["pieces"].items()[number]["id"].error(f"{sound.id} is a chunk of splats")
-    for name, total in vars(manifest.totals).items():
-        stated = root["totals"][name].whole(0)
-        if stated != total:
-            raise root["totals"][name].error(f"is {stated}, but the chunks add up to {total}")
 
 
 def _triple(numbers: tuple[float, ...]) -> Triple:
