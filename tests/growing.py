@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -23,12 +24,13 @@ def write_growing_scene(folder: Path, segments: int) -> bytes:
     (folder / "chunks").mkdir(parents=True, exist_ok=True)
     for data in (STATIC, *MOVING[:segments]):
         (folder / "chunks" / hashlib.sha256(data).hexdigest()).write_bytes(data)
-    manifest = json.dumps(first_segments(_whole(), segments).to_json()).encode()
+    manifest = json.dumps(first_segments(growing_manifest(STATIC, MOVING), segments).to_json()).encode()
     (folder / "manifest.json").write_bytes(manifest)
     return manifest
 
 
-def _whole() -> Manifest:
+def growing_manifest(static: bytes, moving: Sequence[bytes], live: int | None = None) -> Manifest:
+    """Return the manifest of a scene with one chunk of statics and one of every segment, each of a second."""
     box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 
     def entry(data: bytes) -> ChunkEntry:
@@ -37,16 +39,17 @@ def _whole() -> Manifest:
     return Manifest(
         title="Growing",
         start=0.0,
-        end=float(SEGMENTS),
+        end=float(len(moving)),
         frame_rate=30.0,
         background=(0.0, 0.0, 0.0),
         up=(0.0, -1.0, 0.0),
         center=(0.0, 0.0, 0.0),
         extent=1.0,
         cameras=(Camera("cam00", 64, 48, 50.0, 50.0, 32.0, 24.0, np.eye(4)),),
-        segments=tuple(SegmentEntry(float(k), k + 1.0) for k in range(SEGMENTS)),
-        static=(entry(STATIC),),
-        slices=tuple(SliceEntry(k, float(k), k + 1.0, (entry(data),), ()) for k, data in enumerate(MOVING)),
+        segments=tuple(SegmentEntry(float(k), k + 1.0) for k in range(len(moving))),
+        static=(entry(static),),
+        slices=tuple(SliceEntry(k, float(k), k + 1.0, (entry(data),), ()) for k, data in enumerate(moving)),
         thumbnail=False,
         training={},
+        live=live,
     )

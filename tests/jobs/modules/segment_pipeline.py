@@ -15,14 +15,11 @@ from pathlib import Path
 from sys import modules
 from types import ModuleType
 
-import numpy as np
-
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.runs.config import RunConfig
-from hgs_core.scene.camera import Camera
-from tests.chunks import dynamic_chunk, splats_of, static_chunk
+from tests.chunks import dynamic_chunk, static_chunk
+from tests.growing import growing_manifest
 
 
 def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
@@ -93,28 +90,7 @@ def _note(log: Path, line: str) -> None:
 def _write(run: Path, count: int, *, live: bool) -> None:
     static = static_chunk(b"room")
     moving = [dynamic_chunk((run / "segments" / str(k)).read_bytes(), (float(k), k + 1.0)) for k in range(count)]
-    box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-
-    def entry(data: bytes) -> ChunkEntry:
-        name = hashlib.sha256(data).hexdigest()
-        write_bytes(run / "scene" / "chunks" / name, data)
-        return ChunkEntry(name, len(data), splats_of(data), box)
-
-    manifest = Manifest(
-        title="Growing",
-        start=0.0,
-        end=float(count),
-        frame_rate=30.0,
-        background=(0.0, 0.0, 0.0),
-        up=(0.0, -1.0, 0.0),
-        center=(0.0, 0.0, 0.0),
-        extent=1.0,
-        cameras=(Camera("cam00", 64, 48, 50.0, 50.0, 32.0, 24.0, np.eye(4)),),
-        segments=tuple(SegmentEntry(float(k), k + 1.0) for k in range(count)),
-        static=(entry(static),),
-        slices=tuple(SliceEntry(k, float(k), k + 1.0, (entry(data),), ()) for k, data in enumerate(moving)),
-        thumbnail=False,
-        training={},
-        live=count if live else None,
-    )
+    for data in (static, *moving):
+        write_bytes(run / "scene" / "chunks" / hashlib.sha256(data).hexdigest(), data)
+    manifest = growing_manifest(static, moving, count if live else None)
     write_bytes(run / "scene" / "manifest.json", json.dumps(manifest.to_json()).encode())
