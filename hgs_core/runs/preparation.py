@@ -87,7 +87,8 @@ def _of_posed(spec: RunSpec, found: Path | None, by: str, progress: ProgressCall
         return None
     try:
         return starts_by_motion(capture, progress)
-    except InputError:
+    except InputError as error:
+        log.warning("%s: %s; the cameras are in step to about half a frame", spec.capture, error.problem)
         return rough
 
 

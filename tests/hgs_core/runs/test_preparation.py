@@ -15,6 +15,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
 from hgs_core.calibrate.colmap_text import write_colmap_text
 from hgs_core.calibrate.structure import Solution, SolvedCamera
+from hgs_core.check.starts import Starts
 from hgs_core.runs import preparation
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run, prepare
@@ -150,3 +151,22 @@ def test_videos_that_nothing_puts_in_step_are_taken_to_be_so_and_that_is_said(
     prepare(tmp_path / "run", silent)
     assert "nothing tells whether the videos are in step" in caplog.text
     assert "no sound track" not in caplog.text
+
+
+def test_starts_that_poses_do_not_make_finer_are_kept_and_that_is_said(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    create_run(tmp_path / "first", folder, CONFIG.changed({"capture.sync": "none"}))
+    prepare(tmp_path / "first", silent)  # finds the poses alone
+
+    def too_little(*_: object) -> Starts:
+        raise InputError(folder, "too little that moves is seen by c")
+
+    rough = Starts("motion", "frames", {name: 5.0 * (name == "c") for name in NAMES})
+    monkeypatch.setattr(preparation, "has_sound", lambda _: False)
+    monkeypatch.setattr(preparation, "starts_by_energy", lambda *_: rough)
+    monkeypatch.setattr(preparation, "starts_by_motion", too_little)
+    create_run(tmp_path / "run", folder, CONFIG)
+    prepare(tmp_path / "run", silent)
+    assert "too little that moves is seen by c; the cameras are in step to about half a frame" in caplog.text
+    assert json.loads((folder / "sync.json").read_text())["frames"]["c"] == 5
