@@ -154,8 +154,8 @@ class Access:
             if not self._secret:
                 self._secret = await run_in_threadpool(self._table.secret)
         except OperationalError as error:
+            log.error("the database of keys does not answer: %s", error.orig)
             if now - self._read > STALE_SECONDS:
                 raise
-            log.error("the database of keys does not answer: %s", error.orig)
             return
         self._keys, self._read = {key.id: key for key in keys}, now

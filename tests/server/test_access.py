@@ -135,7 +135,7 @@ def test_a_link_is_no_session(keys: FakeKeys, link: Callable[[Access, str], str]
 
 
 def test_keys_that_are_known_hold_for_a_while_without_the_database(
-    keys: FakeKeys, monkeypatch: pytest.MonkeyPatch
+    keys: FakeKeys, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     access = Access(keys, Asking.ALWAYS, Clock())
     text = keys.add("anna", Scope.VIEW)
@@ -143,8 +143,10 @@ def test_keys_that_are_known_hold_for_a_while_without_the_database(
     keys.fault = OperationalError("", {}, Exception("gone"))
     assert visitor(access, asked(Authorization=f"Bearer {text}")) is not None
     monkeypatch.setattr(module, "STALE_SECONDS", -1.0)
+    caplog.clear()
     with pytest.raises(OperationalError):
         visitor(access, asked(Authorization=f"Bearer {text}"))
+    assert "the database of keys does not answer: gone" in caplog.text
 
 
 def test_a_new_key_works_at_once(keys: FakeKeys, monkeypatch: pytest.MonkeyPatch) -> None:
