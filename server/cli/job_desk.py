@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from types import TracebackType
 from typing import Any, Protocol, Self
@@ -138,8 +137,11 @@ class ServerDesk:
         published = self.job(job_id)["scene"] if scene else None
         self._ask("DELETE", _path(job_id))
         if published is not None:
-            with contextlib.suppress(RefusedError):  # it was taken back before
+            try:
                 self._ask("DELETE", f"/v1/scenes/{published}")
+            except RefusedError as error:
+                if error.code != "scene-not-found":  # which was taken back before
+                    raise
 
     def workers(self) -> dict[str, Any]:
         """Return the workers that live."""

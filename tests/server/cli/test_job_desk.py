@@ -17,6 +17,7 @@ from jobs.home import Home
 from jobs.job_request import JobRequest
 from server.app import create_app
 from server.cli.job_desk import HomeDesk, JobDesk, ServerDesk
+from server.cli.server_client import Answer, RefusedError, ServerClient
 from tests.server.conftest import running_server
 
 
@@ -77,3 +78,18 @@ def test_a_job_is_looked_after(desk: JobDesk, home: Path, job: str) -> None:
         desk.job(job)
     with pytest.raises(InputError, match="limit"):
         desk.page([("limit", "0")])
+
+
+@pytest.mark.parametrize(("status", "code", "refused"), [(404, "scene-not-found", False), (403, "not-allowed", True)])
+def test_a_scene_that_may_not_be_deleted_with_its_job_is_told_of(
+    monkeypatch: pytest.MonkeyPatch, status: int, code: str, refused: bool
+) -> None:
+    def request(client: ServerClient, method: str, path: str) -> Answer:
+        if path == "/v1/scenes/dance":
+            raise RefusedError(client.url, Answer(status, {}, {"code": code, "detail": "needs the scope publish"}))
+        return Answer(200, {}, {"scene": "dance"})
+
+    monkeypatch.setattr(ServerClient, "request", request)
+    expected = pytest.raises(InputError, match="needs the scope publish") if refused else contextlib.nullcontext()
+    with ServerDesk("http://127.0.0.1:1") as desk, expected:
+        desk.delete("dance-1", scene=True)
