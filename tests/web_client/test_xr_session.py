@@ -211,9 +211,8 @@ def test_leaving_brings_the_page_back(browser: Browser, site: Site, leave: Calla
         page.evaluate("() => hgs.seek(0.4)")
         assert np.array_equal(canvas_pixels(page), before)
         page.keyboard.press("Shift+ArrowLeft")
-        page.locator("dialog").wait_for(state="attached")  # with what the first key loads, and obeys it
-        page.evaluate("() => hgs.seek(0.4)")
-        assert not np.array_equal(canvas_pixels(page), before)
+        while np.array_equal(canvas_pixels(page), before):  # the first key is obeyed once what it loads is there
+            page.wait_for_timeout(50)
         headset.enter()
         assert headset.frame() == 2
 

@@ -49,9 +49,7 @@ def test_a_colour_of_bt709_comes_back_from_bt2020() -> None:
 @pytest.mark.parametrize(("transfer", "primaries", "name"), [(PQ, 9, "HDR (PQ)"), (HLG, 9, "HDR (HLG)"), (1, 1, None)])
 def test_videos_are_read_as_their_tags_say(tmp_path: Path, transfer: int, primaries: int, name: str | None) -> None:
     with av.open(str(tmp_path / "a.mp4"), "w") as container:
-        stream = container.add_stream(
-            "libx265", rate=30, options={"x265-params": "log-level=none:pools=none:frame-threads=1"}
-        )
+        stream = container.add_stream("libx264", rate=30)  # FFmpeg now and then writes no MP4 of x265's streams
         stream.width, stream.height, stream.pix_fmt = 64, 48, "yuv420p10le"
         context = stream.codec_context
         context.color_trc, context.color_primaries, context.colorspace = transfer, primaries, primaries
