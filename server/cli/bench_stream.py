@@ -21,13 +21,8 @@ def add_parts(parts: Any) -> None:
         description="Serve a scene to viewers without a picture on lines of given rates, with layers and without: "
         "when playing begins, how often it waits, how long seeks take, and what pictures lose meanwhile.",
     )
-    stream.add_argument(
-        "run_folder", metavar="RUN", type=Path, nargs="?",
-        help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
-    )  # fmt: skip
+    _add_scene_and_output(stream)
     stream.add_argument("--seconds", metavar="S", type=float, default=60.0, help="to watch each line (default: 60)")
-    stream.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
-    stream.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     stream.set_defaults(run=_run_stream)
     serve: argparse.ArgumentParser = parts.add_parser(
         "serve",
@@ -35,20 +30,24 @@ def add_parts(parts: Any) -> None:
         description="Serve a scene to many viewers at once, each at the rate at which it plays: processor time and "
         "memory of the server, and how late what is asked for comes.",
     )
-    serve.add_argument(
-        "run_folder", metavar="RUN", type=Path, nargs="?",
-        help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
-    )  # fmt: skip
+    _add_scene_and_output(serve)
     serve.add_argument("--viewers", metavar="N", type=int, default=50, help="at once (default: 50)")
     serve.add_argument("--seconds", metavar="S", type=float, default=10.0, help="to watch (default: 10)")
-    serve.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
     serve.add_argument("--processes", metavar="N", type=int, default=1, help="servers (default: 1)")
     serve.add_argument(
         "--bad-clients", action="store_true",
         help="then let clients misbehave: that do not read, that open connections and wait, that seek all the time",
     )  # fmt: skip
-    serve.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     serve.set_defaults(run=_run_serve)
+
+
+def _add_scene_and_output(part: argparse.ArgumentParser) -> None:
+    part.add_argument(
+        "run_folder", metavar="RUN", type=Path, nargs="?",
+        help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
+    )  # fmt: skip
+    part.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
+    part.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
 
 
 def _run_stream(options: argparse.Namespace) -> int:

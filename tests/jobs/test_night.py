@@ -24,6 +24,7 @@ from flaky_proxy import FlakyProxy
 from network_node import NetworkNode, why_no_nodes
 from postgres_server import PostgresServer
 from s3_server import S3Server, missing_program
+from small_disk import small_disk
 
 from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
@@ -135,13 +136,8 @@ def stages(home: Home) -> list[tuple[int, Path]]:
 
 @pytest.fixture
 def disk(tmp_path: Path) -> Iterator[Path]:
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=48m", "tmpfs", folder], capture_output=True, check=False)
-    if made.returncode != 0:
-        pytest.skip("no file system can be mounted here: that takes root")
-    yield folder
-    subprocess.run(["umount", "--lazy", folder], check=True)
+    with small_disk(tmp_path / "disk", megabytes=48) as folder:
+        yield folder
 
 
 @pytest.fixture

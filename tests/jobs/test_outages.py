@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from small_disk import small_disk
 
 from hgs_core.runs.folder import RunFolder
 from jobs.artifacts import ArtifactStore
@@ -117,22 +118,17 @@ def test_a_database_that_does_not_take_the_outcome_of_a_stage_is_waited_for(
 
 
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    folder = tmp_path / "disk"
-    folder.mkdir()
-    made = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=24m", "tmpfs", folder], capture_output=True, check=False)
-    if made.returncode != 0:
-        pytest.skip("no file system can be mounted here: that takes root")
-    yield folder
-    subprocess.run(["umount", "--lazy", folder], check=True)
+def disk(tmp_path: Path) -> Iterator[Path]:
+    with small_disk(tmp_path / "disk", megabytes=24) as folder:
+        yield folder
 
 
 class TestFullDisk:
     """Database, runs and store on a real disk that is really full."""
 
     @pytest.fixture
-    def home(self, small_disk: Path, pipeline: str) -> Home:
-        return dataclasses.replace(Home.at(small_disk / "home"), pipeline=pipeline)
+    def home(self, disk: Path, pipeline: str) -> Home:
+        return dataclasses.replace(Home.at(disk / "home"), pipeline=pipeline)
 
     def test_the_job_goes_on_when_there_is_room_again(
         self,
@@ -140,12 +136,12 @@ class TestFullDisk:
         submit: Callable[..., str],
         worker: Callable[[], Worker],
         wait_for: WaitFor,
-        small_disk: Path,
+        disk: Path,
     ) -> None:
         worker()
         job_id = submit(iterations=200)
         wait_for(job_id, lambda job: job.stage == "train" and job.done > 20, "training")
-        ballast = small_disk / "ballast"
+        ballast = disk / "ballast"
         fill(ballast)
         wait_until_unlocked(client.home.run(job_id))
         fill(ballast)  # with what the stage may have given back
