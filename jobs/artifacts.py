@@ -20,7 +20,6 @@ from urllib.request import url2pathname
 
 import obstore
 from obstore.exceptions import AlreadyExistsError
-from obstore.store import LocalStore, ObjectStore, from_url
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
@@ -28,6 +27,7 @@ from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, chec
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import Manifest
 from jobs.home import Home
+from jobs.object_store import is_folder, open_object_store
 from jobs.store_lock import StoreLock
 
 if TYPE_CHECKING:
@@ -74,12 +74,9 @@ class ArtifactStore:
         `lock` is a file that all who publish to an object store share (`open_store`); a folder holds its own. With
         `once`, a server that does not answer is not asked again.
         """
-        self._store: ObjectStore
-        if url.startswith("file://"):
-            self._store = LocalStore.from_url(url, mkdir=True)
+        self._store = open_object_store(url, once=once)
+        if is_folder(url):
             lock = Path(url2pathname(urlsplit(url).path)) / "store.lock"
-        else:  # no options of the client's: they would take the place of what the environment says, all of it
-            self._store = from_url(url, retry_config={"max_retries": 0} if once else None)
         self._lock = None if lock is None else StoreLock(lock)
 
     @property
