@@ -19,8 +19,8 @@ __all__ = ["WebSocketProtocol"]
 log = logging.getLogger("hgs.server")
 
 UNSENT_BYTES = 32 << 10  # that the kernel takes beyond what is on its way: a seek waits for no more
-STALL_SECONDS = 45.0  # of taking nothing, after which a peer is cut off
-STALL_CHECKS = 15  # looks at the buffer in this time
+STALL_SECONDS = 45.0  # of taking nothing, in which a peer is cut off
+STALL_CHECKS = 15  # looks at what waits for it in this time; it is cut off a look early rather than late
 PIECE_BYTES = 4 << 10  # that are parsed at once: no peer's messages fill the memory before they are dealt with
 MAX_FRAGMENTS = 1024  # of one message
 PING_RATE = 10.0  # WebSocket pings per second
@@ -32,8 +32,8 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
     """Uvicorn's protocol, which keeps little data in flight and cuts off whom waiting does not help.
 
     It parses what it has read only as fast as the application takes messages. A peer is cut off, without a close, if it
-    takes none of what waits for it for about `STALL_SECONDS`, if it neither sends anything nor answers a keepalive
-    ping in uvicorn's time, or if it floods with pings or fragments, which no browser sends.
+    takes none of what waits for it for `STALL_SECONDS`, less at most the time between two looks, if it neither sends
+    anything nor answers a keepalive ping in uvicorn's time, or if it floods with pings or fragments.
     """
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
@@ -41,9 +41,9 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._unparsed = bytearray()
         self._pings = TokenBucket(PING_RATE, PING_BURST)
         self._heard = False  # since the last look at the keepalive
-        self._taken = True  # whether the peer has taken all that waited, since the last look at the buffer
-        self._waiting = 0  # bytes in the buffer at the last look
-        self._stalled = 0  # looks in a row at which the peer had taken nothing
+        self._taken_at: float | None = None  # when the peer last took of what waits, or earlier; None: nothing waits
+        self._waiting = 0  # bytes in the buffer at the last look; 0: not looked at since it was empty
+        self._looked_at = 0.0
         self._stall_timer: TimerHandle | None = None
 
     def connection_made(self, transport: BaseTransport) -> None:
@@ -52,7 +52,6 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self.transport.set_write_buffer_limits(high=0)
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
             self._set_option(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, UNSENT_BYTES)
-        self._watch_stall()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Stop watching."""
@@ -73,9 +72,16 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._parse()
         return event
 
+    def pause_writing(self) -> None:
+        """Let writers wait, and look now and then whether the peer takes anything of what waits for it."""
+        super().pause_writing()
+        self._taken_at, self._waiting = self.loop.time(), 0
+        if self._stall_timer is None:
+            self._look_again()
+
     def resume_writing(self) -> None:
         """Note that nothing waits any more."""
-        self._taken = True
+        self._taken_at = None
         super().resume_writing()
 
     def handle_ping(self) -> None:
@@ -106,15 +112,24 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             del self._unparsed[:PIECE_BYTES]
             super().data_received(piece)
 
-    def _watch_stall(self) -> None:
-        """Look regularly whether what waits for the peer becomes less; writers wait while there is any."""
+    def _look_again(self) -> None:
+        self._looked_at = self.loop.time()
+        self._stall_timer = self.loop.call_later(STALL_SECONDS / STALL_CHECKS, self._look)
+
+    def _look(self) -> None:
+        """Find out whether what waits for the peer has become less; it grows by pings alone, as writers wait."""
+        self._stall_timer = None
+        if self._taken_at is None:
+            return
         waiting = self.transport.get_write_buffer_size()
-        self._stalled = self._stalled + 1 if 0 < self._waiting <= waiting and not self._taken else 0
-        self._waiting, self._taken = waiting, False
-        if self._stalled >= STALL_CHECKS:
+        if waiting < self._waiting:
+            self._taken_at = max(self._taken_at, self._looked_at)
+        self._waiting = waiting
+        # At the next look it would be too late.
+        if self.loop.time() - self._taken_at > STALL_SECONDS - STALL_SECONDS / STALL_CHECKS:
             self._cut_off(f"it has taken nothing for {STALL_SECONDS:g} s")
         else:
-            self._stall_timer = self.loop.call_later(STALL_SECONDS / STALL_CHECKS, self._watch_stall)
+            self._look_again()
 
     def _cut_off(self, reason: str) -> None:
         """Close at once and drop what was to be sent, in the kernel too, for it would wait there for the peer."""

@@ -143,17 +143,46 @@ def connection() -> Connection:
     return Connection()
 
 
-def test_peer_that_takes_nothing_is_cut_off(connection: Connection) -> None:
+def test_peer_that_takes_nothing_is_cut_off_in_time() -> None:
+    """Whenever it ceases to, and not long before the time is up."""
+    look = STALL_SECONDS / STALL_CHECKS
+    for early in (0.0, 0.4 * look, 0.99 * look):
+        stalled = Connection()
+        stalled.protocol.pause_writing()  # something waits, and is taken
+        stalled.protocol.resume_writing()
+        stalled.loop.advance(early)
+        stalled.transport.waiting = 5000
+        stalled.protocol.pause_writing()
+        stalled.loop.advance(STALL_SECONDS - look - 0.01)
+        assert not stalled.transport.aborted
+        stalled.loop.advance(look + 0.01)
+        assert stalled.transport.aborted
+
+
+def test_peer_that_ceases_to_take_is_cut_off_in_time(connection: Connection) -> None:
     connection.transport.waiting = 5000
-    connection.loop.advance(STALL_SECONDS - 1)
+    connection.protocol.pause_writing()
+    connection.loop.advance(10)
+    connection.transport.waiting = 4000
+    connection.loop.advance(STALL_SECONDS - 2 * STALL_SECONDS / STALL_CHECKS)
     assert not connection.transport.aborted
-    connection.loop.advance(1 + 2 * STALL_SECONDS / STALL_CHECKS)
+    connection.loop.advance(2 * STALL_SECONDS / STALL_CHECKS)
     assert connection.transport.aborted
+
+
+def test_peer_for_whom_nothing_waits_is_not_looked_at(connection: Connection) -> None:
+    before = len(connection.loop.timers)
+    connection.protocol.pause_writing()
+    assert len(connection.loop.timers) == before + 1
+    connection.protocol.resume_writing()
+    connection.loop.advance(STALL_SECONDS / STALL_CHECKS)
+    assert len(connection.loop.timers) == before
 
 
 def test_peer_that_takes_little_by_little_is_not_cut_off(connection: Connection) -> None:
     """A manifest of megabytes takes minutes on a slow line, and pings behind it are not answered meanwhile."""
     connection.transport.waiting = 3_000_000
+    connection.protocol.pause_writing()
     for _ in range(30):
         connection.loop.advance(10)
         connection.transport.waiting -= 50_000
@@ -163,6 +192,7 @@ def test_peer_that_takes_little_by_little_is_not_cut_off(connection: Connection)
 def test_peer_that_takes_every_frame_slowly_is_not_cut_off(connection: Connection) -> None:
     for _ in range(30):
         connection.transport.waiting = 65_000  # a frame as long as the last one, which has gone meanwhile
+        connection.protocol.pause_writing()
         connection.loop.advance(10)
         connection.protocol.resume_writing()
     assert not connection.transport.aborted
