@@ -9,13 +9,15 @@ import socket
 import time
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, contextmanager
+from multiprocessing.synchronize import Event
 
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from server.protocol import MAX_BALANCE, PROTOCOL_VERSION, Hello, Ping, Seek, encode
+from server.connection_limits import raise_open_file_limit
+from server.protocol import HEADER_BYTES, MAX_BALANCE, MIN_PAYLOAD, PROTOCOL_VERSION, Hello, Ping, Seek, encode
 
-__all__ = ["flooding", "idling", "pings", "stalled"]
+__all__ = ["flooding", "idling", "pings", "resting", "stalled"]
 
 PING_SECONDS = 0.02  # between two pings
 SOCKETS_PER_ADDRESS = 1000
@@ -90,6 +92,36 @@ def flooding(url: str, clients: int) -> Iterator[None]:
     finally:
         process.kill()
         process.join()
+
+
+@contextmanager
+def resting(url: str, viewers: int) -> Iterator[None]:
+    """Let so many viewers, in a process of their own, take what they ask for, ask for no more and stay."""
+    spawn = multiprocessing.get_context("spawn")
+    there = spawn.Event()
+    process = spawn.Process(target=_rest, args=(url, viewers, there), daemon=True)
+    process.start()
+    try:
+        there.wait()
+        yield
+    finally:
+        process.kill()
+        process.join()
+
+
+def _rest(url: str, viewers: int, there: Event) -> None:
+    raise_open_file_limit()
+
+    async def rest() -> None:
+        async with contextlib.AsyncExitStack() as held:
+            for _ in range(viewers):
+                socket = websockets.connect(url, compression=None, max_size=None, ping_interval=None)
+                viewer = await held.enter_async_context(socket)
+                await viewer.send(encode(Hello(PROTOCOL_VERSION, MIN_PAYLOAD + HEADER_BYTES)))
+            there.set()
+            await asyncio.Event().wait()
+
+    asyncio.run(rest())
 
 
 def _flood(url: str, clients: int) -> None:

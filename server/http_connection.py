@@ -71,9 +71,15 @@ class HttpConnection(H11Protocol):
             self._look()
 
     def timeout_keep_alive_handler(self) -> None:
-        """Close the connection, which no request came over."""
-        super().timeout_keep_alive_handler()
-        self._watch_drain()
+        """Close the connection, which no request came over, when it is its turn."""
+        timer = self.timeout_keep_alive_task
+
+        def end() -> None:
+            if timer is self.timeout_keep_alive_task:  # else a request has come after all
+                super(HttpConnection, self).timeout_keep_alive_handler()
+                self._watch_drain()
+
+        self._open.in_turn(end)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
         """Hand the connection over."""
@@ -127,9 +133,14 @@ class HttpConnection(H11Protocol):
         if part is not None:
             limits = self._open.limits
             seconds = limits.head_seconds if part is h11.IDLE else limits.body_seconds
-            self._request_timer = self.loop.call_later(seconds, self._give_up)
+            self._request_timer = self.loop.call_later(seconds, self._time_out)
             self._received_before = self._received
             self._open.waits(self)
+
+    def _time_out(self) -> None:
+        """Give up when it is the connection's turn, unless what it waited for has come by then."""
+        timer = self._request_timer
+        self._open.in_turn(lambda: self._give_up() if timer is self._request_timer else None)
 
     def _give_up(self) -> None:
         """End the connection, unless a long body comes as fast as it has to and is still wanted."""

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.codec.format.manifest import Manifest
-from server.bad_clients import flooding, idling, pings, stalled
+from server.bad_clients import flooding, idling, pings, resting, stalled
 from server.bench_server import BenchServer
 from server.paced_viewers import Crowd, Pace
 from server.protocol import HEADER_BYTES, MIN_PAYLOAD
@@ -21,9 +21,11 @@ __all__ = ["bench_serve", "serve_text"]
 WITNESSES = 5  # viewers among the others that play what they get, as the player does
 AHEAD = 2.0  # seconds of the scene that the others ask for at once
 STAY = 20.0  # seconds, at least, that they stay
-STALLED, IDLE, FLOODERS = 50, 5000, 4
+STALLED, IDLE, FLOODERS, RESTING = 50, 5000, 4, 1000
 PATIENCE = 90.0  # seconds in which those that do not read must be gone
-PING_SECONDS = 10.0
+LOOK_SECONDS = 0.2  # between two looks at whether they are
+PING_SECONDS = 12.0  # longer than a connection may wait before it asks: the idle ones are closed meanwhile
+REST_SECONDS = 20.0  # a server's keepalive pings come so often
 FLOOD_SECONDS = 2.0  # until those that seek are there
 
 
@@ -44,7 +46,7 @@ async def bench_serve(
         folder: of the scene; None: one that is made up.
         minutes: length of the made-up scene.
         processes: servers.
-        bad_clients: afterwards, let clients misbehave in the ways of `server.bad_clients`, which takes two minutes.
+        bad_clients: afterwards, let clients misbehave in the ways of `server.bad_clients`, which takes three minutes.
     """
     servers = [BenchServer(folder, minutes) for _ in range(processes)]
     try:
@@ -118,7 +120,7 @@ async def _bad_clients(server: BenchServer) -> dict[str, Any]:
     async with stalled(server.url, STALLED):
         begun, most, there = time.monotonic(), 0, STALLED
         while there > quiet.connections and time.monotonic() - begun < PATIENCE:
-            await asyncio.sleep(1.0)
+            await asyncio.sleep(LOOK_SECONDS)
             costs = await server.costs()
             there, most = costs.connections, max(most, costs.kernel)
         gone = time.monotonic() - begun
@@ -126,8 +128,17 @@ async def _bad_clients(server: BenchServer) -> dict[str, Any]:
         "count": STALLED, "still_there": max(there - quiet.connections, 0), "seconds": gone,
         "kernel_each": most / STALLED,
     }  # fmt: skip
+    with resting(server.url, RESTING):
+        await asyncio.sleep(REST_SECONDS)
+        before = await server.costs()
+        await asyncio.sleep(REST_SECONDS)
+        used = (await server.costs()).processor - before.processor
+        report["resting"] = {"count": RESTING, "server_seconds_each": used / REST_SECONDS / RESTING}
+    before = await server.costs()
     with idling(server.port, IDLE):
-        report["idle"] = {"count": IDLE, "pings": _quantiles(await pings(server.url, PING_SECONDS))}
+        found = _quantiles(await pings(server.url, PING_SECONDS))
+    used = (await server.costs()).processor - before.processor
+    report["idle"] = {"count": IDLE, "pings": found, "server_seconds": used}
     with flooding(server.url, FLOODERS):
         await asyncio.sleep(FLOOD_SECONDS)
         with idling(server.port, IDLE):
@@ -167,7 +178,10 @@ def serve_text(report: Mapping[str, Any]) -> str:
             f"pings: {_in_ms(bad['pings_alone'])}",
             f"{stuck['count']} that do not read: {stuck['still_there']} of them there after {stuck['seconds']:.0f} s, "
             f"{stuck['kernel_each'] / 1e3:.0f} kB of the kernel's memory each",
-            f"pings with {bad['idle']['count']} idle connections: {_in_ms(bad['idle']['pings'])}",
+            f"{bad['resting']['count']} viewers at rest: "
+            f"{1e6 * bad['resting']['server_seconds_each']:.1f} us of processor time a second each",
+            f"pings with {bad['idle']['count']} idle connections: {_in_ms(bad['idle']['pings'])}; "
+            f"{bad['idle']['server_seconds']:.2f} s of processor time",
             f"and with {bad['idle_and_flooders']['count']} that seek all the time: "
             f"{_in_ms(bad['idle_and_flooders']['pings'])}",
         ]

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import asyncio
 import subprocess
 import sys
 from dataclasses import dataclass
 
 import pytest
 
-from server.connection_limits import ConnectionLimits, OpenConnections
+from server.connection_limits import ENDED_TOGETHER, ConnectionLimits, OpenConnections
 from tests.conftest import REPOSITORY
 
 
@@ -119,3 +120,29 @@ print(open_file_limit())
 def test_a_process_may_open_as_many_files_as_the_system_allows() -> None:
     told = subprocess.run([sys.executable, "-c", RAISE], capture_output=True, text=True, check=True, cwd=REPOSITORY)
     assert told.stdout.split() == ["64", "128"]
+
+
+def test_those_that_time_out_together_end_a_few_at_a_time() -> None:
+    async def scenario() -> None:
+        open_, ended = account(), 0
+
+        def end() -> None:
+            nonlocal ended
+            ended += 1
+
+        for _ in range(10 * ENDED_TOGETHER):
+            open_.in_turn(end)
+        while ended < 10 * ENDED_TOGETHER:
+            before = ended
+            await asyncio.sleep(0)  # others are served
+            assert ended - before <= ENDED_TOGETHER
+        open_.in_turn(end)
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert ended == 10 * ENDED_TOGETHER + 1
+
+    asyncio.run(scenario())
+
+
+def test_few_connections_are_accepted_at_once() -> None:
+    assert ConnectionLimits.for_files(1 << 20).batch <= 64

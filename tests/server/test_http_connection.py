@@ -11,7 +11,7 @@ import json
 import socket
 import subprocess
 import sys
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -94,6 +94,27 @@ def test_connection_that_asks_nothing_is_closed(server: Any) -> None:
     async def scenario() -> None:
         async with connections(server, head_seconds=0.1) as (_, connect):
             assert await (await connect()).rest() == b""
+
+    asyncio.run(scenario())
+
+
+def test_request_that_comes_before_its_connection_is_ended_is_answered(
+    server: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Connections that time out together are ended in turn."""
+
+    async def scenario() -> None:
+        ends: list[Callable[[], None]] = []
+        monkeypatch.setattr(OpenConnections, "in_turn", lambda self, end: ends.append(end))
+        async with connections(server, head_seconds=0.1) as (_, connect):
+            client = await connect()
+            while not ends:
+                await asyncio.sleep(0.02)
+            await client.send(f"{HEAD}\r\n")
+            assert (await client.answer())[0] == 200
+            ends[0]()
+            await client.send(f"{HEAD}\r\n")
+            assert (await client.answer())[0] == 200
 
     asyncio.run(scenario())
 

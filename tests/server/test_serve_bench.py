@@ -21,7 +21,10 @@ def test_viewers_and_the_server_are_counted(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_bad_clients_are_told_one_kind_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
-    settings = {"STALLED": 2, "IDLE": 4, "FLOODERS": 1, "PATIENCE": 0.1, "PING_SECONDS": 0.1, "FLOOD_SECONDS": 0.5}
+    settings = {
+        "STALLED": 2, "IDLE": 4, "FLOODERS": 1, "RESTING": 2,
+        "PATIENCE": 0.1, "PING_SECONDS": 0.1, "FLOOD_SECONDS": 0.5, "REST_SECONDS": 0.5,
+    }  # fmt: skip
     for name, value in settings.items():
         monkeypatch.setattr(serve_bench, name, value)
 
@@ -33,7 +36,9 @@ def test_bad_clients_are_told_one_kind_after_the_other(monkeypatch: pytest.Monke
     assert found["stalled"]["still_there"] == 2  # they are cut off after 45 s
     assert found["stalled"]["kernel_each"] > 0
     assert found["pings_alone"]["count"] > 0
+    assert found["resting"]["server_seconds_each"] > 0
     assert found["idle"]["pings"]["count"] > 0
+    assert found["idle"]["server_seconds"] > 0
     assert found["idle_and_flooders"]["pings"]["count"] > 0
 
 
@@ -46,7 +51,9 @@ def test_text_tells_what_was_found() -> None:
         "witnesses": {"count": 5, "playing": 0, "start_p50": None, "stalls": 0},
         "bad_clients": {
             "pings_alone": few, "stalled": {"count": 50, "still_there": 0, "seconds": 46.0, "kernel_each": 37_000},
-            "idle": {"count": 5000, "pings": few}, "idle_and_flooders": {"count": 4, "pings": few | {"count": 0}},
+            "resting": {"count": 1000, "server_seconds_each": 5e-6},
+            "idle": {"count": 5000, "pings": few, "server_seconds": 0.8},
+            "idle_and_flooders": {"count": 4, "pings": few | {"count": 0}},
         },
     }  # fmt: skip
     text = serve_text(report)
@@ -54,4 +61,6 @@ def test_text_tells_what_was_found() -> None:
     assert "lateness: p50 1.0 ms, p99 2.5 ms, max 3.0 ms" in text
     assert "none plays" in text
     assert "0 of them there after 46 s, 37 kB" in text
+    assert "1000 viewers at rest: 5.0 us" in text
+    assert "max 3.0 ms; 0.80 s of processor time" in text
     assert "with 4 that seek all the time: none" in text
