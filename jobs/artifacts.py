@@ -10,7 +10,7 @@ from __future__ import annotations
 import contextlib
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -26,9 +26,10 @@ from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest, stored_sizes
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import Manifest
+from jobs.database import connection_url
 from jobs.home import Home
 from jobs.object_store import is_folder, open_object_store
-from jobs.store_lock import StoreLock
+from jobs.store_lock import FileStoreLock, PostgresStoreLock, StoreLock
 
 if TYPE_CHECKING:
     from obstore import ObjectMeta
@@ -68,16 +69,16 @@ class ArtifactStore:
     Safe to use from several threads; every method blocks for its input and output.
     """
 
-    def __init__(self, url: str, lock: Path | None = None, *, once: bool = False) -> None:
+    def __init__(self, url: str, lock: StoreLock | None = None, *, once: bool = False) -> None:
         """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows.
 
-        `lock` is a file that all who publish to an object store share (`open_store`); a folder holds its own. With
-        `once`, a server that does not answer is not asked again.
+        `lock` is what all who publish to an object store share (`open_store`); a folder holds its own. With `once`, a
+        server that does not answer is not asked again.
         """
         self._store = open_object_store(url, once=once)
         if is_folder(url):
-            lock = Path(url2pathname(urlsplit(url).path)) / "store.lock"
-        self._lock = None if lock is None else StoreLock(lock)
+            lock = FileStoreLock(Path(url2pathname(urlsplit(url).path)) / "store.lock")
+        self._lock = lock
 
     @property
     def lock(self) -> StoreLock:
@@ -106,10 +107,20 @@ class ArtifactStore:
         manifest = load_manifest(folder)
         total = len(stored_sizes(manifest)) + 1
         waiting = Progress("publish", 0, total)
-        with contextlib.nullcontext() if self._lock is None else self._lock.publishing(lambda: progress(waiting)):
-            self._put_scene(folder, manifest, scene_id, progress)
+        if self._lock is None:
+            self._put_scene(folder, manifest, scene_id, progress, lambda: None)
+            return
+        with self._lock.publishing(lambda: progress(waiting)) as require_lock:
+            self._put_scene(folder, manifest, scene_id, progress, require_lock)
 
-    def _put_scene(self, folder: Path, manifest: Manifest, scene_id: str, progress: ProgressCallback) -> None:
+    def _put_scene(
+        self,
+        folder: Path,
+        manifest: Manifest,
+        scene_id: str,
+        progress: ProgressCallback,
+        require_lock: Callable[[], object],
+    ) -> None:
         text, there = _read(folder / MANIFEST), self.manifest(scene_id)
         grows = there is not None and replaces(text, there)
         known = _chunk_names(there) if there is not None and grows else frozenset()
@@ -120,6 +131,7 @@ class ArtifactStore:
         progress(Progress("publish", total - 1, total))
         if manifest.thumbnail:
             self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
+        require_lock()
         if grows:
             obstore.put(self._store, f"scenes/{scene_id}/{MANIFEST}", text)
         else:
@@ -213,7 +225,9 @@ class ArtifactStore:
 
 def open_store(home: Home) -> ArtifactStore:
     """Return the store of a home, with the lock that all processes of the home share."""
-    return ArtifactStore(home.store_url, home.folder / "store.lock")
+    if home.runs_in_store:
+        return ArtifactStore(home.store_url, PostgresStoreLock(connection_url(home)))
+    return ArtifactStore(home.store_url, FileStoreLock(home.folder / "store.lock"))
 
 
 def _chunk_names(manifest: bytes) -> frozenset[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import shutil
 from collections.abc import Collection, Sequence
@@ -17,7 +18,7 @@ from jobs.home import Home
 from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
-from jobs.run_trash import empty_trash, throw_away
+from jobs.run_places import run_place
 from jobs.store import JobTable, metadata
 from jobs.training_queue import enqueue, workflow_id
 from jobs.webhook_table import Announcement, WebhookTable
@@ -45,6 +46,7 @@ class JobClient:
         self.home = home
         self._engine = create_engine(home)
         self._table = JobTable(self._engine)
+        self._runs = run_place(home)
         try:
             prepare_database(home, self._engine, metadata)
             self._queue = open_client(home, self._engine)
@@ -79,17 +81,18 @@ class JobClient:
                 labels=request.labels, priority=request.priority, time_limit=request.time_limit,
                 webhook=request.webhook,
             )  # fmt: skip
+            self._runs.submitted(job_id)
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:
                 self._table.insert(connection, job, (request.key, request.digest) if request.key else None)
                 self._enqueue(connection, job, job.attempt)
         except sa.exc.IntegrityError:
-            shutil.rmtree(run, ignore_errors=True)
+            self._forget(job_id)
             if earlier := self._earlier(request):  # asked for at the same moment
                 return earlier
             raise
         except BaseException:
-            shutil.rmtree(run, ignore_errors=True)
+            self._forget(job_id)
             raise
         return job_id
 
@@ -182,12 +185,12 @@ class JobClient:
             if not self._table.delete(connection, job_id):
                 raise JobConflictError(f"job {job_id} was queued again; cancel it before it is deleted")
             try:
-                throw_away(self.home, job_id)
+                self._runs.remove(job_id)
             except InputError as error:
                 detail = f"job {job_id}: its last process still saves what it has; try again in some seconds"
                 raise JobConflictError(detail) from error
         self._queue.delete_workflows([workflow_id(job_id, attempt) for attempt in range(1, job.attempt + 1)])
-        empty_trash(self.home, job_id)
+        self._runs.removed(job_id)
 
     def close(self) -> None:
         """Close the connections."""
@@ -201,6 +204,12 @@ class JobClient:
         self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
     ) -> None:
         self.close()
+
+    def _forget(self, job_id: str) -> None:
+        """Remove the run of a job that could not be queued."""
+        shutil.rmtree(self.home.run(job_id), ignore_errors=True)
+        with contextlib.suppress(Exception):  # `hgs gc` removes what cannot be removed now
+            self._runs.remove(job_id)
 
     def _earlier(self, request: JobRequest) -> str:
         """Return the job that an earlier request with the same key made; "" if there is none."""

@@ -94,7 +94,7 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
         run_dbos_database_migrations(dbos_url(home))
         metadata.create_all(engine)
         _add_what_is_missing(engine, metadata)
-        identity = identify_home(home.folder, engine)
+        identity = identify_home(home, engine)
     home.runs.mkdir(parents=True, exist_ok=True)
     return identity
 

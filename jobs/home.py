@@ -7,9 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from hgs_core.base.errors import InputError
 from jobs.stages import StageBytes, StageSeconds
 
 __all__ = ["Home"]
+
+RUN_STATES = ("home", "store")
 
 SILENCE = StageSeconds(300.0)
 REPORT = StageSeconds(7200.0, (("train", 3600.0), ("publish", 3600.0)))
@@ -19,7 +22,8 @@ REPORT = StageSeconds(7200.0, (("train", 3600.0), ("publish", 3600.0)))
 class Home:
     """The places that the API process, the workers and their stages agree on.
 
-    `folder` holds the runs and the locks; on several machines it must be a shared folder.
+    `folder` holds the runs and the locks. On several machines it is a shared folder, or, where the state of runs lies
+    in the store, each machine's own.
     """
 
     folder: Path
@@ -29,6 +33,23 @@ class Home:
     stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
     stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
     stage_memory: StageBytes | None = None  # that each of its processes may take; None: any
+    run_state: str = "home"  # where the state of runs lies: in the folder, or in the "store"
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot work.
+
+        Raises:
+            InputError: the state of runs is to lie in a folder's store, or beside a database that others cannot reach.
+        """
+        if self.run_state not in RUN_STATES:
+            raise InputError("HGS_RUN_STATE", f"{self.run_state!r} is not one of {', '.join(RUN_STATES)}")
+        if self.run_state == "store":
+            if self.store_url.startswith("file://"):
+                cure = "give HGS_STORE_URL=s3://BUCKET/PREFIX, or leave the state of runs in the home"
+                raise InputError("HGS_RUN_STATE", "store takes an object store, and the store is a folder", cure)
+            if self.database_url.startswith("sqlite"):
+                cure = "give HGS_DATABASE_URL=postgresql://…, or leave the state of runs in the home"
+                raise InputError("HGS_RUN_STATE", "store takes Postgres: SQLite is of one machine", cure)
 
     @classmethod
     def at(cls, folder: Path) -> Home:
@@ -38,7 +59,8 @@ class Home:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
-        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE` and limits of stages.
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_RUN_STATE` and
+        limits of stages.
 
         These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, and `HGS_STAGE_MEMORY`, in bytes, as
         `StageSeconds` and `StageBytes` read them.
@@ -46,7 +68,8 @@ class Home:
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
 
         Raises:
-            InputError: a limit is not a positive number, or names an unknown stage.
+            InputError: a limit is not a positive number, or names an unknown stage; or the state of runs cannot lie
+                where it shall.
         """
         default = cls.at(Path(environment.get("HGS_HOME") or "~/.hgs"))
         store_url = environment.get("HGS_STORE_URL") or default.store_url
@@ -63,6 +86,7 @@ class Home:
             StageSeconds.parse("HGS_STAGE_SILENCE", silence),
             StageSeconds.parse("HGS_STAGE_REPORT", report),
             StageBytes.parse("HGS_STAGE_MEMORY", memory) if memory else None,
+            environment.get("HGS_RUN_STATE") or default.run_state,
         )
 
     def environment(self) -> dict[str, str]:
@@ -75,7 +99,13 @@ class Home:
             "HGS_STAGE_SILENCE": str(self.stage_silence),
             "HGS_STAGE_REPORT": str(self.stage_report),
             "HGS_STAGE_MEMORY": str(self.stage_memory or ""),
+            "HGS_RUN_STATE": self.run_state,
         }
+
+    @property
+    def runs_in_store(self) -> bool:
+        """Whether the state of runs lies in the store, and machines share no folder."""
+        return self.run_state == "store"
 
     @property
     def runs(self) -> Path:

@@ -1,7 +1,8 @@
 """Whether the home's folder is the one that the database belongs to.
 
 A machine on which the shared folder is not mounted sees an empty folder in its place. A file in the home holds a random
-id that stands in the database too, so that a process can tell before it takes or makes jobs there.
+id that stands in the database too, so that a process can tell before it takes or makes jobs there. Where machines share
+no folder, the store holds the id, and a machine whose store has the right one gets a home of its own.
 """
 
 from __future__ import annotations
@@ -10,10 +11,13 @@ import uuid
 from dataclasses import dataclass
 from pathlib import Path
 
+import obstore
 import sqlalchemy as sa
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from jobs.home import Home
+from jobs.object_store import open_object_store
 
 __all__ = ["HomeIdentity", "identify_home"]
 
@@ -45,19 +49,23 @@ class HomeIdentity:
         return None
 
 
-def identify_home(folder: Path, engine: sa.Engine) -> HomeIdentity:
+def identify_home(home: Home, engine: sa.Engine) -> HomeIdentity:
     """Return the identity of the home, made the first time; one process at a time.
 
     Raises:
-        InputError: `folder` is not the one that this database belongs to, or cannot be read.
+        InputError: the home's folder is not the one that this database belongs to, or cannot be read; or the store is
+            not.
     """
     _metadata.create_all(engine)
     with engine.begin() as connection:
         known = connection.execute(sa.select(_home.c.id)).scalar_one_or_none()
         if known is None:
-            known = _read_or_make(folder)
+            known = _read_or_make_in_store(home) if home.runs_in_store else _read_or_make(home.folder)
             connection.execute(sa.insert(_home).values(id=known))
-    identity = HomeIdentity(folder, known)
+    if home.runs_in_store and not (home.folder / FILE).exists():
+        _require_store(home, known)
+        write_bytes(home.folder / FILE, known.encode())
+    identity = HomeIdentity(home.folder, known)
     mismatch = identity.mismatch()
     if mismatch is not None:
         raise mismatch
@@ -70,3 +78,30 @@ def _read_or_make(folder: Path) -> str:
     if not file.exists():
         write_bytes(file, str(uuid.uuid4()).encode())
     return file.read_text().strip()
+
+
+def _read_or_make_in_store(home: Home) -> str:
+    found = _id_in_store(home)
+    if found is None:
+        found = str(uuid.uuid4())
+        obstore.put(open_object_store(home.store_url), FILE, found.encode(), mode="create")
+    return found
+
+
+def _require_store(home: Home, known: str) -> None:
+    """Refuse a store that is not the one whose database this is: it would hold none of the runs."""
+    found = _id_in_store(home)
+    if found != known:
+        problem = f"is the store of another database ({FILE}: {found})" if found else f"has no {FILE}"
+        cure = (
+            "give the HGS_STORE_URL and HGS_RUN_STATE of the other machines; jobs of a shared home must be finished or "
+            f"deleted before HGS_RUN_STATE=store, and then {known} written into that object"
+        )
+        raise InputError(f"HGS_STORE_URL {home.store_url}", problem, cure)
+
+
+def _id_in_store(home: Home) -> str | None:
+    try:
+        return bytes(obstore.get(open_object_store(home.store_url), FILE).bytes()).decode().strip()
+    except FileNotFoundError:
+        return None

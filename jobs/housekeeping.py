@@ -9,8 +9,8 @@ from jobs.artifacts import open_store
 from jobs.chunk_collection import YOUNGEST, Collection, collect_chunks
 from jobs.client import JobClient, JobConflictError
 from jobs.job import Job, JobState, Place
-from jobs.retention import FinishedRun, Retention, folder_bytes
-from jobs.run_trash import empty_trash, trash
+from jobs.retention import FinishedRun, Retention
+from jobs.run_places import run_place
 
 __all__ = ["Tidied", "tidy"]
 
@@ -33,13 +33,11 @@ def tidy(client: JobClient, retention: Retention, *, delete: bool, youngest: flo
         InputError: as `collect_chunks`; jobs are removed before.
         OSError: a run folder cannot be moved.
     """
-    home = client.home
-    freed = 0
-    for job_id in trash(home):
-        freed += folder_bytes(home.folder / "trash" / job_id)
-        if delete:
-            empty_trash(home, job_id)
-    runs = [FinishedRun(job, folder_bytes(home.run(job.id))) for job in _finished(client)]
+    home, place = client.home, run_place(client.home)
+    finished = _finished(client)
+    freed = place.left_over(client.many, delete=delete)
+    sizes = place.sizes([job.id for job in finished])
+    runs = [FinishedRun(job, sizes[job.id]) for job in finished]
     removed: list[str] = []
     for run in retention.expired(runs, time.time()):
         if delete:

@@ -43,6 +43,7 @@ class Job:
     config: Mapping[str, Any]  # RunConfig.to_json(); of older jobs, its flat form
     state: JobState = JobState.QUEUED
     attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
+    epoch: int = 0  # counts the workers that took it: the last one's fences all earlier ones off the run's state
     stage: str = ""  # initialise, train, encode or publish
     done: int = 0  # of `total` units of the stage
     total: int = 0

@@ -89,6 +89,7 @@ class RunState:
         """
         with self._turn:
             head, before = self._take()
+            self._folder.mkdir(parents=True, exist_ok=True)
             if self._own_epoch() == before.epoch:  # nobody else has saved since: what lies here follows from it
                 self._saved = {}
             else:
@@ -118,11 +119,11 @@ class RunState:
                 self._stored.remove_files([file for file in before.files.values() if file.name not in kept])
             self._saved = stamps
 
-    def changed(self) -> frozenset[str]:
-        """Return the names of the files that are not saved as they are now, gone ones included."""
+    def look(self) -> tuple[frozenset[str], frozenset[str]]:
+        """Return the names of all files, and of those that are not saved as they are now, gone ones included."""
         looked = self._look()
         names = looked.keys() | self._saved.keys()
-        return frozenset(name for name in names if looked.get(name) != self._saved.get(name))
+        return frozenset(looked), frozenset(name for name in names if looked.get(name) != self._saved.get(name))
 
     def _take(self) -> tuple[RunHead, RunHead]:
         """Return the head that was put, and the one before."""
@@ -144,14 +145,13 @@ class RunState:
 
     def _fetch(self, head: RunHead) -> None:
         (self._folder / _EPOCH).unlink(missing_ok=True)  # until all is there, the folder is of no epoch
-        self._folder.mkdir(parents=True, exist_ok=True)
         for name in self._look().keys() - head.files.keys():
             (self._folder / name).unlink(missing_ok=True)
         try:
             bring(self._stored, head.files, self._folder, self._translate)
-        except FileNotFoundError as error:
+        except FileNotFoundError as error:  # no fault of the store, which would be waited for
             where = f"the store's {self._stored.prefix}"
-            raise InputError(where, f"lacks what its head names ({error})", "submit the job again") from error
+            raise InputError(where, f"lacks what its head names ({error})", "submit the job again") from None
         for left in self._folder.glob(".*.part"):  # of a download that was cut off, of what is not wanted any more
             left.unlink()
         self._saved = self._look()

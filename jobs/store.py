@@ -127,9 +127,17 @@ class JobTable:
         with self._engine.connect() as connection:
             return [_job(row) for row in connection.execute(sa.select(job_rows).where(*conditions))]
 
-    def start(self, job_id: str, attempt: int) -> bool:
-        """Mark an attempt as running; also when a worker takes it over."""
-        return self._update(job_id, attempt, state=JobState.RUNNING, waiting="", cause="")
+    def start(self, job_id: str, attempt: int) -> int:
+        """Mark an attempt as running, also when a worker takes it over, and return the job's next epoch, 1 or more.
+
+        Returns 0, and changes nothing, once the attempt is finished or followed by another.
+        """
+        statement = _unfinished(job_id, attempt).values(
+            state=JobState.RUNNING, waiting="", cause="", epoch=job_rows.c.epoch + 1, updated=time.time()
+        )
+        with self._engine.begin() as connection:
+            epoch = connection.execute(statement.returning(job_rows.c.epoch)).scalar_one_or_none()
+        return 0 if epoch is None else int(epoch)
 
     def keep_alive(self, job_id: str, attempt: int) -> bool:
         """Renew the date of a running attempt that has nothing to report."""

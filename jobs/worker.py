@@ -23,6 +23,7 @@ from jobs.home import Home
 from jobs.liveness import open_liveness
 from jobs.parent_process import when_parent_is_gone
 from jobs.recovery import Recovery
+from jobs.run_copies import remove_copies
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
 from jobs.surroundings import Surroundings
@@ -40,6 +41,8 @@ __all__ = ["main", "run_worker", "start_worker"]
 WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
+TIDY_INTERVAL = 600.0  # seconds between two looks for copies of runs that nobody needs
+SAVE_SECONDS = 12.0  # to bring what the stage has saved to the store, where the state of runs lies there
 LEAVE_SECONDS = 5.0  # to hand the running job over at the end
 # Connections to Postgres of the job table and DBOS together; the proof of life has another. In one worker of all, DBOS
 # keeps one of them: nothing here may hold a connection while it waits for another.
@@ -94,7 +97,8 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     workflow = TrainingWorkflow(home, surroundings, engine, queue, stages)
     workflow.register()
     HelperWorkflow(home, engine, stages, workflow.attended).register()
-    recovery = Recovery(dbos, executor, JobTable(engine), stages, liveness, workflow.attended, surroundings)
+    table, next_tidying = JobTable(engine), 0.0
+    recovery = Recovery(dbos, executor, table, stages, liveness, workflow.attended, surroundings)
     register = WorkerRegister(engine, executor)
     gate = _Gate(dbos)  # closed until the first look has shown whether there is interrupted work to go on with
     WebhookDelivery(WebhookTable(engine), WebhookRules.configured()).start()
@@ -110,6 +114,9 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
             gate.close_for(refusal)
             recovery.wake()
             recovery.settle()
+            if home.runs_in_store and time.monotonic() >= next_tidying:
+                next_tidying = time.monotonic() + TIDY_INTERVAL
+                remove_copies(home, table.many)
             register.tell(next((job_of(name) for name, _ in list(workflow.attended)), ""), refusal)
         except Exception:
             log.exception("will look after the other workers again in %g s", ROUND_INTERVAL)
@@ -121,6 +128,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     while stages.workflows() and time.monotonic() < deadline:
         time.sleep(0.05)
     stages.kill()
+    workflow.saving.save_all(SAVE_SECONDS)
     _leave(recovery, register)
     os._exit(0)  # the workflow stays unfinished: now queued, or under this executor's name, for another worker to find
 

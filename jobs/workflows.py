@@ -7,7 +7,7 @@ import dataclasses
 import functools
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -19,11 +19,12 @@ from jobs.artifacts import open_store
 from jobs.home import Home
 from jobs.job import JobState
 from jobs.job_history import CourseWriter
+from jobs.run_saving import RunSaving
 from jobs.segments import MADE, SEGMENTS
 from jobs.stage_pace import StagePace
 from jobs.stages import STAGES
 from jobs.store import JobTable
-from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.training_queue import TRAIN_JOB, ask_for_help, enqueue, workflow_id
 from jobs.transient_faults import one_line, reason_to_wait
@@ -57,6 +58,7 @@ class TrainingWorkflow:
         self._table = JobTable(engine)
         self._queue = queue
         self._stages = stages
+        self.saving = RunSaving(home)
 
     def register(self) -> None:
         """Tell DBOS about the workflow; call once per process, before DBOS is launched."""
@@ -75,8 +77,10 @@ class TrainingWorkflow:
             began = time.monotonic()
             self.attended.add((job_id, attempt))
             try:
-                if not await _persist(self._table.start, job_id, attempt):
+                epoch = await _persist(self._table.start, job_id, attempt)
+                if not epoch:
                     return
+                self.saving.begin((job_id, attempt), epoch)
                 outcome, stage = StageOutcome(), first
                 try:
                     for stage in STAGES[STAGES.index(first) :]:
@@ -96,6 +100,7 @@ class TrainingWorkflow:
                 else:
                     await _persist(self._finish, job_id, attempt)
             finally:
+                self.saving.end((job_id, attempt))
                 self.attended.discard((job_id, attempt))
 
     def _ask_for_help(self, job_id: str, attempt: int, helpers: int) -> None:
@@ -137,7 +142,9 @@ class TrainingWorkflow:
         async def on_progress(progress: Progress) -> None:
             nonlocal asked, tries
             free = int(progress.figures.get(SEGMENTS, 0) - progress.figures.get(MADE, 0))
-            if not asked and free > 1 and progress.figures.get(MADE):  # one is made here
+            if (
+                not asked and free > 1 and progress.figures.get(MADE) and not self._home.runs_in_store
+            ):  # one is made here
                 asked = True
                 await _persist(self._ask_for_help, job_id, attempt, free - 1)
             if progress.done > reached.get(progress.stage, 0):
@@ -147,6 +154,9 @@ class TrainingWorkflow:
 
         # The course has none of this: a stage that goes on from a checkpoint does not begin anew.
         await unless_it_fails(functools.partial(self._table.progress, job_id, attempt), Progress(stage, 0, 1))
+        claimed = await self.saving.claim((job_id, attempt))
+        if claimed != StageOutcome():
+            return claimed
         lacking = await _persist(self._lacking, job_id, stage)
         if lacking is not None:  # seen before the stage begins: encoding does with less where there is no capture
             return StageOutcome(waiting=lacking.reason, cause=lacking.cause)
@@ -154,11 +164,10 @@ class TrainingWorkflow:
         while tries < STAGE_TRIES:
             tries += 1
             try:
-                run = self._home.run(job_id)
-                outcome = await self._stages.run(workflow_id(job_id, attempt), stage, run, on_progress)
+                outcome = await self._saved_stage(stage, job_id, attempt, on_progress)
             except OSError as error:  # it could not even be started
                 outcome = StageOutcome(one_line(error), reason_to_wait(error))
-            if not outcome.killed:
+            if not outcome.killed or self.saving.taken((job_id, attempt)):
                 break
             log.warning("%s, start %d of %d without progress: %s", job_id, tries, STAGE_TRIES, outcome.error)
         if outcome.error or outcome.waiting:
@@ -168,6 +177,24 @@ class TrainingWorkflow:
             if lacking is not None:
                 outcome = dataclasses.replace(outcome, waiting=outcome.waiting or lacking.reason, cause=lacking.cause)
         return outcome
+
+    async def _saved_stage(
+        self, stage: str, job_id: str, attempt: int, on_progress: Callable[[Progress], Awaitable[None]]
+    ) -> StageOutcome:
+        """Run a stage once, and save what it made; a stage whose results are not saved has not ended well."""
+        name = workflow_id(job_id, attempt)
+        try:
+            async with self.saving.meanwhile((job_id, attempt), lambda: self._stages.abandon(name)):
+                outcome = await self._stages.run(name, stage, self._home.run(job_id), on_progress)
+        except OwnershipLost:
+            if not self.saving.taken((job_id, attempt)):
+                raise
+        else:
+            saved = await self.saving.save((job_id, attempt))
+            if outcome != StageOutcome() or (stage == "publish" and not self.saving.taken((job_id, attempt))):
+                return outcome
+            return saved
+        return await self.saving.save((job_id, attempt))
 
     def _lacking(self, job_id: str, stage: str) -> Missing | None:
         """Return what this machine lacks for a stage, the store left aside."""
@@ -197,6 +224,7 @@ class TrainingWorkflow:
                 log.warning("%s waits for %g s: %s", job_id, delay, outcome.waiting)
 
     def _finish(self, job_id: str, attempt: int) -> None:
+        self.saving.complete((job_id, attempt))
         if not self._table.succeed(job_id, attempt, job_id):
             job = self._table.get(job_id)
             if job is not None and job.state is JobState.CANCELLED:

@@ -43,5 +43,19 @@ def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
     seconds = StageSeconds(90.0, (("train", 7.5),))
     limits = (seconds, StageSeconds(0.5), StageBytes(8e9))
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits)
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits, "store")
     assert Home.from_environment(home.environment()) == home
+
+
+@pytest.mark.parametrize(
+    ("environment", "problem"),
+    [
+        ({"HGS_RUN_STATE": "nfs"}, "HGS_RUN_STATE: 'nfs' is not one of home, store"),
+        ({"HGS_RUN_STATE": "store"}, "HGS_RUN_STATE: store takes an object store, and the store is a folder"),
+        ({"HGS_RUN_STATE": "store", "HGS_STORE_URL": "s3://bucket"}, "HGS_RUN_STATE: store takes Postgres"),
+    ],
+)
+def test_the_state_of_runs_lies_where_it_can(environment: dict[str, str], problem: str) -> None:
+    with pytest.raises(InputError, match=problem):
+        Home.from_environment(environment)
+    assert not Home.from_environment({}).runs_in_store

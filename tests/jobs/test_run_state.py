@@ -118,9 +118,9 @@ def test_locks_and_what_is_being_written_are_no_state(state: State, store: Objec
     (tmp_path / "one" / "segments").mkdir()
     for name in ("run.lock", "run.lease.1", "segments/3.lock", ".scene.npz.ab.tmp", "x.tmp", "segments/3"):
         (tmp_path / "one" / name).write_text(name)
-    assert first.changed() == {"segments/3"}
+    assert first.look() == ({"run.json", "segments/3"}, {"segments/3"})
     first.save()
-    assert first.changed() == frozenset()
+    assert first.look()[1] == frozenset()
     head = StoredRun(store, "runs/a").head()
     assert head is not None
     assert set(head.files) == {"run.json", "segments/3"}

@@ -118,6 +118,15 @@ def test_jobs_in_any_number_can_be_asked_for(engine: sa.Engine, table: JobTable)
     assert list(table.many([*(f"nobody-{number}" for number in range(35_000)), "a"])) == ["a"]
 
 
+def test_every_worker_that_takes_a_job_has_an_epoch_of_its_own(engine: sa.Engine, table: JobTable) -> None:
+    assert [table.start("a", 1), table.start("a", 1)] == [1, 2]
+    table.fail("a", 1, "an error")
+    assert table.start("a", 1) == 0
+    with engine.begin() as connection:
+        table.requeue(connection, "a", 1)
+    assert table.start("a", 2) == 3
+
+
 def test_progress_is_kept_with_its_figures(table: JobTable) -> None:
     assert table.start("a", 1)
     assert table.progress("a", 1, Progress("train", 3, 10, {"psnr": 26.5}))

@@ -1,0 +1,141 @@
+"""Machines that share Postgres and an object store, and no folder: each has a home of its own."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import obstore
+import pytest
+from chain_pipeline import chain
+from postgres_server import PostgresServer
+from s3_server import S3Server, missing_program
+
+from hgs_core.base.errors import InputError
+from jobs.artifacts import ArtifactStore
+from jobs.client import JobClient
+from jobs.home import Home
+from jobs.home_identity import FILE
+from jobs.housekeeping import tidy
+from jobs.job import Job, JobState
+from jobs.object_store import open_object_store
+from jobs.retention import Retention
+from jobs.run_state import run_prefix
+from jobs.stored_run import StoredRun
+
+Worker = subprocess.Popen[bytes]
+Poll = Callable[[Callable[[], bool], str], None]
+WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
+
+# The grace of half a minute, after which a worker counts as dead, is not what is tested here.
+IMPATIENT = "from jobs import liveness, worker; liveness.PostgresLiveness.__init__.__kwdefaults__.update(grace=1.0)"
+
+
+@pytest.fixture(scope="module")
+def s3() -> Iterator[S3Server]:
+    if missing := missing_program():
+        pytest.skip(missing)
+    server = S3Server()
+    server.start()
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def home(tmp_path: Path, s3: S3Server, server: PostgresServer, monkeypatch: pytest.MonkeyPatch) -> Home:
+    """That of the machine which submits; it runs no worker."""
+    for name, value in s3.settings.items():
+        monkeypatch.setenv(name, value)
+    return dataclasses.replace(
+        Home.at(tmp_path / "api"),
+        pipeline="chain_pipeline",
+        database_url=server.new_database(),
+        store_url=f"s3://bucket/{tmp_path.name}",
+        run_state="store",
+    )
+
+
+@pytest.fixture
+def node(home: Home, tmp_path: Path) -> Iterator[Callable[[str], Worker]]:
+    """Return a function that starts a worker on the machine of that name."""
+    processes: list[Worker] = []
+
+    def start(name: str) -> Worker:
+        environment = {**os.environ, **dataclasses.replace(home, folder=tmp_path / name).environment()}
+        command = [sys.executable, "-c", f"{IMPATIENT}; worker.main()"]
+        processes.append(subprocess.Popen(command, stdin=subprocess.DEVNULL, env=environment))
+        return processes[-1]
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.wait()
+
+
+def stored(home: Home, prefix: str) -> set[str]:
+    pages = obstore.list(open_object_store(home.store_url), prefix=prefix)
+    return {item["path"] for page in pages for item in page}
+
+
+def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
+    client: JobClient,
+    submit: Callable[..., str],
+    node: Callable[[str], Worker],
+    wait_for: WaitFor,
+    wait_until: Poll,
+    tmp_path: Path,
+) -> None:
+    first = node("one")
+    job_id = submit(iterations=150)
+    assert not client.home.run(job_id).exists()
+    run = StoredRun(open_object_store(client.home.store_url), run_prefix(job_id))
+    wait_until(lambda: (head := run.head()) is not None and "checkpoint.pt" in head.files, "a checkpoint in the store")
+    first.kill()
+    first.wait()
+    node("two")
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    store = ArtifactStore(client.home.store_url)
+    (chunk,) = store.list_chunks()
+    assert store.chunk(chunk.id) == chain(150)
+
+    trained = [line.split() for line in (tmp_path / "capture" / f"{job_id}.log").read_text().splitlines()]
+    began = {pid: int(number) for pid, number in reversed(trained)}  # the first iteration of each process
+    assert sorted(began.values()) == [0, max(began.values())]
+    assert max(began.values()) in range(5, 150, 5), "it did not go on from a checkpoint of the other machine"
+
+    assert len(stored(client.home, "runs")) < 7, "checkpoints and points of a finished job are still there"
+    client.delete(job_id)
+    assert stored(client.home, "runs") == set()
+
+
+def test_runs_of_no_job_are_tidied_away(client: JobClient, submit: Callable[..., str]) -> None:
+    job_id = submit()
+    size = sum(len(path) > 0 for path in stored(client.home, "runs"))
+    assert size == 2  # run.json and the head
+    assert tidy(client, Retention(), delete=True).job_bytes == 0  # it is young, and of a job
+    assert len(stored(client.home, "runs")) == 2
+    client.cancel(job_id)
+    tidied = tidy(client, Retention(jobs=0), delete=True)
+    assert tidied.jobs == (job_id,)
+    assert tidied.job_bytes > 0
+    assert stored(client.home, "runs") == set()
+
+
+def test_a_machine_with_another_store_is_refused(client: JobClient, home: Home, tmp_path: Path) -> None:
+    other = dataclasses.replace(home, folder=tmp_path / "other", store_url=f"{home.store_url}/elsewhere")
+    with pytest.raises(InputError, match=f"{other.store_url}: has no home-id"):
+        JobClient(other)
+    obstore.put(open_object_store(other.store_url), FILE, b"another")
+    with pytest.raises(InputError, match="is the store of another database"):
+        JobClient(other)
+    JobClient(dataclasses.replace(home, folder=tmp_path / "other")).close()
+
+
+def test_a_machine_that_looks_for_runs_in_its_home_is_refused(client: JobClient, home: Home, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is not the home of this database"):
+        JobClient(dataclasses.replace(home, folder=tmp_path / "other", run_state="home"))
