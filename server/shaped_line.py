@@ -8,11 +8,27 @@ import socket
 import time
 from collections.abc import Callable
 
-__all__ = ["ShapedLine"]
+__all__ = ["LineClock", "ShapedLine"]
 
 PIECE = 2048  # bytes that are relayed at once
 QUEUE = 16 << 10  # bytes, about, that wait in the relay
-LONGEST_BURST = 0.01  # seconds of the line that may be made up for after a delay of this machine
+LONGEST_BURST = 0.01  # seconds of an idle line that may be made up for: a machine is late before it sends, too
+
+
+class LineClock:
+    """When a line has carried what is sent over it, one thing after the other; moments in seconds of any clock."""
+
+    def __init__(self, now: float) -> None:
+        self._free = now  # when the line has room again
+
+    def carry(self, size: int, rate: float, now: float, *, idle: bool) -> float:
+        """Return when so many bytes have passed at `rate` bits per second; whether the line was `idle` before them.
+
+        If it was not, they have been held up by this machine alone, which is made up for.
+        """
+        begin = max(self._free, now - LONGEST_BURST) if idle else self._free
+        self._free = begin + 8 * size / rate
+        return self._free
 
 
 class ShapedLine:
@@ -28,7 +44,7 @@ class ShapedLine:
     async def __aenter__(self) -> ShapedLine:
         """Open the line; `address` is its end for clients."""
         self._begun = time.monotonic()
-        self._free = self._begun  # when the line has room again
+        self._clock = LineClock(self._begun)
         self._server = await asyncio.start_server(self._connected, "127.0.0.1", 0)
         host, port = self._server.sockets[0].getsockname()
         self.address = f"{host}:{port}"
@@ -68,11 +84,17 @@ class ShapedLine:
         request.close()
 
     async def _answer(self, upstream: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        while piece := await upstream.read(PIECE):
+        while True:
+            reading = asyncio.ensure_future(upstream.read(PIECE))
+            await asyncio.sleep(0)
+            idle = not reading.done()
+            if not (piece := await reading):
+                return
             while (rate := self._rate(time.monotonic() - self._begun)) <= 0:
                 await asyncio.sleep(0.01)
-            self._free = max(self._free, time.monotonic() - LONGEST_BURST) + 8 * len(piece) / rate
-            if (wait := self._free - time.monotonic()) > 0:
+                idle = True
+            now = time.monotonic()
+            if (wait := self._clock.carry(len(piece), rate, now, idle=idle) - now) > 0:
                 await asyncio.sleep(wait)
             self.passed += len(piece)
             writer.write(piece)

@@ -86,7 +86,7 @@ async def bench_stream(
     """
     async with serving(scene) as port:
         starts = [
-            {"mbit": mbit, "protocol": protocol, **_told(scene, await _start(port, mbit * MBIT, protocol))}
+            {"mbit": mbit, "protocol": protocol, **_told(scene, await _start(port, mbit * MBIT, protocol), mbit * MBIT)}
             for mbit in (2, 50)
             for protocol in (1, 2)
         ]
@@ -112,16 +112,17 @@ async def bench_stream(
         "seeks": seeks,
         "drops": {"count": DROPS, "bytes": drops.bytes, "twice": drops.twice},
         "lines": [
-            {"line": name, "protocol": protocol, "seconds": seconds, **_told(scene, result)}
+            {"line": name, "protocol": protocol, "seconds": seconds, **_told(scene, result, lines[name](0.0))}
             for (name, protocol), result in zip(cases, watched, strict=True)
         ],
     }
     return report, [result.shown for result in watched]
 
 
-def _told(scene: BenchScene, watched: Watched) -> dict[str, Any]:
+def _told(scene: BenchScene, watched: Watched, rate: float) -> dict[str, Any]:
     return {
         "start": watched.start,
+        "start_of_line": 8 * watched.start_bytes / rate,  # what the line alone takes for what had come then
         "start_share": watched.start_bytes / scene.size,
         "stalls": watched.stalls,
         "waited": watched.waited,
@@ -135,12 +136,13 @@ def stream_text(report: Mapping[str, Any]) -> str:
     rows = [
         f"scene: {scene['bytes'] / 1e6:.2f} MB, {scene['seconds']:.1f} s, {scene['mbit']:.2f} Mbit/s of what moves",
         "",
-        "line               protocol   plays after   of the bytes   stalls   waited",
+        "line               protocol   plays after   of the line   of the bytes   stalls   waited",
     ]
     for case in [{"line": f"{row['mbit']} Mbit/s", **row} for row in report["starts"]] + report["lines"]:
         start = "not" if case["start"] is None else f"{case['start']:.2f} s"
         rows.append(
-            f"{case['line']:18s} {case['protocol']:8d} {start:>13s} {100 * case['start_share']:12.0f} % "
+            f"{case['line']:18s} {case['protocol']:8d} {start:>13s} {case['start_of_line']:11.2f} s "
+            f"{100 * case['start_share']:12.0f} % "
             f"{case['stalls']:8d} {case['waited']:6.1f} s"
         )
     for row in report["lines"]:

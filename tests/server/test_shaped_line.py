@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import asyncio
 
-from server.shaped_line import ShapedLine
+from server.shaped_line import LONGEST_BURST, LineClock, ShapedLine
 
 
 async def _echo(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -41,3 +41,10 @@ def test_server_that_leaves_ends_the_connection() -> None:
             writer.close()
 
     asyncio.run(scenario())
+
+
+def test_line_makes_up_for_delays_while_something_waits_and_not_for_having_been_idle() -> None:
+    clock = LineClock(0.0)
+    assert clock.carry(1000, 8000.0, 0.0, idle=True) == 1.0
+    assert clock.carry(1000, 8000.0, 5.0, idle=False) == 2.0
+    assert clock.carry(1000, 8000.0, 9.0, idle=True) == 10.0 - LONGEST_BURST

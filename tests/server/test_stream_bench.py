@@ -13,6 +13,7 @@ def test_every_line_is_watched_with_layers_and_without() -> None:
     assert [(row["mbit"], row["protocol"]) for row in report["starts"]] == [(2, 1), (2, 2), (50, 1), (50, 2)]
     first, layered = report["starts"][:2]
     assert layered["start_share"] < first["start_share"]
+    assert layered["start_of_line"] < first["start_of_line"]
     assert [row["protocol"] for row in report["lines"]] == [1, 2] * 3
     assert len(shown) == len(report["lines"])
     assert report["seeks"]["twice"] == 0
