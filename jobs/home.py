@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
+from jobs.byte_sizes import bytes_of
 from jobs.stages import StageBytes, StageSeconds
 
 __all__ = ["Home"]
@@ -33,6 +34,7 @@ class Home:
     stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
     stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
     stage_memory: StageBytes | None = None  # that each of its processes may take; None: any
+    capture_cache: float = 100e9  # bytes that copies of uploaded captures may take, where runs lie in the store
     run_state: str = "home"  # where the state of runs lies: in the folder, or in the "store"
 
     def __post_init__(self) -> None:
@@ -59,8 +61,8 @@ class Home:
 
     @classmethod
     def from_environment(cls, environment: Mapping[str, str] = os.environ) -> Home:
-        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_RUN_STATE` and
-        limits of stages.
+        """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_RUN_STATE`,
+        `HGS_CAPTURE_CACHE` (bytes) and limits of stages.
 
         These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, and `HGS_STAGE_MEMORY`, in bytes, as
         `StageSeconds` and `StageBytes` read them.
@@ -77,7 +79,7 @@ class Home:
             store_url = Path(store_url).expanduser().resolve().as_uri()
         silence = environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)
         report = environment.get("HGS_STAGE_REPORT") or str(default.stage_report)
-        memory = environment.get("HGS_STAGE_MEMORY")
+        memory, cache = environment.get("HGS_STAGE_MEMORY"), environment.get("HGS_CAPTURE_CACHE")
         return cls(
             default.folder,
             environment.get("HGS_DATABASE_URL") or default.database_url,
@@ -86,6 +88,7 @@ class Home:
             StageSeconds.parse("HGS_STAGE_SILENCE", silence),
             StageSeconds.parse("HGS_STAGE_REPORT", report),
             StageBytes.parse("HGS_STAGE_MEMORY", memory) if memory else None,
+            bytes_of(cache, "HGS_CAPTURE_CACHE") if cache else default.capture_cache,
             environment.get("HGS_RUN_STATE") or default.run_state,
         )
 
@@ -99,6 +102,7 @@ class Home:
             "HGS_STAGE_SILENCE": str(self.stage_silence),
             "HGS_STAGE_REPORT": str(self.stage_report),
             "HGS_STAGE_MEMORY": str(self.stage_memory or ""),
+            "HGS_CAPTURE_CACHE": repr(self.capture_cache),
             "HGS_RUN_STATE": self.run_state,
         }
 

@@ -14,6 +14,7 @@ from jobs.object_store import open_object_store
 from jobs.retention import folder_bytes
 from jobs.run_state import RunState, run_prefix
 from jobs.run_trash import empty_trash, throw_away, trash
+from jobs.stored_captures import StoredCaptures
 from jobs.stored_run import StoredRun
 
 __all__ = ["RunPlace", "RunsInHome", "RunsInStore", "run_place"]
@@ -88,7 +89,8 @@ class RunsInStore:
 
     def submitted(self, job_id: str) -> None:
         """Bring the folder to the store, and remove it here: it may be a worker's next, and then comes back."""
-        RunState(self._run(job_id), self._home.run(job_id), 0).create()
+        translate = StoredCaptures(self._home).translation()
+        RunState(self._run(job_id), self._home.run(job_id), 0, translate=translate).create()
         throw_away(self._home, job_id)
         empty_trash(self._home, job_id)
 

@@ -8,15 +8,19 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import logging
 import threading
 import time
 from collections.abc import AsyncIterator, Callable
-from dataclasses import dataclass
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
 
 from jobs.home import Home
 from jobs.object_store import open_object_store
 from jobs.run_state import QUIET, RunState, run_prefix
+from jobs.stored_captures import StoredCaptures
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
 from jobs.subprocesses import StageOutcome
 from jobs.surroundings import Cause
@@ -41,6 +45,7 @@ class _Claim:
     epoch: int
     state: RunState | None = None  # None: not claimed yet
     taken: bool = False  # by another process
+    held: ExitStack = field(default_factory=ExitStack)  # the capture
 
 
 class RunSaving:
@@ -57,7 +62,9 @@ class RunSaving:
 
     def end(self, attempt: Attempt) -> None:
         """Forget an attempt."""
-        self._claims.pop(attempt, None)
+        claim = self._claims.pop(attempt, None)
+        if claim is not None:
+            claim.held.close()
 
     async def claim(self, attempt: Attempt) -> StageOutcome:
         """Have the run, and its folder here as it was last saved; the outcome says what is in the way, if anything."""
@@ -66,12 +73,29 @@ class RunSaving:
         claim = self._claims[attempt]
         if claim.state is not None and not claim.taken:
             return StageOutcome()
-        job_id = attempt[0]
-        state = RunState(StoredRun(self._store, run_prefix(job_id)), self._home.run(job_id), claim.epoch)
-        outcome = await asyncio.to_thread(_outcome_of, state.claim)
+        captures, run = StoredCaptures(self._home), self._home.run(attempt[0])
+        stored = StoredRun(self._store, run_prefix(attempt[0]))
+        state = RunState(stored, run, claim.epoch, translate=captures.translation())
+
+        def have() -> None:
+            state.claim()
+            claim.held.close()
+            claim.held.enter_context(captures.held(self.capture(attempt[0], Path("/"))))
+            keep_findings_in(run)
+
+        outcome = await asyncio.to_thread(_outcome_of, have)
         if outcome == StageOutcome():
             claim.state, claim.taken = state, False
         return outcome
+
+    def capture(self, job_id: str, submitted: Path) -> Path:
+        """Return where this machine has the capture of a job, that was submitted as `submitted`."""
+        if self._store is None:
+            return submitted
+        try:
+            return Path(json.loads((self._home.run(job_id) / "run.json").read_text())["capture"])
+        except (OSError, ValueError, KeyError, TypeError):  # the stage will say more
+            return submitted
 
     @contextlib.asynccontextmanager
     async def meanwhile(self, attempt: Attempt, on_taken: Callable[[], object]) -> AsyncIterator[None]:
@@ -150,6 +174,11 @@ class RunSaving:
             if outcome != StageOutcome():
                 log.warning("%s was not saved: %s", attempt[0], outcome.waiting or outcome.error)
                 await asyncio.sleep(AGAIN)
+
+
+def keep_findings_in(run: Path) -> None:
+    """Make a run keep the cameras that it finds in its own folder: the capture's is not everybody's."""
+    (run / "found").mkdir(exist_ok=True)
 
 
 _TAKEN = StageOutcome(waiting="another process has taken this run over")

@@ -23,7 +23,7 @@ from hgs_core.base.errors import InputError
 from jobs.job_history import COURSE
 from jobs.stored_run import RunHead, RunTakenError, StoredFile, StoredRun
 
-__all__ = ["QUIET", "RunState", "files_of_run", "run_prefix"]
+__all__ = ["QUIET", "RunState", "Translation", "bring", "files_of_run", "run_prefix"]
 
 QUIET = frozenset({"stage.log", COURSE, "preview.jpg"})
 """Files of a run folder that nothing goes on from: they are saved with the others, and else now and then."""

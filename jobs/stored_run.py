@@ -158,6 +158,13 @@ class StoredRun:
         obstore.put(self._store, f"{self.prefix}/{file.name}", content)
         return file
 
+    def is_content(self, known: StoredFile, file: BinaryIO) -> bool:
+        """Return whether a file that is open for reading has the content of `known`."""
+        digest = hashlib.sha256()
+        while block := file.read(_BLOCK):
+            digest.update(block)
+        return digest.hexdigest() == known.sha256
+
     def fetch(self, file: StoredFile, part: Path) -> None:
         """Write the content of a file to `part`; if that holds the beginning already, only the rest is asked for.
 

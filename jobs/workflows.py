@@ -203,9 +203,10 @@ class TrainingWorkflow:
             return None
         if stage == "publish":  # needs no capture
             return self._surroundings.home()
-        lacking = self._surroundings.of_job(Path(job.capture))
+        capture = self.saving.capture(job_id, Path(job.capture))
+        lacking = self._surroundings.of_job(capture)
         if lacking is not None and lacking.cause is Cause.CAPTURE:
-            self._missed = Path(job.capture), time.monotonic()
+            self._missed = capture, time.monotonic()
         return lacking
 
     def _put_off(self, job_id: str, attempt: int, outcome: StageOutcome, waits: int, first: str) -> None:

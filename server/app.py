@@ -17,6 +17,7 @@ from starlette.middleware.cors import CORSMiddleware
 from jobs.artifacts import open_store
 from jobs.client import JobClient
 from jobs.home import Home
+from jobs.stored_captures import StoredCaptures
 from server.access import Access, Asking
 from server.access_control import AccessControl
 from server.allowed_hosts import AllowedHosts, HostCheck
@@ -77,7 +78,7 @@ def create_app(
     default as many as come. The queue, the store and the folder of the built viewer can be replaced, as tests do.
     """
     store = artifacts or open_store(home)
-    received = Uploads(home.folder / "uploads", uploads)
+    received = Uploads(home.folder / "uploads", uploads, StoredCaptures(home) if home.runs_in_store else None)
     metrics = Metrics()
     service = Service(
         home=home,

@@ -34,7 +34,8 @@ log = logging.getLogger(__name__)
 def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Path | None:
     """Write sync.json and sparse/0 where the capture lacks them and its videos tell them.
 
-    They are written into the capture's folder, or into the folder `own` of the run where that cannot be done.
+    They are written into the capture's folder, or into the folder `own` of the run where that cannot be done or `own`
+    is there already, as it is where others see another copy of the capture.
 
     Returns:
         `own` if something lies there, else None.
@@ -42,10 +43,10 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
     Raises:
         InputError: poses cannot be found, or a way to synchronise that was asked for does not tell enough.
     """
-    writable = os.access(spec.capture, os.W_OK | os.X_OK)
-    place = spec.capture if writable else own
-    found = own if own.is_dir() else None
-    if not writable:
+    beside = not own.is_dir() and os.access(spec.capture, os.W_OK | os.X_OK)
+    place = spec.capture if beside else own
+    found = own if _holds_any(own) else None
+    if not beside and not own.is_dir():
         log.warning("%s cannot be written to: what is found is kept in %s", spec.capture, own)
     by = spec.config.capture.sync
     posed = has_poses(spec.capture) or (found is not None and has_poses(found))
@@ -60,12 +61,16 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
                 spec.capture, {"sound": "their sound", "motion": "what moves"}[starts.by], apart, place / SYNC_FILE,
             )  # fmt: skip
     if not posed:
-        find_cameras(spec.capture, found=None if writable else own, progress=_as_cameras(progress))
+        find_cameras(spec.capture, found=None if beside else own, progress=_as_cameras(progress))
         log.warning(
             "%s: poses were found from the videos and written to %s (docs/cameras.md)",
             spec.capture, place / COLMAP_FOLDER,
         )  # fmt: skip
-    return own if own.is_dir() else None
+    return own if _holds_any(own) else None
+
+
+def _holds_any(folder: Path) -> bool:
+    return folder.is_dir() and any(folder.iterdir())
 
 
 def _of_posed(spec: RunSpec, found: Path | None, by: str, progress: ProgressCallback) -> Starts | None:

@@ -8,10 +8,12 @@ import secrets
 import shutil
 import threading
 import time
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from jobs.job_request import readable_id
+from jobs.stored_captures import StoredCaptures
 from server.problems import ProblemError
 from server.uploads.limits import UploadLimits, bytes_for_people
 from server.uploads.names import capture_name
@@ -28,8 +30,14 @@ log = logging.getLogger("hgs.server")
 class Uploads:
     """The uploads in a folder; safe to use from several threads, and of one process at a time."""
 
-    def __init__(self, folder: Path, limits: UploadLimits | None = None) -> None:
-        """Look at nothing yet; the folder is made when the first upload begins."""
+    def __init__(
+        self, folder: Path, limits: UploadLimits | None = None, everywhere: StoredCaptures | None = None
+    ) -> None:
+        """Look at nothing yet; the folder is made when the first upload begins.
+
+        `everywhere` is where other machines find captures, if they do not share the folder.
+        """
+        self._everywhere = everywhere
         self.folder = folder
         self.captures = folder / _CAPTURES
         self.limits = limits or UploadLimits()
@@ -107,17 +115,28 @@ class Uploads:
             if upload.capture:
                 return
             tree = upload.assemble()
-            with self._lock:
-                self.captures.mkdir(exist_ok=True)
-                name = self._free_name(capture_name(upload.announced.name))
-                upload.finish(name)
-                tree.rename(self.captures / name)
+            stored, refused = "", set[str]()
+            while True:
+                with self._lock:
+                    self.captures.mkdir(exist_ok=True)
+                    name = self._free_name(capture_name(upload.announced.name), refused)
+                    if self._everywhere is None or name == stored:
+                        upload.finish(name)
+                        tree.rename(self.captures / name)
+                        break
+                # Not under the lock: it takes as long as the capture is large. If this is cut off, it is done again.
+                if self._everywhere.put(name, tree):
+                    stored = name
+                else:
+                    refused.add(name.casefold())
             upload.drop_data()
         log.info("upload %s is the capture %s", upload.id, name)
 
     def delete(self, upload: Upload) -> None:
         """Delete an upload, and its capture if it has become one."""
         with upload.finishing:
+            if upload.capture and self._everywhere is not None:
+                self._everywhere.remove(upload.capture)
             with self._lock:
                 if self._uploads.pop(upload.id, None) is None:
                     return
@@ -177,9 +196,9 @@ class Uploads:
             )
             raise ProblemError(507, "storage-full", detail, field="bytes")
 
-    def _free_name(self, name: str) -> str:
-        """Return the name, with a number if a capture is called so, in capitals or not."""
-        taken = {path.name.casefold() for path in self.captures.iterdir()}
+    def _free_name(self, name: str, refused: Collection[str]) -> str:
+        """Return the name, with a number if a capture is called so, in capitals or not, or if it was refused."""
+        taken = set(refused) | {path.name.casefold() for path in self.captures.iterdir()}
         taken |= {upload.capture.casefold() for upload in self._uploads.values()}
         number, found = 1, name
         while found.casefold() in taken:

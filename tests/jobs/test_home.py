@@ -43,7 +43,7 @@ def test_the_silence_of_a_stage_is_a_positive_number(tmp_path: Path) -> None:
 def test_a_child_process_reads_the_same_home(tmp_path: Path) -> None:
     seconds = StageSeconds(90.0, (("train", 7.5),))
     limits = (seconds, StageSeconds(0.5), StageBytes(8e9))
-    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits, "store")
+    home = Home(tmp_path, "postgresql://db/hgs", "s3://bucket/hgs", "another.pipeline", *limits, 5e9, "store")
     assert Home.from_environment(home.environment()) == home
 
 

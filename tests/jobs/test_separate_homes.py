@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,15 +17,18 @@ from postgres_server import PostgresServer
 from s3_server import S3Server, missing_program
 
 from hgs_core.base.errors import InputError
+from hgs_core.runs.config import RunConfig
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
 from jobs.home_identity import FILE
 from jobs.housekeeping import tidy
 from jobs.job import Job, JobState
+from jobs.job_request import JobRequest
 from jobs.object_store import open_object_store
 from jobs.retention import Retention
 from jobs.run_state import run_prefix
+from jobs.stored_captures import StoredCaptures
 from jobs.stored_run import StoredRun
 
 Worker = subprocess.Popen[bytes]
@@ -111,6 +115,21 @@ def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     assert len(stored(client.home, "runs")) < 7, "checkpoints and points of a finished job are still there"
     client.delete(job_id)
     assert stored(client.home, "runs") == set()
+
+
+def test_an_upload_is_trained_by_a_machine_that_did_not_take_it(
+    client: JobClient, node: Callable[[str], Worker], wait_for: WaitFor, tmp_path: Path
+) -> None:
+    capture = client.home.folder / "uploads" / "captures" / "studio"
+    capture.mkdir(parents=True)
+    (capture / "cam00.mp4").write_bytes(b"a video")
+    StoredCaptures(client.home).put("studio", capture)
+    job_id = client.submit(JobRequest(capture, RunConfig().changed({"train.iterations": 5})))
+    shutil.rmtree(capture)
+    node("one")
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    assert (tmp_path / "one" / "fetched" / "studio" / "cam00.mp4").read_bytes() == b"a video"
 
 
 def test_runs_of_no_job_are_tidied_away(client: JobClient, submit: Callable[..., str]) -> None:

@@ -108,6 +108,17 @@ def test_what_is_found_stays_in_the_run_where_the_capture_cannot_be_written(
     assert len(run.read_spec().open_capture().cameras) == len(NAMES)
 
 
+def test_what_is_found_stays_in_the_run_where_that_has_a_folder_for_it(folder: Path, tmp_path: Path) -> None:
+    before = sorted(folder.rglob("*"))
+    run = RunFolder(tmp_path / "run")
+    create_run(run.path, folder, CONFIG)
+    run.found.mkdir()
+    prepare(run.path, silent)
+    assert sorted(folder.rglob("*")) == before
+    assert (run.found / "sync.json").is_file()
+    assert len(run.read_spec().open_capture().times) == 5
+
+
 def test_a_way_that_was_asked_for_must_tell(folder: Path, tmp_path: Path) -> None:
     create_run(tmp_path / "run", folder, CONFIG.changed({"capture.sync": "motion"}))
     with pytest.raises(InputError, match="does not tell when the cameras began"):

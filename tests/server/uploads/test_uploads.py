@@ -195,3 +195,30 @@ def test_finishing_sweeping_and_deleting_at_once_do_not_wait_for_each_other_for_
     for thread in threads:
         thread.join(60)
     assert not any(thread.is_alive() for thread in threads)
+
+
+class Everywhere:
+    """Where other machines find captures; one of them has already put one there that is called studio."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def put(self, name: str, folder: Path) -> bool:
+        assert (folder / "cam00.mp4").read_bytes() == CONTENT
+        if name != "studio":
+            self.names.append(name)
+        return name != "studio"
+
+    def remove(self, name: str) -> None:
+        self.names.remove(name)
+
+
+def test_where_machines_share_no_folder_a_capture_is_in_the_store_first(tmp_path: Path) -> None:
+    everywhere = Everywhere()
+    uploads = Uploads(tmp_path / "uploads", LIMITS, everywhere)  # type: ignore[arg-type]
+    upload = finished(uploads)
+    assert upload.capture == "studio 2"
+    assert everywhere.names == ["studio 2"]
+    uploads.delete(upload)
+    assert everywhere.names == []
+    uploads.close()
