@@ -15,6 +15,7 @@ from jobs.home import Home
 from jobs.job import Job, JobState, Place
 from jobs.job_filter import JobFilter
 from jobs.job_request import JobRequest
+from jobs.run_reading import RunReader, run_reader
 from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
 from server.access import Access
@@ -91,9 +92,11 @@ class Service:
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
     live: LiveScenes = field(init=False)
+    runs: RunReader = field(init=False)
 
     def __post_init__(self) -> None:
         """Make what is kept in memory of the queue and the store."""
+        self.runs = run_reader(self.home)
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
         self.capture_list = CaptureList(self.captures)

@@ -11,6 +11,7 @@ from hgs_core.base.errors import InputError
 from jobs.client import JobClient, JobConflictError
 from jobs.home import Home
 from jobs.job import Job, JobState
+from jobs.run_reading import run_reader
 from server.cli.server_client import RefusedError, ServerClient
 from server.job_events import describe_job, describe_worker
 from server.job_log import log_tail
@@ -60,7 +61,7 @@ class HomeDesk:
     def log(self, job_id: str, lines: int) -> dict[str, Any]:
         """Return the end of a job's log."""
         self._known(job_id)
-        return log_tail(self._home.run(job_id), lines)
+        return log_tail(run_reader(self._home).folder(job_id), lines)
 
     def act(self, job_id: str, action: str) -> dict[str, Any]:
         """Cancel or retry a job, and return it as it then is."""

@@ -32,7 +32,7 @@ _LARGEST_REPORT = 64 << 20
 def run(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Tell what else there is of a job."""
     job = service.known_job(job_id)
-    folder = service.home.run(job_id)
+    folder = service.runs.folder(job_id)
     picture = _picture(folder)
     answer = {
         "ahead": service.jobs.ahead_of(job) if job.state is JobState.QUEUED else None,
@@ -48,7 +48,7 @@ def run(request: Request, job_id: str, service: ServiceDep) -> Response:
 def history(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Tell the course of a job: what its stages reported."""
     service.known_job(job_id)
-    course = thinned(read_course(service.home.run(job_id)), _MILESTONES)
+    course = thinned(read_course(service.runs.folder(job_id)), _MILESTONES)
     points = [
         {
             "attempt": one.attempt, "stage": one.stage, "done": one.done, "total": one.total, "time": one.time,
@@ -64,14 +64,14 @@ def log(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Show the end of what the stages of a job have written."""
     service.known_job(job_id)
     count = _line_count(request.query_params.multi_items())
-    return respond_json(request, log_tail(service.home.run(job_id), count))
+    return respond_json(request, log_tail(service.runs.folder(job_id), count))
 
 
 @router.api_route("/picture", methods=["GET", "HEAD"])
 def picture(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Serve the last picture of a job."""
     service.known_job(job_id)
-    file = _picture(service.home.run(job_id))
+    file = _picture(service.runs.folder(job_id))
     body = None if file is None else _whole(file, _LARGEST_PICTURE)
     if body is None:
         raise ProblemError(404, "picture-not-found", f"job {job_id}: has no picture yet")
@@ -82,9 +82,10 @@ def picture(request: Request, job_id: str, service: ServiceDep) -> Response:
 def report(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Serve the report of a job's run; it may show its own pictures and run its own script, and nothing else."""
     service.known_job(job_id)
-    body = _whole(service.home.run(job_id) / "report.html", _LARGEST_REPORT)
+    body = _whole(service.runs.folder(job_id) / "report.html", _LARGEST_REPORT)
     if body is None:
-        detail = f"job {job_id}: has no report; write one with hgs report {service.home.run(job_id)}"
+        cure = "" if service.home.runs_in_store else f"; write one with hgs report {service.home.run(job_id)}"
+        detail = f"job {job_id}: has no report{cure}"
         raise ProblemError(404, "report-not-found", detail)
     response = respond_compressed(request, body, "text/html; charset=utf-8")
     response.headers["Content-Security-Policy"] = REPORT_POLICY

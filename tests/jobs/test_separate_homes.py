@@ -27,6 +27,7 @@ from jobs.job import Job, JobState
 from jobs.job_request import JobRequest
 from jobs.object_store import open_object_store
 from jobs.retention import Retention
+from jobs.run_reading import run_reader
 from jobs.run_state import run_prefix
 from jobs.stored_captures import StoredCaptures
 from jobs.stored_run import StoredRun
@@ -111,6 +112,10 @@ def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     began = {pid: int(number) for pid, number in reversed(trained)}  # the first iteration of each process
     assert sorted(began.values()) == [0, max(began.values())]
     assert max(began.values()) in range(5, 150, 5), "it did not go on from a checkpoint of the other machine"
+
+    log = (run_reader(client.home).folder(job_id) / "stage.log").read_text()
+    assert log.count("train begins") == 2
+    assert "publish is complete" in log
 
     assert len(stored(client.home, "runs")) < 7, "checkpoints and points of a finished job are still there"
     client.delete(job_id)
