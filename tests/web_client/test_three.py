@@ -22,6 +22,8 @@ import pytest
 from PIL import Image
 
 from hgs_core.bench.browser import psnr
+from hgs_core.codec import load_manifest
+from tests.web_client.clicking_scene import FARTHEST, TAP, ahead, publish_clicks
 from tests.web_client.conftest import BACKGROUND, HEIGHT, REPOSITORY, WIDTH
 
 if TYPE_CHECKING:
@@ -395,6 +397,40 @@ def test_a_scene_plays_tells_and_is_disposed_of(browser: Browser, address: str, 
         assert page.evaluate("() => host.splats.parent === null && !host.renderer.getContext().isContextLost()")
         assert np.array_equal(canvas(page), without)
         assert page.evaluate("() => host.renderer.getContext().getError()") == 0
+
+
+def test_a_scene_sounds_in_step_while_the_host_draws_and_is_not_muted(
+    browser: Browser, address: str, site: Site, tmp_path: Path
+) -> None:
+    folder = publish_clicks(tmp_path / "run")
+    audio = load_manifest(folder).audio
+    assert audio is not None
+    asked: list[str] = []
+    with hosting(browser, address) as page:
+        page.on("request", lambda request: asked.append(request.url.rpartition("/")[2]))
+        page.add_init_script(path=str(TAP))
+        page.route(
+            "**/clicks/**", lambda route: route.fulfill(path=folder / route.request.url.partition("/clicks/")[2])
+        )
+        page.reload()
+        page.wait_for_function("() => window.Host")
+        page.evaluate(
+            "([width, height]) => { window.host = new Host({ width, height }); window.samples = [] }", [WIDTH, HEIGHT]
+        )
+        look(page, camera_named(site, "side"))
+        add_splats(page, 0.0, src="/clicks/manifest.json", autoplay=True, loop=True, muted=True)
+        page.evaluate("""() => host.renderer.setAnimationLoop(() => {
+          host.draw();
+          window.samples.push([document.timeline.currentTime, host.splats.currentTime]);
+        })""")
+        page.wait_for_function("() => host.splats.currentTime > 0.3")
+        assert set(audio.sizes).isdisjoint(asked)
+        page.evaluate("() => { host.splats.muted = false; host.splats.volume = 0.9 }")
+        assert abs(ahead(page, 1.0)) <= FARTHEST
+        assert page.evaluate("() => [host.splats.muted, host.splats.volume]") == [False, 0.9]
+        assert page.evaluate("() => host.heard.filter((type) => type === 'volumechange').length") >= 2
+        page.evaluate("() => { host.splats.muted = true }")
+        page.wait_for_function("() => window.context.state === 'suspended'")
 
 
 def test_the_example_shows_a_mesh_before_and_one_behind_the_splats(browser: Browser, address: str) -> None:

@@ -189,7 +189,7 @@ def left_by_button(headset: Headset) -> None:
 
 def left_by_panel(headset: Headset) -> None:
     look_again(headset)
-    aim_at_panel(headset, 850, 226)
+    aim_at_panel(headset, 934, 226)
     headset.frame()
     headset.press("trigger")
 

@@ -62,7 +62,7 @@ class Host {
   addSplats(options, place) {
     this.splats = new HgsScene(options);
     if (place) this.splats.applyMatrix4(new THREE.Matrix4().set(...place.flat()));
-    for (const type of ["manifest", "firstpicture", "ready", "play", "pause", "seeked", "ended", "error"])
+    for (const type of ["manifest", "firstpicture", "ready", "play", "pause", "seeked", "ended", "volumechange", "error"])
       this.splats.addEventListener(type, (event) => this.heard.push(type === "error" ? event.detail.message : type));
     this.world.add(this.splats);
   }

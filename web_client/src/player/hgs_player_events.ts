@@ -32,11 +32,19 @@ export interface PlayingOptions {
   readonly splatBudget?: number;
 }
 
-export interface HgsPlayerOptions extends Beginning, PlayingOptions, Partial<Omit<ViewpointOptions, "camera">> {
-  /** Whether a scene that has sound is silent; false if left out. */
+/** How a scene sounds that has sound. */
+export interface SoundOptions {
+  /** Whether it is silent; false if left out. */
   readonly muted?: boolean;
   /** How loud, from 0 to 1; 1 if left out. */
   readonly volume?: number;
+}
+
+export interface HgsPlayerOptions
+  extends Beginning,
+    PlayingOptions,
+    SoundOptions,
+    Partial<Omit<ViewpointOptions, "camera">> {
   /** How finely pictures are drawn; `auto` if left out. */
   readonly quality?: Quality;
 }

@@ -4,10 +4,10 @@
  */
 
 import { type AudioEntry, readAudio } from "../codec/audio_entry";
-import type { HgsPlayer } from "./hgs_player";
-import type { ScenePlayer } from "./player";
+import type { Manifest } from "../codec/types";
 import { newContext, outputTime, toSample } from "./sound_device";
 import { Alignment, type Line, partToHear, pieceAt } from "./sound_timing";
+import type { StreamedScene } from "./streamed_scene";
 import { stretched } from "./stretch";
 
 /** Pieces for so many seconds of playing are fetched, and those of so many handed to the device. */
@@ -30,6 +30,15 @@ const REST = 500;
 /** Milliseconds after which a piece that could not be had is asked for again. */
 const RETRY = 3000;
 
+/** Whose sound it is: tells by events that a frame has passed and that it is to be louder, quieter or muted; hears of `error`. */
+export interface Heard extends Pick<EventTarget, "dispatchEvent"> {
+  readonly manifest: Manifest | null;
+  muted: boolean;
+  /** From 0 to 1. */
+  readonly volume: number;
+  addEventListener(type: "frame" | "volumechange", listener: () => void, options: { signal: AbortSignal }): void;
+}
+
 /** What sounds together, by one line: ended as one when the line changes. */
 interface Run {
   readonly line: Line;
@@ -51,12 +60,12 @@ export class SceneSound {
   #deaf = false; // the browser cannot decode such sound, and this has been said
 
   /**
-   * @param scene whose manifest has come; `gone` aborts when the player shows it no more.
+   * @param scene whose manifest has come; `gone` aborts when it is shown no more.
    * @throws ManifestError if what the manifest says of sound is wrong.
    */
   constructor(
-    readonly player: HgsPlayer,
-    readonly scene: ScenePlayer,
+    readonly player: Heard,
+    readonly scene: Pick<StreamedScene, "playback" | "source">,
     readonly gone: AbortSignal,
   ) {
     this.#audio = readAudio(player.manifest?.audio);

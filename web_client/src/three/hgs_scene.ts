@@ -11,6 +11,7 @@ import { openSource } from "../source/open_source";
 import { lookFrom } from "./capture_view";
 import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";
 import { HostPictures } from "./host_pictures";
+import { HostSound } from "./host_sound";
 import { SplatMesh } from "./splat_mesh";
 
 export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };
@@ -29,6 +30,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
   readonly #mesh: SplatMesh;
   readonly #pictures: HostPictures;
   readonly #scene: StreamedScene;
+  readonly #sound: HostSound;
   readonly #progress = new ProgressEvents();
   readonly #listeners = new AbortController();
   readonly #waiting: (() => void)[] = [];
@@ -71,6 +73,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
           this.#mesh.bound(manifest);
           this.begin();
           this.tell("manifest", manifest);
+          if (manifest.audio) void this.#sound.listen();
         },
         changed: () => this.tell("change", null),
         ordered: () => this.tell("change", null),
@@ -81,6 +84,10 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
       },
     );
     this.#scene.splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
+    this.#sound = new HostSound(options, this.#scene, this.#listeners.signal, {
+      changed: () => this.tell("volumechange", null),
+      failed: (problem) => this.tell("error", problem),
+    });
     this.#mesh = new SplatMesh((renderer, camera) => this.#draw(renderer, camera));
     this.add(this.#mesh);
     const { signal } = this.#listeners;
@@ -95,6 +102,27 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
   /** What the scene says of itself; null until it has come. */
   get manifest(): Manifest | null {
     return this.#scene.manifest;
+  }
+
+  /**
+   * Whether a scene that has sound is silent. One that begins before the visitor has touched the page mutes itself: no browser
+   * lets it sound then.
+   */
+  get muted(): boolean {
+    return this.#sound.muted;
+  }
+
+  set muted(muted: boolean) {
+    this.#sound.muted = muted;
+  }
+
+  /** How loud, from 0 to 1; another number is taken for the nearest. */
+  get volume(): number {
+    return this.#sound.volume;
+  }
+
+  set volume(volume: number) {
+    this.#sound.volume = volume;
   }
 
   /**
@@ -159,6 +187,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
     const clock = this.playback?.clock;
     if (!clock) return;
+    this.#sound.framed();
     for (const type of this.#progress.since(clock, this.#scene.orders.count > 0, performance.now())) {
       if (type === "pause") this.asked.playing = false;
       this.tell(type, null);

@@ -1,10 +1,10 @@
 /** What an `HgsScene` is made from and what it tells. */
 
 import type { Object3DEventMap } from "three";
-import type { Beginning, HgsPlayerEvents, PlayingOptions } from "../player/hgs_player_events";
+import type { Beginning, HgsPlayerEvents, PlayingOptions, SoundOptions } from "../player/hgs_player_events";
 import type { OpenSource } from "../source/scene_source";
 
-export interface HgsSceneOptions extends PlayingOptions, Pick<Beginning, "time"> {
+export interface HgsSceneOptions extends PlayingOptions, SoundOptions, Pick<Beginning, "time"> {
   /** Where the scene is (see `openSource`), or a source of one's own. */
   readonly src: string | OpenSource;
   /**
@@ -27,6 +27,7 @@ type Told =
   | "seeked"
   | "ended"
   | "ratechange"
+  | "volumechange"
   | "error";
 
 export type HgsSceneEvents = Pick<HgsPlayerEvents, Told> & {

@@ -2,12 +2,12 @@
 
 import type { FlyMode } from "../camera/fly_mode";
 import type { HgsPlayer } from "../player/hgs_player";
+import { toggleMuted } from "../player/toggle_muted";
 import { type Bookmarks, neighbour, toggled } from "./bookmarks";
 import { formatTime } from "./format";
 import { moves } from "./playing";
 import { savePicture } from "./save_picture";
 import type { SharedView } from "./shared_view";
-import { toggleMuted } from "./sound_controls";
 
 /** Rates to choose from, scene seconds per second. */
 export const RATES = [0.25, 0.5, 0.75, 1, 1.25, 1.5, 2] as const;

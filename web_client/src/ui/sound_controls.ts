@@ -1,6 +1,7 @@
 /** Mute and volume beside the time, for scenes that have sound. */
 
 import type { HgsPlayer } from "../player/hgs_player";
+import { isSilent, toggleMuted } from "../player/toggle_muted";
 import { element, icon, setAttribute } from "./element";
 import { adoptStyle } from "./player_style";
 import css from "./sound_controls.css?inline";
@@ -10,9 +11,6 @@ const LOUD =
 const QUIET = "M4 9v6h4l5 4.5v-15L8 9zm11.2-1.6v2a3 3 0 0 1 0 5.2v2a5 5 0 0 0 0-9.2z";
 const MUTED =
   "M4 9v6h4l5 4.5v-15L8 9zm17.5 1.2-1.3-1.3-2.2 2.2-2.2-2.2-1.3 1.3 2.2 2.2-2.2 2.2 1.3 1.3 2.2-2.2 2.2 2.2 1.3-1.3-2.2-2.2z";
-
-/** Loudness to begin with where the visitor asks for sound that had been turned down to nothing. */
-const AUDIBLE = 0.5;
 
 /** Put the controls into a player's bar, of the scene that it shows now. */
 export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
@@ -28,7 +26,7 @@ export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
   });
   let shown = "";
   const update = () => {
-    const silent = player.muted || player.volume === 0;
+    const silent = isSilent(player);
     const heard = silent ? 0 : player.volume;
     volume.value = String(heard);
     volume.style.setProperty("--share", String(heard));
@@ -49,11 +47,4 @@ export function addSoundControls(player: HgsPlayer, bar: HTMLElement): void {
   player.addEventListener("volumechange", update, { signal: player.disposed });
   update();
   bar.append(element("div", { class: "sound" }, mute, volume));
-}
-
-/** Mute, or let sound be heard. */
-export function toggleMuted(player: HgsPlayer): void {
-  const silent = player.muted || player.volume === 0;
-  if (silent && player.volume === 0) player.volume = AUDIBLE;
-  player.muted = !silent;
 }

@@ -11,6 +11,8 @@ import { type Control, type Ray, rayOf, shareAt } from "./panel_layout";
 /** What controls act on. */
 export interface Commands {
   togglePlay(): void;
+  /** Mute, or let sound be heard; nothing without sound in the scene. */
+  toggleMuted(): void;
   /** Move the playhead by a share of the scene's duration. */
   scrub(share: number): void;
   /** Move the playhead to a share of the scene's duration. */
@@ -165,6 +167,9 @@ export class Controls {
         break;
       case "reset":
         this.commands.reset();
+        break;
+      case "mute":
+        this.commands.toggleMuted();
         break;
       case "leave":
         this.commands.leave();

@@ -4,7 +4,7 @@ import { add, dot, row, scale, subtract, type Vec3 } from "../camera/vector";
 import type { RoomPose } from "./eye_camera";
 import { transpose } from "./similarity";
 
-export type Control = "play" | "seek" | "reset" | "leave";
+export type Control = "play" | "seek" | "reset" | "mute" | "leave";
 
 export interface Rectangle {
   readonly x: number;
@@ -23,7 +23,8 @@ export const CONTROLS: Readonly<Record<Control, Rectangle>> = {
   play: { x: 24, y: 24, width: 136, height: 136 },
   seek: { x: 192, y: 24, width: 808, height: 136 },
   reset: { x: 24, y: 184, width: 300, height: 84 },
-  leave: { x: 700, y: 184, width: 300, height: 84 },
+  mute: { x: 712, y: 184, width: 144, height: 84 },
+  leave: { x: 868, y: 184, width: 132, height: 84 },
 };
 
 /** The bar within the control `seek`. */

@@ -10,6 +10,8 @@ export interface PanelState {
   readonly share: number;
   /** "0:01.2 / 0:10.0" */
   readonly time: string;
+  /** Whether the scene is silent; null if it has no sound. */
+  readonly muted: boolean | null;
   /** What a hand points at. */
   readonly pointed: Control | null;
 }
@@ -42,6 +44,7 @@ export class PanelPicture {
       this.#seekBar(state);
     }
     this.#textButton("reset", "Start again here", state);
+    if (state.muted !== null) this.#textButton("mute", state.muted ? "Unmute" : "Mute", state);
     this.#textButton("leave", "Leave", state);
     c.fillStyle = "#9aa3b2";
     c.font = "24px system-ui, sans-serif";

@@ -1,11 +1,15 @@
 /** The player's playhead, as the panel shows it and as hands move it. */
 
 import type { HgsPlayer } from "../player/hgs_player";
+import { isSilent, toggleMuted } from "../player/toggle_muted";
 import type { Commands } from "./controls";
 import type { Control } from "./panel_layout";
 import type { PanelState } from "./panel_picture";
 
-type Playable = Pick<HgsPlayer, "start" | "end" | "currentTime" | "paused" | "play" | "pause">;
+type Playable = Pick<
+  HgsPlayer,
+  "start" | "end" | "currentTime" | "paused" | "play" | "pause" | "muted" | "volume" | "manifest"
+>;
 
 /** "1:05.2" */
 function clockTime(seconds: number): string {
@@ -16,18 +20,22 @@ function clockTime(seconds: number): string {
 
 export function panelState(player: Playable, pointed: Control | null): PanelState {
   const { start, end, currentTime } = player;
-  if (!(end > start)) return { playing: false, moves: false, share: 0, time: "", pointed };
+  const muted = player.manifest?.audio ? isSilent(player) : null;
+  if (!(end > start)) return { playing: false, moves: false, share: 0, time: "", muted, pointed };
   const [passed, duration] = [currentTime - start, end - start];
   const time = `${clockTime(passed)} / ${clockTime(duration)}`;
-  return { playing: !player.paused, moves: true, share: passed / duration, time, pointed };
+  return { playing: !player.paused, moves: true, share: passed / duration, time, muted, pointed };
 }
 
-export function sceneCommands(player: Playable): Pick<Commands, "togglePlay" | "scrub" | "seek"> {
+export function sceneCommands(player: Playable): Pick<Commands, "togglePlay" | "toggleMuted" | "scrub" | "seek"> {
   const go = (time: number): void => {
     if (player.end > player.start) player.currentTime = Math.min(player.end, Math.max(player.start, time));
   };
   return {
     togglePlay: () => (player.paused ? player.play() : player.pause()),
+    toggleMuted: () => {
+      if (player.manifest?.audio) toggleMuted(player);
+    },
     scrub: (share) => go(player.currentTime + share * (player.end - player.start)),
     seek: (share) => go(player.start + share * (player.end - player.start)),
   };

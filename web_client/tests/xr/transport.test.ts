@@ -1,7 +1,11 @@
 import { describe, expect, it, vi } from "vitest";
+import type { Manifest } from "../../src/codec/types";
 import { panelState, sceneCommands } from "../../src/xr/transport";
 
-const player = (start: number, end: number) => ({
+const player = (start: number, end: number, audio: unknown = undefined) => ({
+  manifest: { audio } as Manifest,
+  muted: true,
+  volume: 1,
   start,
   end,
   currentTime: start,
@@ -25,6 +29,23 @@ describe("the playhead in a headset", () => {
   it("is not shown in a still scene, nor before the scene is there", () => {
     expect(panelState(player(0, 0), null).moves).toBe(false);
     expect(panelState(player(0, Number.NaN), null).moves).toBe(false);
+  });
+
+  it("has a sound that a button mutes, where the scene has any", () => {
+    const at = player(0, 10, {});
+    expect(panelState(at, null).muted).toBe(true);
+    sceneCommands(at).toggleMuted();
+    expect([at.muted, panelState(at, null).muted]).toEqual([false, false]);
+    at.volume = 0; // turned down on the page
+    expect(panelState(at, null).muted).toBe(true);
+    sceneCommands(at).toggleMuted();
+    expect([at.muted, at.volume]).toEqual([false, 0.5]);
+  });
+
+  it("has no button for sound where there is none", () => {
+    const at = player(0, 10);
+    sceneCommands(at).toggleMuted();
+    expect([at.muted, panelState(at, null).muted]).toEqual([true, null]);
   });
 
   it("goes to a share of the scene, and on by one, and plays and pauses", () => {

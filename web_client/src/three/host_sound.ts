@@ -1,0 +1,74 @@
+/** How loud a host's scene is, and what its sound listens to: three.js' events are not those of the page. */
+
+import type { Manifest } from "../codec/types";
+import type { PlayerProblem, SoundOptions } from "../player/hgs_player_events";
+import type { Heard } from "../player/scene_sound";
+import type { StreamedScene } from "../player/streamed_scene";
+
+export interface HostSoundEvents {
+  /** It is louder, or quieter, or muted, or no more. */
+  changed(): void;
+  failed(problem: PlayerProblem): void;
+}
+
+export class HostSound extends EventTarget implements Heard {
+  #muted: boolean;
+  #volume: number;
+
+  constructor(
+    options: SoundOptions,
+    readonly scene: Pick<StreamedScene, "manifest" | "playback" | "source">,
+    readonly gone: AbortSignal,
+    readonly events: HostSoundEvents,
+  ) {
+    super();
+    this.#muted = options.muted ?? false;
+    this.#volume = within(options.volume ?? 1);
+    this.addEventListener("error", (event) => events.failed((event as CustomEvent<PlayerProblem>).detail));
+  }
+
+  get manifest(): Manifest | null {
+    return this.scene.manifest;
+  }
+
+  get muted(): boolean {
+    return this.#muted;
+  }
+
+  set muted(muted: boolean) {
+    this.#muted = muted;
+    this.#changed();
+  }
+
+  get volume(): number {
+    return this.#volume;
+  }
+
+  set volume(volume: number) {
+    this.#volume = within(volume);
+    this.#changed();
+  }
+
+  /** The scene has sound: play it, too, from now on. */
+  async listen(): Promise<void> {
+    try {
+      const { SceneSound } = await import("../player/scene_sound"); // most scenes need none of it
+      if (!this.gone.aborted) new SceneSound(this, this.scene, this.gone);
+      this.events.changed();
+    } catch (error) {
+      this.events.failed({ message: "The scene plays without its sound.", cause: String(error) });
+    }
+  }
+
+  /** The host has drawn a frame. */
+  framed(): void {
+    this.dispatchEvent(new Event("frame"));
+  }
+
+  #changed(): void {
+    this.dispatchEvent(new Event("volumechange"));
+    this.events.changed();
+  }
+}
+
+const within = (volume: number): number => Math.min(1, Math.max(0, volume));
