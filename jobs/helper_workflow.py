@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import shutil
 
 import sqlalchemy as sa
 from dbos import DBOS
@@ -13,6 +14,7 @@ from jobs.home import Home
 from jobs.job import JobState
 from jobs.stages import HELP
 from jobs.store import JobTable
+from jobs.stored_segments import help_folder
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.training_queue import HELP_JOB, helper_name, workflow_id
 from jobs.transient_faults import one_line
@@ -60,7 +62,11 @@ class HelperWorkflow:
         if not await asyncio.to_thread(self._is_running, job_id, attempt):
             return "the job is not running"
         name = workflow_id(helper_name(job_id, number), attempt)
-        stage = asyncio.create_task(self._stages.run(name, HELP, self._home.run(job_id), unheard))
+        run = self._home.run(job_id)
+        if self._home.runs_in_store:  # what it makes goes there, and what this machine has of the run is another's
+            run = help_folder(self._home, helper_name(job_id, number))
+            run.mkdir(parents=True, exist_ok=True)
+        stage = asyncio.create_task(self._stages.run(name, HELP, run, unheard))
         try:
             while not stage.done():
                 await asyncio.wait({stage}, timeout=LOOK)
@@ -72,6 +78,8 @@ class HelperWorkflow:
         finally:
             stage.cancel()
             await asyncio.gather(stage, return_exceptions=True)
+            if self._home.runs_in_store:
+                shutil.rmtree(run, ignore_errors=True)
         reason = outcome.waiting or outcome.error
         if reason:
             log.warning("%s: help came to nothing: %s", job_id, reason)

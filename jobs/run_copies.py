@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import shutil
 import time
 from collections.abc import Callable, Collection, Mapping
 
@@ -10,6 +11,7 @@ from hgs_core.base.errors import InputError
 from jobs.home import Home
 from jobs.job import Job
 from jobs.run_trash import empty_trash, throw_away, trash
+from jobs.stored_segments import help_folder, job_of_folder
 
 __all__ = ["remove_copies"]
 
@@ -32,6 +34,10 @@ def remove_copies(home: Home, many: Callable[[Collection[str]], Mapping[str, Job
             with contextlib.suppress(InputError):  # its last process still saves what it has
                 throw_away(home, name)
                 removed.append(name)
+    helped = help_folder(home, "")
+    for folder in helped.iterdir() if helped.is_dir() else ():  # of a worker that was killed
+        if (job := many([job_of_folder(folder)]).get(job_of_folder(folder))) is None or job.state.finished:
+            shutil.rmtree(folder, ignore_errors=True)
     for name in trash(home):
         empty_trash(home, name)
     return removed

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import logging
 import threading
 import time
@@ -20,8 +19,9 @@ from pathlib import Path
 from jobs.home import Home
 from jobs.object_store import open_object_store
 from jobs.run_state import QUIET, RunState, run_prefix
-from jobs.stored_captures import StoredCaptures
+from jobs.stored_captures import StoredCaptures, capture_of
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
+from jobs.stored_segments import is_of_segment, parts_prefix
 from jobs.subprocesses import StageOutcome
 from jobs.surroundings import Cause
 from jobs.transient_faults import one_line, reason_to_wait
@@ -75,7 +75,9 @@ class RunSaving:
             return StageOutcome()
         captures, run = StoredCaptures(self._home), self._home.run(attempt[0])
         stored = StoredRun(self._store, run_prefix(attempt[0]))
-        state = RunState(stored, run, claim.epoch, translate=captures.translation())
+        state = RunState(
+            stored, run, claim.epoch, wanted=lambda name: not is_of_segment(run, name), translate=captures.translation()
+        )
 
         def have() -> None:
             state.claim()
@@ -92,10 +94,7 @@ class RunSaving:
         """Return where this machine has the capture of a job, that was submitted as `submitted`."""
         if self._store is None:
             return submitted
-        try:
-            return Path(json.loads((self._home.run(job_id) / "run.json").read_text())["capture"])
-        except (OSError, ValueError, KeyError, TypeError):  # the stage will say more
-            return submitted
+        return capture_of(self._home.run(job_id)) or submitted
 
     @contextlib.asynccontextmanager
     async def meanwhile(self, attempt: Attempt, on_taken: Callable[[], object]) -> AsyncIterator[None]:
@@ -131,11 +130,13 @@ class RunSaving:
         if self._store is None:
             return
         stored, epoch = StoredRun(self._store, run_prefix(attempt[0])), self._claims[attempt].epoch
+        parts = StoredRun(self._store, parts_prefix(attempt[0]))
         try:
             before = stored.head()
             if before is not None and before.epoch <= epoch:
                 shown = {name: file for name, file in before.files.items() if name in SHOWN}
                 stored.remove_superseded(stored.replace(before, RunHead(epoch, shown, complete=True)))
+                parts.remove()
         except Exception as error:
             log.warning("the run of %s was not cleared: %s", attempt[0], one_line(error))
 

@@ -28,7 +28,6 @@ __all__ = ["QUIET", "RunState", "Translation", "bring", "files_of_run", "run_pre
 QUIET = frozenset({"stage.log", COURSE, "preview.jpg"})
 """Files of a run folder that nothing goes on from: they are saved with the others, and else now and then."""
 
-_EPOCH = ".epoch"  # in a run folder: the epoch under which this machine had the run last
 _LOCKS = re.compile(r"run\.lock|run\.lease\..*|segments/[^/]*\.lock")
 _SPEC = "run.json"
 _THREADS = 8  # files moved at once
@@ -53,8 +52,13 @@ class RunState:
         *,
         wanted: Callable[[str], bool] = lambda name: True,
         translate: Translation | None = None,
+        mark: str = ".epoch",
     ) -> None:
-        """Have nothing to do with files that are not `wanted`, by their path below the folder."""
+        """Have nothing to do with files that are not `wanted`, by their path below the folder.
+
+        The file `mark` in the folder tells under which epoch this machine had the run last.
+        """
+        self._mark = mark
         self._stored = stored
         self._folder = folder
         self._epoch = epoch
@@ -88,18 +92,25 @@ class RunState:
             InputError: there is no such run, or an object is damaged.
         """
         with self._turn:
-            head, before = self._take()
-            self._folder.mkdir(parents=True, exist_ok=True)
-            if self._own_epoch() == before.epoch:  # nobody else has saved since: what lies here follows from it
-                self._saved = {}
-            else:
-                self._fetch(head)
-            write_bytes(self._folder / _EPOCH, str(head.epoch).encode())
-            self._head = head
-            self._stored.remove_superseded(head)
+            self._go_on(*self._take())
 
-    def save(self, *, complete: bool = False, only: Callable[[str], bool] | None = None) -> None:
-        """Put what has changed, and the head that names it; `only` drops all other files from the state.
+    def go_on(self, head: RunHead, before: RunHead) -> None:
+        """Go on under `head`, which the caller has put in the place of `before`, as `claim` does."""
+        with self._turn:
+            self._go_on(head, before)
+
+    def _go_on(self, head: RunHead, before: RunHead) -> None:
+        self._folder.mkdir(parents=True, exist_ok=True)
+        if self._own_epoch() == before.epoch:  # nobody else has saved since: what lies here follows from it
+            self._saved = {}
+        else:
+            self._fetch(head)
+        write_bytes(self._folder / self._mark, str(head.epoch).encode())
+        self._head = head
+        self._stored.remove_superseded(head)
+
+    def save(self, *, complete: bool = False, free: bool = False, always: bool = False) -> None:
+        """Put what has changed, and the head that names it; with `always` a head even if nothing has.
 
         Raises:
             RunTakenError: another process has the run; nothing was saved.
@@ -110,10 +121,8 @@ class RunState:
             if before is None:
                 raise ValueError("claim the run first")
             files, stamps = self._put_changed(before.files, self._look())
-            if only is not None:
-                files = {name: file for name, file in files.items() if only(name)}
-            if files != before.files or complete != before.complete:
-                after = replace(before, files=files, complete=complete)
+            after = replace(before, files=files, complete=complete, free=free)
+            if always or after != before:
                 self._head = self._stored.replace(before, after)
                 kept = {file.name for file in files.values()}
                 self._stored.remove_files([file for file in before.files.values() if file.name not in kept])
@@ -139,12 +148,12 @@ class RunState:
 
     def _own_epoch(self) -> int | None:
         try:
-            return int((self._folder / _EPOCH).read_text())
+            return int((self._folder / self._mark).read_text())
         except (FileNotFoundError, ValueError):
             return None
 
     def _fetch(self, head: RunHead) -> None:
-        (self._folder / _EPOCH).unlink(missing_ok=True)  # until all is there, the folder is of no epoch
+        (self._folder / self._mark).unlink(missing_ok=True)  # until all is there, the folder is of no epoch
         for name in self._look().keys() - head.files.keys():
             (self._folder / name).unlink(missing_ok=True)
         try:

@@ -25,6 +25,7 @@ import sys
 import threading
 import time
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any, NoReturn
 
@@ -34,7 +35,7 @@ from hgs_core.runs.folder import RunFolder
 from jobs.home import Home
 from jobs.out_of_memory import limit_memory, out_of_memory
 from jobs.parent_process import when_parent_is_gone
-from jobs.segments import help_with_segment, make_segments
+from jobs.segments import Exchange, help_with_segment, make_segments
 from jobs.stages import HELP, STAGES
 from jobs.transient_faults import reason_to_wait
 
@@ -71,7 +72,7 @@ def main(arguments: list[str] | None = None) -> int:
                 return LATER
             began = time.monotonic()
             log.info("%s begins", options.stage)
-            _run(options.stage, options.run, home, _throttled(report, stop))
+            _run(options.stage, options.run, home, _throttled(report, stop), lambda: _lost(report))
             log.info("%s is complete after %.1f s", options.stage, time.monotonic() - began)
     except StageStopped:
         log.info("%s was asked to stop, and has saved what it needs to go on", options.stage)
@@ -104,7 +105,7 @@ def _explain(error: Exception, report: IO[str]) -> int:
     return LATER if reason else FAILED
 
 
-def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
+def _run(stage: str, run: Path, home: Home, progress: ProgressCallback, on_lost: Callable[[], object]) -> None:
     def publish(report: ProgressCallback = silent) -> None:
         from jobs.artifacts import open_store
 
@@ -114,14 +115,24 @@ def _run(stage: str, run: Path, home: Home, progress: ProgressCallback) -> None:
         publish(progress)
         return
     pipeline = importlib.import_module(home.pipeline)
-    segments = getattr(pipeline, "segments_of", lambda run: None)(run) if stage in ("train", HELP) else None
-    if stage == HELP:
-        if segments is not None:
-            help_with_segment(segments, run, progress, publish)
-    elif segments is not None:
-        make_segments(segments, run, progress, publish)
-    else:
-        getattr(pipeline, stage)(run, progress)
+    exchange: Exchange | None = None
+    with contextlib.ExitStack() as held:
+        if home.runs_in_store and stage == HELP:
+            from jobs.stored_segments import fetch_for_help
+
+            held.enter_context(fetch_for_help(home, run))
+        segments = getattr(pipeline, "segments_of", lambda run: None)(run) if stage in ("train", HELP) else None
+        if home.runs_in_store and segments is not None:
+            from jobs.stored_segments import StoredSegments
+
+            exchange = StoredSegments.of(home, run, segments, on_lost)
+        if stage == HELP:
+            if segments is not None:
+                help_with_segment(segments, run, progress, publish, exchange)
+        elif segments is not None:
+            make_segments(segments, run, progress, publish, exchange)
+        else:
+            getattr(pipeline, stage)(run, progress)
 
 
 def _claim_stdout() -> IO[str]:

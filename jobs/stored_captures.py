@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import json
 import os
 import shutil
 from collections.abc import Iterator
@@ -26,9 +27,17 @@ from jobs.retention import folder_bytes
 from jobs.run_state import Translation, bring
 from jobs.stored_run import RunHead, RunTakenError, StoredFile, StoredRun
 
-__all__ = ["StoredCaptures"]
+__all__ = ["StoredCaptures", "capture_of"]
 
 _SCHEME = "upload:"
+
+
+def capture_of(run: Path) -> Path | None:
+    """Return where this machine has the capture of a run folder; None where run.json does not tell, or is not there."""
+    try:
+        return Path(json.loads((run / "run.json").read_text())["capture"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 class StoredCaptures:

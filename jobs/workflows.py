@@ -142,10 +142,9 @@ class TrainingWorkflow:
         async def on_progress(progress: Progress) -> None:
             nonlocal asked, tries
             free = int(progress.figures.get(SEGMENTS, 0) - progress.figures.get(MADE, 0))
-            if (
-                not asked and free > 1 and progress.figures.get(MADE) and not self._home.runs_in_store
-            ):  # one is made here
+            if not asked and free > 1 and progress.figures.get(MADE):  # one is made here
                 asked = True
+                await self.saving.save((job_id, attempt))  # helpers begin with what the first one left
                 await _persist(self._ask_for_help, job_id, attempt, free - 1)
             if progress.done > reached.get(progress.stage, 0):
                 reached[progress.stage] = progress.done

@@ -126,16 +126,17 @@ def test_locks_and_what_is_being_written_are_no_state(state: State, store: Objec
     assert set(head.files) == {"run.json", "segments/3"}
 
 
-def test_only_some_files_may_be_kept_at_the_end(state: State, store: ObjectStore, tmp_path: Path) -> None:
-    first = state("one", 1)
+def test_a_save_of_nothing_new_puts_no_head_unless_it_is_a_sign_of_life(state: State, store: ObjectStore) -> None:
+    first, run = state("one", 1), StoredRun(store, "runs/a")
     first.claim()
-    (tmp_path / "one" / "checkpoint.pt").write_text("10")
-    (tmp_path / "one" / "stage.log").write_text("a line")
+    before = run.head()
     first.save()
-    first.save(complete=True, only=lambda name: name == "stage.log")
-    head = StoredRun(store, "runs/a").head()
-    assert head is not None
-    assert (set(head.files), head.complete) == ({"stage.log"}, True)
+    assert run.head() == before
+    first.save(always=True)
+    assert run.head() != before
+    first.save(free=True)
+    assert (head := run.head()) is not None
+    assert head.free
 
 
 def test_run_json_names_the_capture_as_each_machine_sees_it(store: ObjectStore, tmp_path: Path) -> None:

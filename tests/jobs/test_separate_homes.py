@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import shutil
 import subprocess
@@ -18,6 +19,7 @@ from s3_server import S3Server, missing_program
 
 from hgs_core.base.errors import InputError
 from hgs_core.runs.config import RunConfig
+from hgs_core.runs.stages import train_scene
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.home import Home
@@ -31,6 +33,7 @@ from jobs.run_reading import run_reader
 from jobs.run_state import run_prefix
 from jobs.stored_captures import StoredCaptures
 from jobs.stored_run import StoredRun
+from tests.synthetic import write_capture
 
 Worker = subprocess.Popen[bytes]
 Poll = Callable[[Callable[[], bool], str], None]
@@ -51,13 +54,18 @@ def s3() -> Iterator[S3Server]:
 
 
 @pytest.fixture
-def home(tmp_path: Path, s3: S3Server, server: PostgresServer, monkeypatch: pytest.MonkeyPatch) -> Home:
+def pipeline() -> str:
+    return "chain_pipeline"
+
+
+@pytest.fixture
+def home(tmp_path: Path, pipeline: str, s3: S3Server, server: PostgresServer, monkeypatch: pytest.MonkeyPatch) -> Home:
     """That of the machine which submits; it runs no worker."""
     for name, value in s3.settings.items():
         monkeypatch.setenv(name, value)
     return dataclasses.replace(
         Home.at(tmp_path / "api"),
-        pipeline="chain_pipeline",
+        pipeline=pipeline,
         database_url=server.new_database(),
         store_url=f"s3://bucket/{tmp_path.name}",
         run_state="store",
@@ -135,6 +143,68 @@ def test_an_upload_is_trained_by_a_machine_that_did_not_take_it(
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
     assert (tmp_path / "one" / "fetched" / "studio" / "cam00.mp4").read_bytes() == b"a video"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pipeline", ["segment_pipeline"])
+def test_machines_share_the_segments_of_a_job(
+    client: JobClient, node: Callable[[str], Worker], wait_for: WaitFor, tmp_path: Path
+) -> None:
+    capture = tmp_path / "capture"
+    capture.mkdir()
+    (capture / "segments").write_text("5")
+    (capture / "pace").write_text("0.2")
+    node("one"), node("two")
+    job_id = client.submit(JobRequest(capture, RunConfig().changed({"train.iterations": 8})))
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    (log,) = tmp_path.glob(f"*/runs/{job_id}/made.log")  # of the machine that had the job
+    made = log.read_text().split()
+    assert made[0] == "0"
+    assert 1 < len(made) < 5
+    manifest = ArtifactStore(client.home.store_url).manifest(job_id)
+    assert manifest is not None
+    assert len(json.loads(manifest)["segments"]) == 5
+    assert not any("/parts/" in path for path in stored(client.home, "runs"))
+    assert not list(tmp_path.glob("*/helped/*"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pipeline", ["hgs_core.runs.stages"])
+@pytest.mark.parametrize("by_segment", [False, True])
+def test_the_trainer_makes_the_same_bits_on_two_machines_as_on_one(
+    client: JobClient,
+    node: Callable[[str], Worker],
+    wait_for: WaitFor,
+    wait_until: Poll,
+    tmp_path: Path,
+    by_segment: bool,
+) -> None:
+    write_capture(tmp_path / "capture")
+    config = RunConfig.from_json({
+        "capture": {"hold_out": ["2"]},
+        "points": {"static": 200, "dynamic": 40, "interval": 0.1},
+        "train": {"iterations": 200, "checkpoint_every": 10, "segment_frames": 2},
+        "encode": {"by_segment": by_segment},
+    })  # fmt: skip
+    first = node("one")
+    job_id = client.submit(JobRequest(tmp_path / "capture", config))
+    run = StoredRun(open_object_store(client.home.store_url), run_prefix(job_id))
+    if by_segment:
+        node("two")  # helps
+    else:
+        wait_until(lambda: (head := run.head()) is not None and "checkpoint.pt" in head.files, "a checkpoint")
+        first.kill()
+        node("two")
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert job.state is JobState.SUCCEEDED, job.error
+    alone = train_scene(tmp_path / "capture", tmp_path / "alone", config)
+    text = ArtifactStore(client.home.store_url).manifest(job_id)
+    assert text is not None
+    manifests = [json.loads(text), json.loads((alone / "scene" / "manifest.json").read_text())]
+    for manifest in manifests:
+        del manifest["training"]["seconds"]
+    assert manifests[0] == manifests[1]
 
 
 def test_runs_of_no_job_are_tidied_away(client: JobClient, submit: Callable[..., str]) -> None:
