@@ -55,12 +55,12 @@ class JobClient:
             raise
 
     def submit(self, request: JobRequest) -> str:
-        """Check the capture and the masks, create its run folder, queue the job and return the job's id.
+        """Check the capture, the masks and the sound, create its run folder, queue the job and return the job's id.
 
         A request with the key of an earlier one makes no second job; the id is that of the first.
 
         Raises:
-            InputError: the capture or the config is unusable.
+            InputError: the capture, the sound or the config is unusable.
             KeyReusedError: the earlier request with this key asked for something else.
             OSError: the run folder cannot be written, for example because the disk is full.
 
@@ -75,7 +75,7 @@ class JobClient:
         run = self.home.run(job_id)
         pipeline = importlib.import_module(self.home.pipeline)
         try:
-            config = pipeline.create_run(run, capture, request.config, masks=request.masks)
+            config = pipeline.create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
             job = Job(
                 id=job_id, title=title, capture=str(capture), config=config.to_json(),
                 labels=request.labels, priority=request.priority, time_limit=request.time_limit,

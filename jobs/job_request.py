@@ -37,6 +37,7 @@ class JobRequest:
     config: RunConfig
     title: str = ""
     masks: Path | None = None  # a folder of masks to use instead of the capture's own
+    audio: str = "auto"  # what is heard, as of `hgs_core.runs.stages.train_scene`; files by absolute paths
     labels: tuple[str, ...] = ()  # for people to find the job by
     priority: int = 0  # -100 to 100: the highest are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
@@ -53,8 +54,8 @@ class JobRequest:
         require_storable("title", self.title, MAX_TITLE)
         if one_line(self.title) != self.title:
             raise InputError("title", f"{self.title!a} holds control characters", "give one line of text")
-        for where, path in (("capture", self.capture), ("masks", self.masks)):
-            require_storable(where, str(path or ""), MAX_PATH)
+        for where, path in (("capture", self.capture), ("masks", self.masks or ""), ("audio", self.audio)):
+            require_storable(where, str(path), MAX_PATH)
         object.__setattr__(self, "labels", checked_labels(self.labels))
         if not -MAX_PRIORITY <= self.priority <= MAX_PRIORITY:
             raise InputError("priority", f"{self.priority} is out of range", f"give -{MAX_PRIORITY} to {MAX_PRIORITY}")
@@ -76,6 +77,8 @@ class JobRequest:
             str(self.capture), self.config.to_json(), self.title, str(self.masks or ""), self.labels, self.priority,
             self.time_limit, self.webhook,
         ]  # fmt: skip
+        if self.audio != "auto":  # keys that were given before there was a choice still hold
+            asked.append(self.audio)
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
 
 

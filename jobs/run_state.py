@@ -196,16 +196,16 @@ class Translation:
     """What run.json says of places that differ from machine to machine."""
 
     def __init__(self, portable: Callable[[str], str], local: Callable[[str], str]) -> None:
-        """Translate the path of a capture from this machine's to everybody's, and back."""
+        """Translate the path of a capture, or of a file in it, from this machine's to everybody's, and back."""
         self._portable, self._local = portable, local
 
     def portable(self, spec: bytes) -> bytes:
         """Return run.json as it is saved."""
-        return _with_capture(spec, self._portable)
+        return _with_places(spec, self._portable)
 
     def local(self, spec: bytes) -> bytes:
         """Return run.json as this machine needs it."""
-        return _with_capture(spec, self._local)
+        return _with_places(spec, self._local)
 
 
 def bring(
@@ -254,8 +254,9 @@ def files_of_run(folder: Path) -> Iterator[tuple[str, Stamp]]:
                     yield relative, (found.st_mtime_ns, found.st_size)
 
 
-def _with_capture(spec: bytes, translate: Callable[[str], str]) -> bytes:
+def _with_places(spec: bytes, translate: Callable[[str], str]) -> bytes:
     value: dict[str, Any] = json.loads(spec)
-    if isinstance(value.get("capture"), str):
-        value["capture"] = translate(value["capture"])
+    for name in ("capture", "audio"):  # a file with sound may lie in the capture
+        if isinstance(value.get(name), str):
+            value[name] = translate(value[name])
     return json.dumps(value, indent=1).encode()

@@ -62,15 +62,28 @@ class CaptureFolders:
         except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, no text of the file system
             raise InputError("capture", f"{capture[:80]!r} is not a path") from error
         if not inside:
-            raise ProblemError(
-                403,
-                "capture-outside",
-                f"capture {capture!r}: lies outside the folders the server may read; add its folder to {SETTING}",
-                field="capture",
-            )
+            raise _outside("capture", capture)
         if found is None:
             raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
         self.require_inner_links(found)
+        return found
+
+    def locate_file(self, where: str, file: str, capture: Path) -> Path:
+        """Return the absolute path of a file named by a client in the field `where`, looked up in `capture` first.
+
+        Raises:
+            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
+            InputError: there is no file at the path.
+        """
+        try:
+            inside = [path for folder in (capture, *self.readable) if self.allows(path := (folder / file).resolve())]
+            found = next((path for path in inside if path.is_file()), None)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise InputError(where, f"{file[:80]!r} is not a path") from error
+        if not inside:
+            raise _outside(where, file)
+        if found is None:
+            raise InputError(where, f"there is no file {file!r}", "give its path in the capture, or the whole path")
         return found
 
     def require_inner_links(self, capture: Path) -> None:
@@ -98,6 +111,11 @@ class CaptureFolders:
                     )
                 if entry.is_dir() and depth < _DEEPEST:
                     waiting.append((Path(entry.path), depth + 1))
+
+
+def _outside(where: str, path: str) -> ProblemError:
+    detail = f"{where} {path!r}: lies outside the folders the server may read; add its folder to {SETTING}"
+    return ProblemError(403, "capture-outside", detail, field=where)
 
 
 def _entries(folder: Path) -> list[os.DirEntry[str]]:

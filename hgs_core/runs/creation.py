@@ -12,7 +12,7 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.base.wording import counted
-from hgs_core.calibrate.uncalibrated import are_enough_videos, has_poses
+from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, has_poses
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
@@ -32,26 +32,31 @@ def create_run(
     """Check the capture and the config and write `run`/run.json; an equal run that is there already is kept.
 
     `masks` is a folder of masks to use instead of the capture's own; `audio` is the sound: "auto" for that of the first
-    camera with any, "none", or a file. What was left out or found is logged. Returns the config of the run, which names
-    the camera that is held out where `config` leaves the choice; that of videos without poses is chosen when `prepare`
-    has found them.
+    camera with any, "camera:" and the name of one, "none", or a file. What was left out or found is logged. Returns the
+    config of the run, which names the camera that is held out where `config` leaves the choice; that of videos without
+    poses is chosen when `prepare` has found them.
 
     Raises:
         InputError: the capture is unusable, a held-out camera is unknown, the file has no sound, or the folder is
             taken. Nothing is written.
     """
-    from hgs_core.runs.sound import require_sound_file
+    from hgs_core.runs.sound import require_sound_file, require_sounding_video
 
     audio = require_sound_file(audio)
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
+        require_sounding_video(audio, {video.stem: video for video in find_videos(capture)})
         folder.write_spec(
             RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
         )
         return config
     opened = open_capture(
         capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
+    )
+    videos = [opened.video(camera) for camera in range(len(opened.cameras))]
+    require_sounding_video(
+        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, videos, strict=True)}
     )
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)

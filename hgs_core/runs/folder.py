@@ -38,7 +38,7 @@ class RunSpec:
     found: Path | None = None  # a folder with cameras and a sync.json, where the capture's own could not be written
     prepared: bool = True  # False: cameras, or when the videos began, are still to be found
     edited: bool = False  # then without a capture
-    audio: str = "auto"  # the sound: of the capture, "none", or a file
+    audio: str = "auto"  # the sound: of the capture, "camera:" and a name, "none", or a file
 
     def open_capture(self, *, cache_bytes: int = 1 << 30) -> Capture:
         """Open the capture as the run sees it: with its masks and at its resolution.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from hgs_core.base.atomic import write_bytes
@@ -17,12 +17,25 @@ from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, chunk_id, load_manifest, read_audio, stored_sizes
 from hgs_core.runs.folder import RunFolder, RunSpec
 
-__all__ = ["NO_SOUND", "OWN_SOUND", "replace_sound", "require_sound_file", "scene_sound", "write_sound"]
+__all__ = [
+    "CAMERA_SOUND",
+    "NO_SOUND",
+    "OWN_SOUND",
+    "camera_of_sound",
+    "replace_sound",
+    "require_sound_file",
+    "require_sounding_video",
+    "scene_sound",
+    "write_sound",
+]
 
 OWN_SOUND = "auto"
 """The sound of the capture's first camera that has any."""
 
 NO_SOUND = "none"
+
+CAMERA_SOUND = "camera:"
+"""With a camera's name behind it: the sound of its video."""
 
 log = logging.getLogger(__name__)
 
@@ -33,15 +46,36 @@ def require_sound_file(audio: str) -> str:
     Raises:
         InputError: there is no such file, or it has no sound.
     """
-    if audio in (OWN_SOUND, NO_SOUND):
+    if audio in (OWN_SOUND, NO_SOUND) or camera_of_sound(audio) is not None:
         return audio
     file = Path(audio)
-    cure = f"give a file with sound, {OWN_SOUND} or {NO_SOUND}"
+    cure = f"give a file with sound, {CAMERA_SOUND}NAME, {OWN_SOUND} or {NO_SOUND}"
     if not file.is_file():
         raise InputError(f"--audio {audio}", "there is no such file", cure)
     if not has_sound(file):
         raise InputError(f"--audio {audio}", "the file has no sound", cure)
     return str(file.resolve())
+
+
+def camera_of_sound(audio: str) -> str | None:
+    """Return the name of the camera whose sound `--audio` asks for, or None if it asks for something else."""
+    return audio.removeprefix(CAMERA_SOUND) if audio.startswith(CAMERA_SOUND) else None
+
+
+def require_sounding_video(audio: str, videos: Mapping[str, Path | None]) -> None:
+    """Refuse a camera's sound that is not among the `videos`, by the cameras' names.
+
+    Raises:
+        InputError: there is no such camera, or it has pictures instead of a video, or its video has no sound.
+    """
+    name = camera_of_sound(audio)
+    if name is None:
+        return
+    if name not in videos:
+        raise InputError(f"--audio {audio}", "there is no such camera", f"its cameras are {', '.join(videos)}")
+    video = videos[name]
+    if video is None or not has_sound(video):
+        raise InputError(f"--audio {audio}", "its camera has no video with sound", "give another one, or a file")
 
 
 def scene_sound(
@@ -52,11 +86,14 @@ def scene_sound(
     A run without a capture keeps what its scene has.
 
     Raises:
-        InputError: the file that the run was given is gone or damaged; a capture's own sound that is damaged is left
-            out, and a line says so.
+        InputError: the file or the camera's video that the run was given is gone or damaged; a capture's own sound that
+            is damaged is left out, and a line says so.
     """
     if spec.audio == NO_SOUND:
         return None
+    if (name := camera_of_sound(spec.audio)) is not None:
+        path, offset = _video_of(name, capture)
+        return _coded(cut_sound(path, start, end, offset), path)
     if spec.audio != OWN_SOUND:
         file = Path(spec.audio)
         return _coded(cut_sound(file, start, end, _placed(file, capture) - sound_begin(file)), file)
@@ -109,6 +146,15 @@ def _sounding_videos(capture: Capture) -> Iterator[tuple[Path, float]]:
         video = capture.video(camera)
         if video is not None and has_sound(video[0]):
             yield video
+
+
+def _video_of(name: str, capture: Capture | None) -> tuple[Path, float]:
+    """Return a camera's video, with what is to be added to its times."""
+    if capture is not None:
+        for camera, one in enumerate(capture.cameras):
+            if one.name == name and (video := capture.video(camera)) is not None:
+                return video
+    raise InputError(f"--audio {CAMERA_SOUND}{name}", "the run has no video of this camera", "give a file")
 
 
 def _placed(file: Path, capture: Capture | None) -> float:

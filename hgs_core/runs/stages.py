@@ -141,7 +141,8 @@ def train_scene(
         out: folder of the run: new, empty, or of an equal run to resume or to keep.
         config: how to go about it; by default the preset "standard".
         masks: a folder of masks, `<camera>/<FFFF>.png`, to use instead of the capture's own.
-        audio: what is heard: "auto" for the sound of the first camera that has any, "none", or a file with sound.
+        audio: what is heard: "auto" for the sound of the first camera that has any, "camera:" and the name of one,
+            "none", or a file with sound.
         progress: called after every step of a stage; it may raise `StageStopped` to stop.
         checked: called with what the check of the capture found, also if that stops the run.
 

@@ -11,7 +11,7 @@ from typing import Any
 from hgs_core.base.progress import Progress
 from server.cli.job_options import add_job_options, job_options
 from server.cli.progress_bars import ProgressBars
-from server.cli.training_options import add_masks_option, add_training_options, training_config
+from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
 
 __all__ = ["add_parser"]
 
@@ -36,6 +36,7 @@ def add_parser(commands: Any) -> None:
     )
     add_job_options(parser)
     add_masks_option(parser)
+    add_audio_option(parser, "auto", "default: auto")
     add_training_options(parser)
     parser.set_defaults(run=_run)
 
@@ -46,14 +47,16 @@ def _run(options: argparse.Namespace) -> int:
         from server.cli.submit_to_server import submit_to_server
 
         return submit_to_server(options)
+    from hgs_core.runs.sound import require_sound_file
     from jobs.client import JobClient
     from jobs.home import Home
     from jobs.job_request import JobRequest
 
+    request = JobRequest(
+        options.capture, config, options.title, options.masks, require_sound_file(options.audio), **job_options(options)
+    )
     with JobClient(Home.from_environment()) as client:
-        job_id = client.submit(
-            JobRequest(options.capture, config, options.title, options.masks, **job_options(options))
-        )
+        job_id = client.submit(request)
         print(job_id, flush=True)
         return _follow(client, job_id) if options.wait else 0
 

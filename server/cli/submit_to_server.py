@@ -6,11 +6,13 @@ import argparse
 import secrets
 import sys
 import time
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped
+from hgs_core.runs.sound import NO_SOUND, OWN_SOUND, camera_of_sound
 from server.cli.capture_files import capture_files, opened_capture
 from server.cli.interrupts import Interrupts
 from server.cli.job_options import job_options
@@ -40,6 +42,8 @@ def submit_to_server(options: argparse.Namespace) -> int:
     settings = job_settings(options) | asked
     if options.masks is not None:
         raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
+    if (audio := _sent_sound(options)) != OWN_SOUND:
+        settings["audio"] = audio
     with ServerClient(options.to) as client, Interrupts() as interrupts, ProgressBars(interrupts) as bars:
 
         def show(done: int, total: int) -> None:
@@ -64,6 +68,18 @@ def submit_to_server(options: argparse.Namespace) -> int:
             bars.close()
             print("stopped; run the same command again to go on", file=sys.stderr)
             return INTERRUPTED
+
+
+def _sent_sound(options: argparse.Namespace) -> str:
+    """Return what --audio asks for, a file by its path in the capture, with which it is sent."""
+    audio: str = options.audio
+    if audio in (OWN_SOUND, NO_SOUND) or camera_of_sound(audio) is not None:
+        return audio
+    capture = options.capture.resolve()
+    for file in (Path(audio).resolve(), (capture / audio).resolve()):
+        if file.is_file() and file.is_relative_to(capture):
+            return file.relative_to(capture).as_posix()
+    raise InputError(f"--audio {audio}", "sound is sent with the capture", "put the file into the capture's folder")
 
 
 def _trainable(client: ServerClient, uploaded: str) -> str:

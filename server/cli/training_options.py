@@ -66,8 +66,8 @@ def add_audio_option(parser: argparse.ArgumentParser, default: str | None, other
     """Add --audio; `otherwise` says what its default does."""
     parser.add_argument(
         "--audio", metavar="FILE", default=default,
-        help=f"what is heard: a file with sound, auto for the first camera's that has any, or none; {otherwise}"
-        " (docs/captures.md)",
+        help="what is heard: a file with sound, camera:NAME for that camera's, auto for the first one's that has any,"
+        f" or none; {otherwise} (docs/captures.md)",
     )  # fmt: skip
 
 

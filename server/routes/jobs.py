@@ -14,6 +14,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import by_stage
+from hgs_core.runs.sound import NO_SOUND, OWN_SOUND, camera_of_sound
 from jobs.client import JobConflictError, KeyReusedError
 from jobs.job import Job, JobState
 from jobs.job_filter import MAX_LABELS
@@ -40,6 +41,13 @@ class Submission(BaseModel):
     preset: StrictStr = "standard"
     hold_out: list[StrictStr] = Field(default=list(AUTO), max_length=1000)
     config: dict[str, Any] = {}
+    audio: StrictStr = Field(
+        default=OWN_SOUND,
+        min_length=1,
+        max_length=4096,
+        description="What is heard: auto for the first camera's sound that has any, camera: and the name of one, none, "
+        "or a file with sound, by its path in the capture or a whole path in a folder that the server may read.",
+    )
     labels: list[StrictStr] = Field(default=[], max_length=MAX_LABELS)
     priority: int = 0
     time_limit: float = 0.0
@@ -124,7 +132,7 @@ def _submit(service: Service, submission: Submission, key: str) -> Job:
     try:
         capture: Path = service.captures.locate(submission.capture)
         asked = JobRequest(
-            capture, config, submission.title,
+            capture, config, submission.title, audio=_sound(service, submission.audio, capture),
             labels=tuple(submission.labels), priority=submission.priority, time_limit=submission.time_limit,
             webhook=submission.webhook, key=key,
         )  # fmt: skip
@@ -135,10 +143,19 @@ def _submit(service: Service, submission: Submission, key: str) -> Job:
         if error.where in ("title", "labels", "priority", "time_limit", "webhook", "key"):
             field = "Idempotency-Key" if error.where == "key" else error.where
             raise ProblemError(422, "body-invalid", str(error), field=field) from error
+        if error.where == "audio" or error.where.startswith("--audio"):
+            raise ProblemError(422, "body-invalid", str(error).removeprefix("--"), field="audio") from error
         if error.where.startswith("config"):  # the capture does not fit the config
             raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
         raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
     return service.known_job(job_id)
+
+
+def _sound(service: Service, audio: str, capture: Path) -> str:
+    """Return what is asked for with a file's absolute path."""
+    if audio in (OWN_SOUND, NO_SOUND) or camera_of_sound(audio) is not None:
+        return audio
+    return str(service.captures.locate_file("audio", audio, capture))
 
 
 def _config(submission: Submission) -> RunConfig:

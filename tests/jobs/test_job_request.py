@@ -22,6 +22,7 @@ from jobs.job_request import JobRequest
         ({"masks": Path("a\udc80")}, "masks"),
         ({"capture": Path("a\udc80")}, "capture"),
         ({"capture": Path("a" * 5000)}, "capture"),
+        ({"audio": "a\0b"}, "audio"),
         ({"labels": ("two words",)}, "labels"),
         ({"priority": 101}, "priority"),
         ({"priority": -101}, "priority"),
@@ -44,6 +45,7 @@ def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
 def test_the_digest_is_of_all_that_is_asked_for(tmp_path: Path) -> None:
     changes: list[dict[str, Any]] = [
         {"title": "A"}, {"labels": ("a",)}, {"priority": 1}, {"time_limit": 5.0}, {"masks": tmp_path},
+        {"audio": "none"},
         {"config": RunConfig().changed({"train.iterations": 7})}, {"capture": tmp_path / "b"},
     ]  # fmt: skip
     plain: dict[str, Any] = {"capture": tmp_path, "config": RunConfig()}

@@ -146,11 +146,13 @@ def test_run_json_names_the_capture_as_each_machine_sees_it(store: ObjectStore, 
         return RunState(StoredRun(store, "runs/a"), tmp_path / machine, epoch, translate=translation)
 
     (tmp_path / "one").mkdir()
-    (tmp_path / "one" / "run.json").write_text('{"capture": "/one/uploads/studio", "fingerprint": "x"}')
+    (tmp_path / "one" / "run.json").write_text(
+        '{"capture": "/one/uploads/studio", "audio": "/one/uploads/studio/a.wav", "fingerprint": "x"}'
+    )
     state("one", 0).create()
     state("two", 1).claim()
     spec = json.loads((tmp_path / "two" / "run.json").read_text())
-    assert spec == {"capture": "/two/uploads/studio", "fingerprint": "x"}
+    assert spec == {"capture": "/two/uploads/studio", "audio": "/two/uploads/studio/a.wav", "fingerprint": "x"}
 
 
 def test_a_run_that_is_not_in_the_store_is_named(store: ObjectStore, tmp_path: Path) -> None:

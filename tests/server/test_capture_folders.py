@@ -62,6 +62,26 @@ def test_what_no_path_can_be_is_bad_input(folders: CaptureFolders, capture: str)
         folders.locate(capture)
 
 
+def test_files_are_looked_up_in_the_capture_first(folders: CaptureFolders) -> None:
+    first, second = folders.folders
+    for file in (first / "studio" / "a.wav", first / "a.wav", second / "b.wav"):
+        file.write_text("")
+    (first / "studio" / "c.wav").symlink_to(os.devnull)
+    for name, found in (("a.wav", first / "studio" / "a.wav"), ("b.wav", second / "b.wav")):
+        assert folders.locate_file("audio", name, first / "studio") == found
+    assert folders.locate_file("audio", str(second / "b.wav"), first / "studio") == second / "b.wav"
+    with pytest.raises(InputError, match="audio: there is no file"):
+        folders.locate_file("audio", "d.wav", first / "studio")
+    with pytest.raises(InputError, match="is not a path"):
+        folders.locate_file("audio", "a\0b", first / "studio")
+    for outside in ("/etc/hostname", "../../other/x.wav"):
+        with pytest.raises(ProblemError, match="HGS_CAPTURES") as caught:
+            folders.locate_file("audio", outside, first / "studio")
+        assert (caught.value.status, caught.value.code, caught.value.field) == (403, "capture-outside", "audio")
+    with pytest.raises(InputError, match="there is no file"):  # a link that leads out is passed over
+        folders.locate_file("audio", "c.wav", first / "studio")
+
+
 def test_a_list_that_is_given_counts_before_the_variable(tmp_path: Path) -> None:
     given, variable = f"{tmp_path}/a{os.pathsep}{tmp_path}/b", {"HGS_CAPTURES": f"{tmp_path}/c"}
     assert CaptureFolders.configured(tmp_path, given, variable).folders == (tmp_path / "a", tmp_path / "b")

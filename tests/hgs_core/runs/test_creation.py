@@ -66,6 +66,14 @@ def test_of_six_cameras_one_is_held_out_where_the_choice_is_left(
     assert create_run(tmp_path / "mine", tmp_path / "capture", config).capture.hold_out == ("0",)
 
 
+def test_the_sound_of_a_camera_that_has_none_is_refused_before_anything_is_written(tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    for audio, words in (("camera:9", "no such camera"), ("camera:0", "has no video with sound")):
+        with pytest.raises(InputError, match=words):
+            create_run(tmp_path / "run", tmp_path / "capture", CONFIG, audio=audio)
+    assert not (tmp_path / "run").exists()
+
+
 def test_a_run_keeps_its_masks_and_its_resolution(
     tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

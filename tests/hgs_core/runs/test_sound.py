@@ -13,7 +13,7 @@ from hgs_core.codec import encode_scene, load_manifest
 from hgs_core.codec.format.folder import checked_chunks, read_audio
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
-from hgs_core.runs.sound import replace_sound, require_sound_file, scene_sound
+from hgs_core.runs.sound import replace_sound, require_sound_file, require_sounding_video, scene_sound
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.hgs_core.capture.sounding import write_sounding_video
 from tests.hgs_core.check.test_sound import heard, scene
@@ -46,7 +46,8 @@ def run(tmp_path: Path) -> RunFolder:
 
 
 def capture_of(*found: tuple[Path, float]) -> Any:
-    return SimpleNamespace(cameras=found, video=lambda camera: found[camera])
+    cameras = [SimpleNamespace(name=path.stem) for path, _ in found]
+    return SimpleNamespace(cameras=cameras, video=lambda camera: found[camera])
 
 
 def spec_with(audio: str) -> RunSpec:
@@ -62,6 +63,27 @@ def test_the_first_camera_with_sound_is_heard_on_the_captures_clock(videos: Path
     assert [p.start for p in sound.entry.pieces] == pytest.approx([p.start - 10.0 for p in later.entry.pieces])
     assert sound.entry.pieces[0].start <= 0.0 < sound.entry.pieces[0].end
     assert set(sound.chunks) == set(sound.entry.sizes)
+
+
+def test_a_camera_that_is_named_is_heard_by_its_own_clock(videos: Path, run: RunFolder) -> None:
+    capture = capture_of((videos / "b.mkv", 0.0), (videos / "c.mkv", 0.5))
+    named = scene_sound(run, spec_with("camera:c"), capture, 0.0, 2.0)
+    alone = scene_sound(run, spec_with("auto"), capture_of((videos / "c.mkv", 0.5)), 0.0, 2.0)
+    assert named == alone != scene_sound(run, spec_with("auto"), capture, 0.0, 2.0)
+    with pytest.raises(InputError, match="camera:z: the run has no video of this camera"):
+        scene_sound(run, spec_with("camera:z"), capture, 0.0, 2.0)
+
+
+def test_a_camera_must_be_there_and_have_sound(videos: Path) -> None:
+    named = {name: videos / f"{name}.mkv" for name in "abc"} | {"photographed": None}
+    assert require_sound_file("camera:b") == "camera:b"
+    require_sounding_video("camera:b", named)
+    require_sounding_video("auto", {})
+    with pytest.raises(InputError, match="camera:z: there is no such camera; its cameras are a, b, c, photographed"):
+        require_sounding_video("camera:z", named)
+    for silent in ("a", "photographed"):
+        with pytest.raises(InputError, match="has no video with sound"):
+            require_sounding_video(f"camera:{silent}", named)
 
 
 def test_a_capture_without_sound_and_a_wish_for_none_have_none(videos: Path, run: RunFolder) -> None:

@@ -30,7 +30,9 @@ CHECKPOINT_EVERY = 5
 SECONDS_PER_ITERATION = 0.02
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
+def create_run(
+    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+) -> RunConfig:
     if not (capture / "behaviour").is_file():
         raise InputError(capture, "has no file `behaviour`")
     run.mkdir(parents=True)

@@ -14,6 +14,7 @@ from hgs_core.runs.folder import RunFolder
 from jobs.client import JobClient
 from jobs.job import Job, JobState
 from server.cli import main, submit
+from tests.hgs_core.capture.sounding import write_sounding_video
 from tests.server.cli.conftest import FRAMES
 
 
@@ -33,6 +34,18 @@ def test_a_submitted_run_keeps_its_masks(
     assert main(["submit", str(n3dv), "--masks", str(folder.parent)]) == 0
     job_id = capsys.readouterr().out.strip()
     assert RunFolder(home / "runs" / job_id).read_spec().masks == folder.parent.resolve()
+
+
+def test_a_submitted_run_keeps_its_sound(
+    n3dv: Path, home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_sounding_video(tmp_path / "recorder.mkv", 5, np.zeros(8000))
+    monkeypatch.chdir(tmp_path)
+    assert main(["submit", str(n3dv), "--audio", "recorder.mkv"]) == 0
+    job_id = capsys.readouterr().out.strip()
+    assert RunFolder(home / "runs" / job_id).read_spec().audio == str((tmp_path / "recorder.mkv").resolve())
+    assert main(["submit", str(n3dv), "--audio", "camera:cam00"]) == 2
+    assert "its camera has no video with sound" in capsys.readouterr().err
 
 
 @pytest.fixture

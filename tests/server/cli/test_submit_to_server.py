@@ -16,6 +16,7 @@ from pathlib import Path
 import httpx
 import pytest
 
+from hgs_core.runs.folder import RunFolder
 from server.cli import main
 from tests.conftest import REPOSITORY
 
@@ -118,9 +119,10 @@ def test_cut_lines_and_a_killed_server_cost_nothing(n3dv: Path, home: Path, tmp_
                 True,
             )
             assert "camera  partners" in errors
-            again = submit(n3dv, url, "--trust-poses")
-            assert again.wait(240) == 0
-            again.communicate()
+            again = submit(n3dv, url, "--trust-poses", "--audio", "none")
+            output, errors = again.communicate(timeout=240)
+            assert again.returncode == 0, errors
+            assert RunFolder(home / "runs" / output.strip()).read_spec().audio == "none"
             assert len(uploads(url)) == 1  # what is there is not sent again
 
 

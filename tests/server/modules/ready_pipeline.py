@@ -11,7 +11,9 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.runs.config import RunConfig
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
+def create_run(
+    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+) -> RunConfig:
     if not (capture / "scene").is_dir():
         raise InputError(capture, "has no scene")
     run.mkdir(parents=True)

@@ -59,6 +59,9 @@ def test_submit_needs_the_capture_alone(server: Any) -> None:
         ({"capture": "studio", "config": []}, "config"),
         ({"capture": "studio", "labels": "night"}, "labels"),
         ({"capture": "studio", "labels": ["two words"]}, "labels"),
+        ({"capture": "studio", "audio": ""}, "audio"),
+        ({"capture": "studio", "audio": ["none"]}, "audio"),
+        ({"capture": "studio", "audio": "gone.wav"}, "audio"),
         ({"capture": "studio", "priority": 101}, "priority"),
         ({"capture": "studio", "priority": 1.5}, "priority"),
         ({"capture": "studio", "time_limit": -1}, "time_limit"),
@@ -91,6 +94,22 @@ def test_bad_configs_are_422_and_named(server: Any, body: dict[str, Any], field:
         server.request("POST", "/v1/jobs", json={"capture": "studio", **body}), 422, "config-invalid"
     )
     assert problem["field"] == field
+
+
+def test_the_sound_of_a_job_is_a_choice_or_a_file_that_the_server_may_read(server: Any) -> None:
+    file = server.captures.resolve() / "studio" / "recorder.wav"
+    file.write_bytes(b"")
+    for audio in ("auto", "none", "camera:cam01", "recorder.wav", str(file)):
+        assert server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": audio}).status_code == 201
+    assert [request.audio for request in server.jobs.requests] == [
+        "auto", "none", "camera:cam01", str(file), str(file),
+    ]  # fmt: skip
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": "/etc/hostname"})
+    assert assert_problem(response, 403, "capture-outside", "HGS_CAPTURES")["field"] == "audio"
+    server.jobs.refuse = InputError("--audio camera:cam09", "there is no such camera")
+    response = server.request("POST", "/v1/jobs", json={"capture": "studio", "audio": "camera:cam09"})
+    problem = assert_problem(response, 422, "body-invalid", "audio camera:cam09: there is no such camera")
+    assert problem["field"] == "audio"
 
 
 def test_captures_outside_the_folders_are_403(server: Any) -> None:

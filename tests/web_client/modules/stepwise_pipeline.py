@@ -24,7 +24,9 @@ from hgs_core.runs.config import RunConfig
 TOTAL = 400
 
 
-def create_run(run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None) -> RunConfig:
+def create_run(
+    run: Path, capture: Path, config: RunConfig, *, masks: Path | None = None, audio: str = "auto"
+) -> RunConfig:
     cameras = len(json.loads((capture / "transforms.json").read_text())["frames"])
     if config.capture.hold_out == AUTO:
         config = config.changed({"capture.hold_out": ()})
