@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hgs_core.base.errors import InputError
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
@@ -41,12 +42,18 @@ def scene_of(folder: Path) -> BenchScene:
     """Read a scene folder.
 
     Raises:
-        InputError: it has no manifest of a scene.
-        OSError: a chunk cannot be read.
+        InputError: it has no manifest of a scene, or a chunk cannot be read.
     """
     manifest = load_manifest(folder)
-    chunks = {entry.id: (folder / CHUNKS / entry.id).read_bytes() for entry in manifest.chunks}
+    chunks = {entry.id: _chunk(folder / CHUNKS / entry.id) for entry in manifest.chunks}
     return BenchScene(manifest, (folder / MANIFEST).read_bytes(), chunks)
+
+
+def _chunk(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError as error:
+        raise InputError(file, f"cannot be read: {error.strerror}", "encode the run again") from error
 
 
 def made_up_scene(seconds: int = 60, *, static_bytes: int = 900_000, slice_bytes: int = 60_000) -> BenchScene:

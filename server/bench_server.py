@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from hgs_core.codec.format.folder import load_manifest
+from hgs_core.base.errors import InputError
 from hgs_core.codec.format.manifest import Manifest
 from server.bench_scene import BenchScene, made_up_scene, scene_of
 from server.connection_limits import raise_open_file_limit
@@ -43,10 +43,9 @@ class BenchServer:
         """Serve the scene of a folder, or else a made-up one of so many minutes.
 
         Raises:
-            InputError: the folder has no manifest of a scene.
+            InputError: the folder has no manifest of a scene, or a chunk cannot be read.
+            RuntimeError: the server has not begun to serve; it has told why on standard error.
         """
-        if scene is not None:
-            load_manifest(scene)
         spawn = multiprocessing.get_context("spawn")
         self._pipe, theirs = spawn.Pipe()
         self._process = spawn.Process(target=_serve, args=(theirs, scene, minutes), daemon=True)
@@ -54,7 +53,13 @@ class BenchServer:
         theirs.close()  # else its end would not be noticed
         self.port: int
         self.manifest: Manifest
-        self.port, self.manifest = self._pipe.recv()
+        try:
+            begun = self._pipe.recv()
+        except EOFError as error:
+            raise RuntimeError("the server to be measured has ended before it served; see above") from error
+        if isinstance(begun, InputError):
+            raise begun
+        self.port, self.manifest = begun
 
     @property
     def url(self) -> str:
@@ -76,16 +81,21 @@ class BenchServer:
 
 def _serve(pipe: Connection, folder: Path | None, minutes: float) -> None:
     raise_open_file_limit()
-    with contextlib.suppress(EOFError, OSError):
-        asyncio.run(_tell(pipe, made_up_scene(round(60 * minutes)) if folder is None else scene_of(folder)))
+    try:
+        scene = made_up_scene(round(60 * minutes)) if folder is None else scene_of(folder)
+    except InputError as error:
+        pipe.send(error)
+    else:
+        asyncio.run(_tell(pipe, scene))
 
 
 async def _tell(pipe: Connection, scene: BenchScene) -> None:
     async with serving(scene) as port:
         spare_collector()
         pipe.send((port, scene.manifest))
-        while await asyncio.to_thread(pipe.recv):
-            pipe.send(_costs())
+        with contextlib.suppress(EOFError, ConnectionError):  # whoever measures has gone
+            while await asyncio.to_thread(pipe.recv):
+                pipe.send(_costs())
 
 
 def _costs() -> Costs:

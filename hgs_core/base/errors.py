@@ -18,3 +18,7 @@ class InputError(ValueError):
         self.problem = problem
         self.cure = cure
         super().__init__(f"{self.where}: {problem}" + (f"; {cure}" if cure else ""))
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
+        """Let the line go from one process to another; of a subclass nothing else."""
+        return InputError, (self.where, self.problem, self.cure)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import pytest
@@ -15,3 +16,9 @@ def test_the_message_is_one_line_of_place_problem_and_cure_if_there_is_one(cure:
     error = InputError(Path("run/config.json"), "seed is -1", cure)
     assert str(error) == line
     assert (error.where, error.problem, error.cure) == ("run/config.json", "seed is -1", cure)
+
+
+def test_an_error_goes_from_one_process_to_another() -> None:
+    error = InputError("seed", "is -1", "give 0 or more")
+    copy = pickle.loads(pickle.dumps(error))
+    assert (type(copy), str(copy), copy.where, copy.cure) == (InputError, str(error), "seed", "give 0 or more")
