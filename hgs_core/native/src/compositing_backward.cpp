@@ -58,28 +58,27 @@ struct TileGradients {
     open.each_block(entry.box, [&](int block, int first, int last) {
       const BlockTerms columns(s, entry, block);
       Vec h_0{}, h_dy{}, h_dy2{};
-      for (int y = first; y <= last; ++y) {
+      each_row(rows, columns, first, last, [&](int y, const Opacity &opacity) __attribute__((always_inline)) {
         const int i = block * kBlockSize + y * kLanes;
         const Vec before = load(T + i);
         Vec g[kChannels];
         for (int c = 0; c < kChannels; ++c) g[c] = load(light[c] + i);
-        const Blend blend(columns.power(rows, y), before);
+        const Blend blend(opacity, before);
         Vec along = g[0] * colour[0] + (g[1] * colour[1] + g[2] * colour[2]);
         if constexpr (depth) along += g[3] * colour[3];
-        const Vec after = load(rest + i) - blend.weight * along;
+        const Vec share = blend.weight * along, after = load(rest + i) - share;
         store(rest + i, after);
         store(T + i, blend.transmittance);
         if constexpr (wanted) {
-          const Vec d_alpha = before * along - after * reciprocal(1.0f - blend.alpha);
-          const Mask free = both(blend.drawn, greater_equal(broadcast(kAlphaMax), blend.unclamped_alpha));
-          const Vec h = keep(free, d_alpha * blend.unclamped_alpha), h_y = h * rows.dy(y);
+          const Mask free = both(blend.drawn, greater_equal(broadcast(kAlphaMax), opacity.unclamped));
+          const Vec h = keep(free, share - after * quotient(blend.alpha, 1.0f - blend.alpha)), h_y = h * rows.dy(y);
           h_0 += h;
           h_dy += h_y;
           h_dy2 += h_y * rows.dy(y);
           for (int c = 0; c < 3; ++c) sums[kRed + c] += blend.weight * g[c];
           if constexpr (depth) sums[kDepth] += blend.weight * g[3];
         }
-      }
+      });
       if constexpr (wanted) {
         // t is linear in dy along a column.
         const Vec t = columns.middle_t, h_t = t * h_0, dy_t = rows.t_by_y * h_dy, h_t_dy = rows.t_by_y * h_dy2;

@@ -138,7 +138,43 @@ inline Vec reciprocal(Vec x) {
 #endif
 }
 
+// y / x, to about 2 units in the last place; x normal.
+inline Vec quotient(Vec y, Vec x) {
+#if HGS_AVX512
+  const Vec r = (Vec)_mm512_rcp14_ps((__m512)x), q = y * r;
+#elif HGS_AVX2
+  const Vec r = (Vec)_mm256_rcp_ps((__m256)x), q = y * r;
+#else
+  return y / x;
+#endif
+#if HGS_AVX512 || HGS_AVX2
+  return q + q * (1.0f - x * r);
+#endif
+}
+
 // 2^x for x in [-126, 127], relative error 2e-7; garbage (but no trap) outside, which callers mask or clamp.
+#if HGS_AVX512
+// 2^x = 2^n (2^(i/32) 2^f): the powers in between lie in two registers, and a parabola is enough for |f| <= 1/64.
+struct PowersBetween {
+  alignas(64) uint32_t less[32];  // bits of 2^(i/32), less what i becomes when n is shifted to the exponent
+  constexpr PowersBetween() : less{} {
+    double power = 1.0;
+    for (uint32_t i = 0; i < 32; ++i, power *= 1.0218971486541166) {
+      less[i] = 0x3f800000u + static_cast<uint32_t>((power - 1.0) * 0x1p23 + 0.5) - (i << 18);
+    }
+  }
+};
+inline Vec exp2(Vec x) {
+  static constexpr PowersBetween table;
+  constexpr float kRound = 393216.0f;  // 1.5 * 2^18: adding it rounds to 32nds in the low bits
+  const Vec shifted = x + kRound;
+  const Vec f = x - (shifted - kRound);
+  const __m512i between = _mm512_permutex2var_epi32(_mm512_load_si512(table.less), (__m512i)shifted,
+                                                    _mm512_load_si512(table.less + 16));
+  const Vec power = from_bits((VecBits)between + (bits_of(shifted) << 18));
+  return power + power * ((f * 2.402265e-1f + 6.931573e-1f) * f);
+}
+#else
 // The polynomial is the minimax fit of 2^f on [-1/2, 1/2].
 inline Vec exp2(Vec x) {
   constexpr float kRound = 12582912.0f;  // 1.5 * 2^23: adding it rounds to an integer in the low bits
@@ -150,11 +186,12 @@ inline Vec exp2(Vec x) {
   const Vec p = high * f2 + (f * 6.931469671e-1f + 1.000000072f);
   return from_bits(bits_of(p) + (bits_of(shifted) << 23));
 }
+#endif
 
 // e^x, relative error 1e-7, saturating at 2^-120 and 2^120. The rest of x log2(e) beyond an integer is taken in two steps,
 // so that large x keep their digits (exactly so where there are fused multiply-adds).
 inline Vec exp(Vec x) {
-  constexpr float kRound = 12582912.0f;                                // as above
+  constexpr float kRound = 12582912.0f;                                // 1.5 * 2^23: rounds to an integer
   constexpr float kLog2EHigh = 1.44269502f, kLog2ELow = 1.92596299e-8f;  // log2(e)
   x = clamp(x, -120.0f * kLn2, 120.0f * kLn2);
   const Vec shifted = x * kLog2EHigh + kRound;

@@ -200,20 +200,39 @@ struct BlockTerms {
   }
 };
 
+// Alpha over one vector of pixels before it is known which of them are finished.
+struct Opacity {
+  Mask visible;
+  Vec unclamped;
+
+  explicit Opacity(Vec power) : visible(greater_equal(power, broadcast(kLog2AlphaMin))), unclamped(exp2(power)) {}
+};
+
+// Call f(row, opacity) for the rows of a splat in a block. Those of the next row are computed before: the processor would
+// otherwise wait for the end of one chain of operations that depend on each other before the next begins.
+template <class F>
+inline void each_row(const RowTerms &rows, const BlockTerms &columns, int first, int last, F &&f) {
+  Opacity next(columns.power(rows, first));
+  for (int y = first; y < last; ++y) {
+    const Opacity here = next;
+    next = Opacity(columns.power(rows, y + 1));
+    f(y, here);
+  }
+  f(last, next);
+}
+
 // One splat over one vector of pixels. A finished pixel keeps its transmittance with the sign set, so that it costs no
 // memory of its own and fails every later test.
 struct Blend {
   Mask drawn;
-  Vec unclamped_alpha, alpha, weight;  // weight = T alpha where drawn, else 0
-  Vec transmittance;                   // after it
+  Vec alpha, weight;  // weight = T alpha where drawn, else 0
+  Vec transmittance;  // after it
 
-  Blend(Vec power, Vec T) {
-    const Mask visible = greater_equal(power, broadcast(kLog2AlphaMin));
-    unclamped_alpha = exp2(power);
-    alpha = min(unclamped_alpha, broadcast(kAlphaMax));
-    const Vec attempt = keep(visible, alpha * T), after = T - attempt;
+  Blend(const Opacity &opacity, Vec T) {
+    alpha = min(opacity.unclamped, broadcast(kAlphaMax));
+    const Vec attempt = keep(opacity.visible, alpha * T), after = T - attempt;
     const Mask unfinished = greater(after, broadcast(kTransmittanceMin));
-    drawn = both(visible, unfinished);
+    drawn = both(opacity.visible, unfinished);
     weight = keep(unfinished, attempt);
     transmittance = select(unfinished, after, negative(T));
   }
@@ -226,12 +245,12 @@ inline void blend_splat(const ScreenSplat &s, const TileEntry &entry, const Tile
   const RowTerms rows(s, entry.box, place);
   open.each_block(entry.box, [&](int block, int first, int last) {
     const BlockTerms columns(s, entry, block);
-    for (int y = first; y <= last; ++y) {
+    each_row(rows, columns, first, last, [&](int y, const Opacity &opacity) __attribute__((always_inline)) {
       const int i = block * kBlockSize + y * kLanes;
-      const Blend blend(columns.power(rows, y), load(T + i));
+      const Blend blend(opacity, load(T + i));
       store(T + i, blend.transmittance);
       f(i, blend.weight);
-    }
+    });
   });
 }
 
