@@ -17,7 +17,7 @@ import sqlalchemy as sa
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from jobs.home import Home
-from jobs.object_store import open_object_store
+from jobs.object_store import open_object_store, require_conditional_puts
 
 __all__ = ["HomeIdentity", "identify_home"]
 
@@ -63,6 +63,7 @@ def identify_home(home: Home, engine: sa.Engine) -> HomeIdentity:
             known = _read_or_make_in_store(home) if home.runs_in_store else _read_or_make(home.folder)
             connection.execute(sa.insert(_home).values(id=known))
     if home.runs_in_store and not (home.folder / FILE).exists():
+        require_conditional_puts(home.store_url)
         _require_store(home, known)
         write_bytes(home.folder / FILE, known.encode())
     identity = HomeIdentity(home.folder, known)

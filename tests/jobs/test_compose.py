@@ -120,13 +120,21 @@ def test_torch_for_the_cpu_comes_from_its_own_index() -> None:
     assert line.split("--index-url ")[1].split(";")[0].endswith("/cpu")
 
 
+def test_every_setting_of_jobs_can_be_given() -> None:
+    rows = re.findall(r"^\| ((?:`HGS_[A-Z_]+`,? ?)+)\|", (FILE.parent / "docs" / "jobs.md").read_text(), re.MULTILINE)
+    settings = {name for row in rows for name in re.findall("HGS_[A-Z_]+", row)} - {"HGS_PIPELINE"}
+    assert settings - services()["worker"]["environment"].keys() == set()
+    given = services(HGS_STAGE_MEMORY="8G,train=24G")["worker"]["environment"]
+    assert given["HGS_STAGE_MEMORY"] == "8G,train=24G"
+
+
 PAGE = FILE.parent / "docs" / "deploy-several-machines.md"
 
 
-def test_the_page_for_several_machines_has_ten_commands_that_fit_the_file() -> None:
+def test_the_page_for_several_machines_has_seven_commands_that_fit_the_file() -> None:
     first, others = re.findall(r"```\n(.*?)```", PAGE.read_text(), re.DOTALL)
     commands = (*first.splitlines(), *others.splitlines())
-    assert len(first.splitlines()) + len(others.splitlines()) <= 10
+    assert len(commands) == 5  # and two from anywhere
     for command in commands:
         assert subprocess.run(["sh", "-n", "-c", command], check=False).returncode == 0
     settings = dict(re.findall(r"(HGS_[A-Z_]+)=([^\\]+)", first.split("printf")[1].split("'")[1]))
@@ -134,7 +142,8 @@ def test_the_page_for_several_machines_has_ten_commands_that_fit_the_file() -> N
     found = services(**settings | SECRETS)
     assert found["worker-gpu"]["environment"]["AWS_ENDPOINT"] == "http://10.0.0.1:8333"
     assert "@10.0.0.1:5432/" in found["worker-gpu"]["environment"]["HGS_DATABASE_URL"]
-    assert found["worker-gpu"]["volumes"] == ["/srv/hgs/home:/data", "/srv/hgs/captures:/captures:ro"]
+    assert found["worker-gpu"]["volumes"] == ["data:/data", "./captures:/captures:ro"]
+    assert found["worker-gpu"]["environment"]["HGS_RUN_STATE"] == "store"
     assert found["api"]["environment"]["HGS_OPEN"] == "0"
     assert {*found[DATABASE]["ports"], *found["store"]["ports"]} == {"10.0.0.1:5432:5432", "10.0.0.1:8333:8333"}
     for name in re.findall(r"HGS_[A-Z_]+(?==)", PAGE.read_text()):
@@ -143,9 +152,17 @@ def test_the_page_for_several_machines_has_ten_commands_that_fit_the_file() -> N
         assert "".join(service) in found
 
 
-def test_it_becomes_healthy_and_runs_a_job(composition: Composition, port: int, wait_until: Poll) -> None:
-    pipeline = {"HGS_PIPELINE": "counting_pipeline"}  # the only thing that is not as in the file
-    processes = [composition.start(service, **pipeline) for service in ("api", "worker", "worker")]
+@pytest.mark.parametrize("apart", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_it_becomes_healthy_and_runs_a_job(
+    composition: Composition, port: int, wait_until: Poll, tmp_path: Path, apart: bool
+) -> None:
+    """On one machine, or on three that share no folder."""
+    processes = []
+    for number, service in enumerate(("api", "worker", "worker")):
+        changed = {"HGS_PIPELINE": "counting_pipeline"}  # the only thing that is not as in the file
+        if apart:
+            changed |= {"HGS_RUN_STATE": "store", "HGS_HOME": str(tmp_path / f"data-{number}")}
+        processes.append(composition.start(service, **changed))
     (composition.captures / "take").mkdir()
     (composition.captures / "take" / "behaviour").write_text("count")
 
