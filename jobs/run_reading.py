@@ -23,6 +23,7 @@ from jobs.transient_faults import one_line
 __all__ = ["RunReader", "run_reader"]
 
 FRESH = 1.0  # seconds that a copy counts as new: several requests come at once
+AWAY = 10.0  # and while the store is away
 MOST = 200  # runs of which copies are kept
 
 log = logging.getLogger(__name__)
@@ -47,23 +48,28 @@ class _StoreReader:
     """Keeps copies in the home's folder `shown`; safe to use from several threads."""
 
     def __init__(self, home: Home) -> None:
-        self._store = open_object_store(home.store_url)
+        self._store = open_object_store(home.store_url, once=True)  # somebody waits
         self._folder = home.folder / "shown"
         self._copied: dict[str, Mapping[str, str]] = {}  # of a run, what each copy's content is
         self._next_look: dict[str, float] = {}
+        self._turns: dict[str, threading.Lock] = {}
         self._turn = threading.Lock()
 
     def folder(self, job_id: str) -> Path:
         folder = self._folder / job_id
         with self._turn:
+            turn = self._turns.setdefault(job_id, threading.Lock())
+        with turn:
             if time.monotonic() >= self._next_look.get(job_id, 0.0):
+                fresh = FRESH
                 try:
                     self._copy(job_id, folder)
                 except BaseError as error:
                     log.warning("what the store has of %s is not known: %s", job_id, one_line(error))
                     if not folder.is_dir():
                         raise
-                self._next_look[job_id] = time.monotonic() + FRESH
+                    fresh = AWAY
+                self._next_look[job_id] = time.monotonic() + fresh
         return folder
 
     def _copy(self, job_id: str, folder: Path) -> None:
@@ -73,7 +79,8 @@ class _StoreReader:
             files = {} if head is None else {name: head.files[name] for name in SHOWN & head.files.keys()}
             if job_id not in self._copied:  # by another process, of which nothing is known
                 shutil.rmtree(folder, ignore_errors=True)
-                self._make_room()
+                with self._turn:
+                    self._make_room()
             before = self._copied.get(job_id, {})
             folder.mkdir(parents=True, exist_ok=True)
             bring(stored, {name: file for name, file in files.items() if before.get(name) != file.sha256}, folder)
@@ -89,6 +96,7 @@ class _StoreReader:
             shutil.rmtree(folder, ignore_errors=True)
             self._copied.pop(folder.name, None)
             self._next_look.pop(folder.name, None)
+            self._turns.pop(folder.name, None)
 
 
 def run_reader(home: Home) -> RunReader:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
 import logging
 import threading
 import time
@@ -19,7 +20,7 @@ from pathlib import Path
 from jobs.home import Home
 from jobs.object_store import open_object_store
 from jobs.run_state import QUIET, RunState, run_prefix
-from jobs.stored_captures import StoredCaptures, capture_of
+from jobs.stored_captures import StoredCaptures, capture_of, is_upload
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
 from jobs.stored_segments import is_of_segment, parts_prefix
 from jobs.subprocesses import StageOutcome
@@ -89,6 +90,20 @@ class RunSaving:
         if outcome == StageOutcome():
             claim.state, claim.taken = state, False
         return outcome
+
+    def path_of_capture(self, attempt: Attempt) -> Path | None:
+        """Return where the capture must lie on this machine before its run is fetched; None for none, or if unknown."""
+        claim = self._claims.get(attempt)
+        if self._store is None or claim is None or claim.state is not None:
+            return None
+        try:
+            stored = StoredRun(self._store, run_prefix(attempt[0]))
+            head = stored.head()
+            spec = json.loads(b"{}" if head is None else stored.read(head.files["run.json"]))
+            return None if is_upload(spec["capture"]) else Path(spec["capture"])
+        except Exception as error:  # the claim will say more
+            log.info("the capture of %s is not known yet: %s", attempt[0], one_line(error))
+            return None
 
     def capture(self, job_id: str, submitted: Path) -> Path:
         """Return where this machine has the capture of a job, that was submitted as `submitted`."""

@@ -27,9 +27,14 @@ from jobs.retention import folder_bytes
 from jobs.run_state import Translation, bring
 from jobs.stored_run import RunHead, RunTakenError, StoredFile, StoredRun
 
-__all__ = ["StoredCaptures", "capture_of"]
+__all__ = ["StoredCaptures", "capture_of", "is_upload"]
 
 _SCHEME = "upload:"
+
+
+def is_upload(capture: str) -> bool:
+    """Return whether a run names its capture as one that was uploaded."""
+    return capture.startswith(_SCHEME)
 
 
 def capture_of(run: Path) -> Path | None:
@@ -83,7 +88,7 @@ class StoredCaptures:
 
     def local(self, path: str) -> str:
         """Return the path that a run's capture has on this machine."""
-        if not path.startswith(_SCHEME):
+        if not is_upload(path):
             return path
         inside = PurePosixPath(path.removeprefix(_SCHEME))
         if inside.is_absolute() or ".." in inside.parts or not inside.parts:

@@ -153,7 +153,7 @@ class TrainingWorkflow:
 
         # The course has none of this: a stage that goes on from a checkpoint does not begin anew.
         await unless_it_fails(functools.partial(self._table.progress, job_id, attempt), Progress(stage, 0, 1))
-        claimed = await self.saving.claim((job_id, attempt))
+        claimed = await self._claim(stage, (job_id, attempt))
         if claimed != StageOutcome():
             return claimed
         lacking = await _persist(self._lacking, job_id, stage)
@@ -176,6 +176,20 @@ class TrainingWorkflow:
             if lacking is not None:
                 outcome = dataclasses.replace(outcome, waiting=outcome.waiting or lacking.reason, cause=lacking.cause)
         return outcome
+
+    async def _claim(self, stage: str, attempt: tuple[str, int]) -> StageOutcome:
+        """Have the run here; not that of a capture which this machine does not see, as large as it may be."""
+        capture = await asyncio.to_thread(self.saving.path_of_capture, attempt)
+        if capture is not None and stage != "publish":
+            lacking = await asyncio.to_thread(self._surroundings.of_job, capture)
+            if lacking is not None:
+                if lacking.cause is Cause.CAPTURE:
+                    self._missed = capture, time.monotonic()
+                return StageOutcome(waiting=lacking.reason, cause=lacking.cause)
+        claimed = await self.saving.claim(attempt)
+        if claimed.waiting and not claimed.cause and (missing := await asyncio.to_thread(self._surroundings.home)):
+            return dataclasses.replace(claimed, cause=missing.cause)
+        return claimed
 
     async def _saved_stage(
         self, stage: str, job_id: str, attempt: int, on_progress: Callable[[Progress], Awaitable[None]]

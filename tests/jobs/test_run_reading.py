@@ -20,7 +20,7 @@ from jobs.stored_run import StoredRun
 @pytest.fixture
 def store(monkeypatch: pytest.MonkeyPatch) -> ObjectStore:
     store = MemoryStore()
-    monkeypatch.setattr(run_reading, "open_object_store", lambda url: store)
+    monkeypatch.setattr(run_reading, "open_object_store", lambda url, once: store)
     monkeypatch.setattr(run_reading, "FRESH", 0.0)
     return store
 

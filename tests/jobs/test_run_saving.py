@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -142,6 +143,16 @@ def test_a_worker_that_ends_saves_what_it_has(saving: RunSaving, home: Home, sto
     (home.run("a") / "checkpoint.pt").write_text("5")
     saving.save_all(60)
     assert "checkpoint.pt" in head(store).files
+
+
+def test_the_capture_is_known_before_the_run_is_fetched(saving: RunSaving, store: ObjectStore, tmp_path: Path) -> None:
+    assert saving.path_of_capture(ATTEMPT) is None  # run.json does not tell
+    for job_id, capture in (("b", "/captures/studio"), ("c", "upload:studio")):
+        (tmp_path / "submitted" / "run.json").write_text(json.dumps({"capture": capture}))
+        RunState(StoredRun(store, f"runs/{job_id}"), tmp_path / "submitted", 0).create()
+        saving.begin((job_id, 1), 1)
+    assert saving.path_of_capture(("b", 1)) == Path("/captures/studio")
+    assert saving.path_of_capture(("c", 1)) is None
 
 
 def test_a_shared_home_needs_none_of_it(tmp_path: Path) -> None:

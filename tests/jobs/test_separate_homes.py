@@ -6,6 +6,7 @@ import dataclasses
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -94,7 +95,9 @@ def stored(home: Home, prefix: str) -> set[str]:
     return {item["path"] for page in pages for item in page}
 
 
+@pytest.mark.parametrize("end", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
+    end: signal.Signals,
     client: JobClient,
     submit: Callable[..., str],
     node: Callable[[str], Worker],
@@ -107,7 +110,7 @@ def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     assert not client.home.run(job_id).exists()
     run = StoredRun(open_object_store(client.home.store_url), run_prefix(job_id))
     wait_until(lambda: (head := run.head()) is not None and "checkpoint.pt" in head.files, "a checkpoint in the store")
-    first.kill()
+    first.send_signal(end)
     first.wait()
     node("two")
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
@@ -119,7 +122,10 @@ def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     trained = [line.split() for line in (tmp_path / "capture" / f"{job_id}.log").read_text().splitlines()]
     began = {pid: int(number) for pid, number in reversed(trained)}  # the first iteration of each process
     assert sorted(began.values()) == [0, max(began.values())]
-    assert max(began.values()) in range(5, 150, 5), "it did not go on from a checkpoint of the other machine"
+    if end == signal.SIGKILL:
+        assert max(began.values()) in range(5, 150, 5), "it did not go on from a checkpoint of the other machine"
+    else:  # which saves all it has, and only then ends
+        assert [int(number) for _, number in trained] == list(range(150))
 
     log = (run_reader(client.home).folder(job_id) / "stage.log").read_text()
     assert log.count("train begins") == 2
@@ -167,6 +173,27 @@ def test_machines_share_the_segments_of_a_job(
     assert len(json.loads(manifest)["segments"]) == 5
     assert not any("/parts/" in path for path in stored(client.home, "runs"))
     assert not list(tmp_path.glob("*/helped/*"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pipeline", ["segment_pipeline"])
+def test_a_machine_that_dies_with_a_segmented_job_leaves_its_segments_to_the_other(
+    client: JobClient, node: Callable[[str], Worker], wait_for: WaitFor, wait_until: Poll, tmp_path: Path
+) -> None:
+    capture = tmp_path / "capture"
+    capture.mkdir()
+    (capture / "segments").write_text("4")
+    (capture / "pace").write_text("0.2")
+    workers = {name: node(name) for name in ("one", "two")}
+    job_id = client.submit(JobRequest(capture, RunConfig().changed({"train.iterations": 40})))
+    wait_until(lambda: len([path for path in stored(client.home, "runs") if "/parts/" in path]) >= 4, "two segments")
+    (owner,) = (name for name in workers if (tmp_path / name / "runs" / job_id).exists())
+    workers[owner].kill()
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    manifest = ArtifactStore(client.home.store_url).manifest(job_id)
+    assert manifest is not None
+    assert len(json.loads(manifest)["segments"]) == 4
 
 
 @pytest.mark.slow

@@ -6,9 +6,10 @@ The whole of it, under DBOS, is tested in test_worker.py, test_kill.py and test_
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import os
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,6 +24,7 @@ from jobs.database import create_engine, open_client, prepare_database
 from jobs.home import Home
 from jobs.job import Job, JobState
 from jobs.job_history import read_course
+from jobs.run_saving import RunSaving
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import StageOutcome, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
@@ -223,6 +225,59 @@ class TestStages:
         stages.outcomes = [StageOutcome("publish: ended by SIGKILL", killed=True)] * 3
         outcome = run_stage(workflow, "publish")
         assert (outcome.waiting, outcome.cause) == ("the store fails: no answer", "store")
+
+
+class FakeSaving:
+    """Where machines share no folder; the store is away at the end of a stage."""
+
+    def __init__(self, capture: Path) -> None:
+        self.claims = 0
+        self._capture = capture
+
+    def path_of_capture(self, attempt: object) -> Path:
+        return self._capture
+
+    def capture(self, job_id: str, submitted: Path) -> Path:
+        return submitted
+
+    def taken(self, attempt: object) -> bool:
+        return False
+
+    async def claim(self, attempt: object) -> StageOutcome:
+        self.claims += 1
+        return StageOutcome()
+
+    @contextlib.asynccontextmanager
+    async def meanwhile(self, attempt: object, on_taken: object) -> AsyncIterator[None]:
+        yield
+
+    async def save(self, attempt: object) -> StageOutcome:
+        return StageOutcome(waiting="the store fails", cause=Cause.STORE)
+
+
+class TestRunsInTheStore:
+    """The job's run is fetched before a stage and saved after it."""
+
+    def test_a_run_whose_capture_is_not_here_is_not_fetched(self, workflow: TrainingWorkflow, tmp_path: Path) -> None:
+        saving = FakeSaving(tmp_path / "elsewhere")
+        workflow.saving = cast(RunSaving, saving)
+        assert run_stage(workflow).cause == Cause.CAPTURE
+        assert saving.claims == 0
+        assert workflow.missed_capture() is not None
+
+    def test_a_stage_whose_results_are_not_saved_is_not_complete(
+        self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path
+    ) -> None:
+        workflow.saving = cast(RunSaving, FakeSaving(tmp_path / "capture"))
+        stages.outcomes = [StageOutcome()]
+        assert run_stage(workflow) == StageOutcome(waiting="the store fails", cause=Cause.STORE)
+
+    def test_but_a_scene_that_is_published_stays_so(
+        self, workflow: TrainingWorkflow, stages: FakeStages, tmp_path: Path
+    ) -> None:
+        workflow.saving = cast(RunSaving, FakeSaving(tmp_path / "capture"))
+        stages.outcomes = [StageOutcome()]
+        assert run_stage(workflow, "publish") == StageOutcome()
 
 
 class TestMissedCapture:
