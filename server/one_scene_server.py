@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import socket
 import tempfile
 from collections.abc import AsyncIterator, Collection
 from contextlib import asynccontextmanager
@@ -61,9 +62,9 @@ def application(scene: BenchScene, home: Path) -> FastAPI:
 
 
 @asynccontextmanager
-async def serving(scene: BenchScene) -> AsyncIterator[int]:
-    """Serve a scene as `bench` in this process, with the pages; gives the port."""
-    with tempfile.TemporaryDirectory() as home, contextlib.closing(bind("127.0.0.1", 0)) as listener:
+async def serving(scene: BenchScene, listener: socket.socket | None = None) -> AsyncIterator[int]:
+    """Serve a scene as `bench` in this process, with the pages; gives the port, by default a free one."""
+    with tempfile.TemporaryDirectory() as home, contextlib.closing(listener or bind("127.0.0.1", 0)) as listener:
         ready = asyncio.Event()
         server = HttpServer(application(scene, Path(home)), on_ready=ready.set)
         running = asyncio.create_task(server.serve(sockets=[listener]))
