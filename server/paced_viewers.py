@@ -43,6 +43,7 @@ class CrowdFigures:
     visits: int = 0  # scenes that were begun
     lost: int = 0  # connections that broke or were refused
     lateness: list[float] = field(default_factory=list)  # seconds from each grant to its last byte
+    processor: float = 0.0  # seconds that their processes took
 
     def add(self, other: CrowdFigures) -> None:
         """Add those of other viewers."""
@@ -50,6 +51,7 @@ class CrowdFigures:
         self.visits += other.visits
         self.lost += other.lost
         self.lateness += other.lateness
+        self.processor += other.processor
 
 
 class Crowd:
@@ -100,12 +102,15 @@ def _watch(pipe: Connection, urls: Sequence[str], pace: Pace, joining: float) ->
 async def _serve_figures(pipe: Connection, urls: Sequence[str], pace: Pace, joining: float) -> None:
     viewers = [_PacedViewer(url, pace) for url in urls]
     running = [asyncio.create_task(viewer.run(joining * random.random())) for viewer in viewers]
+    told = 0.0  # seconds of processor time
     try:
         while await asyncio.to_thread(pipe.recv):
             total = CrowdFigures()
             for viewer in viewers:
                 total.add(viewer.figures)
                 viewer.figures = CrowdFigures()
+            total.processor = time.process_time() - told
+            told += total.processor
             pipe.send(total)
     finally:
         for task in running:

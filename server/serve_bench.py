@@ -102,6 +102,7 @@ async def _crowd(servers: Sequence[BenchServer], viewers: int, seconds: float, p
         "server_seconds": sum(processor),
         "server_seconds_per_gb": sum(processor) / max(sent / 1e9, 1e-9),
         "busiest_core": max(processor) / passed,
+        "viewers_cores": figures.processor / passed,
         "memory": sum(one.memory for one in after),
         "memory_per_viewer": more / viewers,
         "lateness": _quantiles(figures.lateness),
@@ -168,7 +169,8 @@ def serve_text(report: Mapping[str, Any]) -> str:
         f"{report['viewers']} viewers for {report['seconds']:.0f} s, {report['processes']} server(s): "
         f"{report['bytes'] / 1e6:.0f} MB, {report['mbit_per_viewer']:.2f} Mbit/s each, {report['lost']} lost",
         f"server: {report['server_seconds_per_gb']:.1f} s of processor time per GB, {report['busiest_core']:.2f} of a "
-        f"core (the busiest), {report['memory'] / 1e6:.0f} MB, {report['memory_per_viewer'] / 1e3:.0f} kB a viewer",
+        f"core (the busiest; the viewers take {report['viewers_cores']:.2f}), {report['memory'] / 1e6:.0f} MB, "
+        f"{report['memory_per_viewer'] / 1e3:.0f} kB a viewer",
         f"lateness: {_in_ms(report['lateness'])}; load of the machine {report['load']:.1f}",
         f"of {witnesses['count']} that play what they get {begin}; {witnesses['stalls']} stalls",
     ]

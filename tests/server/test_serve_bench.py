@@ -17,6 +17,7 @@ def test_viewers_and_the_server_are_counted(monkeypatch: pytest.MonkeyPatch) -> 
     assert report["visits"] == 2
     assert report["lateness"]["count"] > 0
     assert report["server_seconds"] > 0
+    assert report["viewers_cores"] > 0
     assert "2 viewers" in serve_text(report)
 
 
@@ -47,7 +48,8 @@ def test_text_tells_what_was_found() -> None:
     report = {
         "viewers": 7, "seconds": 5.0, "processes": 2, "cores": 4, "load": 1.5, "visits": 7, "lost": 1,
         "bytes": 5_000_000, "mbit_per_viewer": 0.9, "server_seconds": 0.02, "server_seconds_per_gb": 4.0,
-        "busiest_core": 0.25, "memory": 200_000_000, "memory_per_viewer": 80_000.0, "lateness": few,
+        "busiest_core": 0.25, "viewers_cores": 0.5, "memory": 200_000_000, "memory_per_viewer": 80_000.0,
+        "lateness": few,
         "witnesses": {"count": 5, "playing": 0, "start_p50": None, "stalls": 0},
         "bad_clients": {
             "pings_alone": few, "stalled": {"count": 50, "still_there": 0, "seconds": 46.0, "kernel_each": 37_000},
