@@ -2,7 +2,8 @@
 
 Layout: `scenes/<scene id>/manifest.json`, `scenes/<scene id>/thumbnail.jpg` and `chunks/<sha256>`, the chunks shared by
 all scenes. Nothing that was published is ever overwritten, but the manifest of a scene that grows by a later version.
-A scene that was renamed has its new title beside it, in `scenes/<scene id>/title.txt`.
+A scene that was renamed has its new title beside it, in `scenes/<scene id>/title.txt`, and a long one its manifest in
+pages, in `scenes/<scene id>/pages.bin`: made of the manifest, from which a server can make them again.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest, stored_sizes
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.paging import paged
 from jobs.database import connection_url
 from jobs.home import Home
 from jobs.object_store import is_folder, open_object_store
@@ -40,6 +42,7 @@ SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 """Of a scene, and of the job that makes it: they have the same."""
 
 _TITLE = "title.txt"
+_PAGES = "pages.bin"
 
 _CHUNK_ID = re.compile(r"[0-9a-f]{64}")
 
@@ -132,6 +135,8 @@ class ArtifactStore:
         if manifest.thumbnail:
             self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
         require_lock()
+        if (ready := paged(manifest, json.loads(text))).pages:
+            obstore.put(self._store, f"scenes/{scene_id}/{_PAGES}", ready.packed(text))
         if grows:
             obstore.put(self._store, f"scenes/{scene_id}/{MANIFEST}", text)
         else:
@@ -160,6 +165,10 @@ class ArtifactStore:
     def manifest(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's manifest.json."""
         return self._get(f"scenes/{scene_id}/{MANIFEST}") if SCENE_ID.fullmatch(scene_id) else None
+
+    def pages(self, scene_id: str) -> bytes | None:
+        """Return a long scene's manifest in pages, for `PagedScene.unpacked`; it may be another version's."""
+        return self._get(f"scenes/{scene_id}/{_PAGES}") if SCENE_ID.fullmatch(scene_id) else None
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's JPEG thumbnail."""
@@ -198,7 +207,7 @@ class ArtifactStore:
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if SCENE_ID.fullmatch(scene_id):
-            for name in (MANIFEST, THUMBNAIL, _TITLE):
+            for name in (MANIFEST, THUMBNAIL, _TITLE, _PAGES):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")
                 except FileNotFoundError:

@@ -31,6 +31,8 @@ MESSAGES: tuple[dict[str, Any], ...] = (
     {"type": "hello", "protocol": 2, "credits": 65536, "have": [b"x" * 32], "parts": [[b"y" * 32, 5]],
      "manifest_id": b"m" * 32, "have_bits": b"\xff", "codings": ["gzip"], "time": 1.0, "rate": 1.0,
      "splats": 5000, "bytes_per_second": 9000, "follow": True},
+    {"type": "hello", "protocol": 3, "credits": 65536, "have": [b"x" * 32], "pages": [[b"z" * 32, b"\x05"]],
+     "follow": True, "audio": True},
     {"type": "credit", "bytes": 5000}, {"type": "seek", "time": 1.5}, {"type": "play", "time": 0.5, "rate": 1.0},
     {"type": "pause", "time": 0.25}, {"type": "limits", "splats": 100, "bytes_per_second": 65536, "measured": 100000},
     {"type": "ping", "id": 1},

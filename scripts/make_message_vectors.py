@@ -22,29 +22,33 @@ OTHER = bytes(reversed(range(32)))
 
 # Written out rather than taken from the server's classes, which are tested against them.
 CLIENT: dict[str, dict[str, Any]] = {
-    "hello": {"type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1},
+    "hello": {"type": "hello", "protocol": 3, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1},
     "hello-of-version-1": {
         "type": "hello", "protocol": 1, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
     },
+    "hello-of-version-2": {
+        "type": "hello", "protocol": 2, "credits": 2097152, "have": [], "parts": [], "manifest_id": OTHER, "rate": 1,
+        "have_bits": b"\x05\x80", "codings": ["gzip"],
+    },
     "hello-of-a-weak-device": {
-        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "type": "hello", "protocol": 3, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
         "splats": 100000, "bytes_per_second": 250000,
     },
     "hello-following": {
-        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "type": "hello", "protocol": 3, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
         "follow": True,
     },
     "hello-that-listens": {
-        "type": "hello", "protocol": 2, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
+        "type": "hello", "protocol": 3, "credits": 65536, "have": [], "parts": [], "codings": [], "rate": 1,
         "audio": True,
     },
     "hello-resuming": {
-        "type": "hello", "protocol": 2, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]], "codings": [],
+        "type": "hello", "protocol": 3, "credits": 2097152, "have": [ID], "parts": [[OTHER, 300]], "codings": [],
         "manifest_id": OTHER, "time": 1.25, "rate": 0.5,
     },
-    "hello-resuming-with-bits": {
-        "type": "hello", "protocol": 2, "credits": 2097152, "have": [], "parts": [], "manifest_id": OTHER, "rate": 1,
-        "have_bits": b"\x05\x80", "codings": ["gzip"],
+    "hello-resuming-with-pages": {
+        "type": "hello", "protocol": 3, "credits": 2097152, "have": [OTHER], "parts": [], "manifest_id": OTHER,
+        "rate": 1, "pages": [[ID, b"\x05\x80"], [OTHER, b""]], "codings": [],
     },
     "credit": {"type": "credit", "bytes": 70000},
     "seek": {"type": "seek", "time": 2.5},
@@ -58,19 +62,19 @@ CLIENT: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 SERVER: dict[str, dict[str, Any]] = {
     "welcome": {
-        "type": "welcome", "protocol": 2, "scene": "studio", "manifest": b'{"format": "hgs-scene"}',
+        "type": "welcome", "protocol": 3, "scene": "studio", "manifest": b"\x1f\x8b\x08\x00",
         "manifest_id": ID, "remaining": 1 << 33,
     },
-    "welcome-compressed": {
+    "welcome-of-version-2": {
         "type": "welcome", "protocol": 2, "scene": "studio", "manifest": b"\x1f\x8b\x08\x00", "manifest_id": ID,
         "remaining": 7, "coding": "gzip",
     },
     "welcome-back": {
-        "type": "welcome", "protocol": 2, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
+        "type": "welcome", "protocol": 3, "scene": "Ünïcode-ok", "manifest": b"", "manifest_id": ID, "remaining": 0
     },
-    "grow": {"type": "grow", "growth": b'{"segments": [], "slices": []}', "manifest_id": OTHER, "remaining": 70000},
-    "grow-compressed": {
-        "type": "grow", "growth": b"\x1f\x8b\x08\x00", "manifest_id": OTHER, "remaining": 0, "coding": "gzip"
+    "grow": {"type": "grow", "manifest_id": OTHER, "remaining": 70000, "manifest": b"\x1f\x8b\x08\x00"},
+    "grow-of-version-2": {
+        "type": "grow", "manifest_id": OTHER, "remaining": 0, "growth": b"\x1f\x8b\x08\x00", "coding": "gzip"
     },
     "slice-base": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 0},
     "slice": {"type": "slice", "index": 3, "start": 1.5, "end": 2.0, "layer": 1},
@@ -92,12 +96,14 @@ REFUSED_BY_SERVER: dict[str, bytes] = {
     "seek-null": msgpack.packb({"type": "seek", "time": None}),
     "play-too-fast": msgpack.packb({"type": "play", "time": 0.0, "rate": 17.0}),
     "hello-short-id": msgpack.packb({"type": "hello", "protocol": 1, "credits": 1, "have": [b"short"]}),
-    "hello-too-slow": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "bytes_per_second": 4095}),
-    "hello-bits-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "have_bits": "05"}),
-    "hello-codings-of-text": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "codings": "gzip"}),
-    "hello-follow-of-a-number": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "follow": 1}),
+    "hello-too-slow": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "bytes_per_second": 4095}),
+    "hello-bits-of-text": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "have_bits": "05"}),
+    "hello-pages-without-bits": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "pages": [[ID]]}),
+    "hello-pages-with-short-id": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "pages": [[b"i", b""]]}),
+    "hello-codings-of-text": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "codings": "gzip"}),
+    "hello-follow-of-a-number": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "follow": 1}),
     "limits-negative": msgpack.packb({"type": "limits", "splats": -1}),
-    "hello-listening-to-a-number": msgpack.packb({"type": "hello", "protocol": 2, "credits": 1, "audio": 1}),
+    "hello-listening-to-a-number": msgpack.packb({"type": "hello", "protocol": 3, "credits": 1, "audio": 1}),
     "limits-listening-to-null": msgpack.packb({"type": "limits", "audio": None}),
     "cut-off": msgpack.packb({"type": "pause", "time": 1.0})[:-3],
     "two-messages": 2 * msgpack.packb({"type": "pause", "time": 1.0}),
@@ -108,7 +114,7 @@ REFUSED_BY_CLIENT: dict[str, bytes] = {
     "no-type": msgpack.packb({"bytes": 1}),
     "end-without-bytes": msgpack.packb({"type": "end"}),
     "end-with-text": msgpack.packb({"type": "end", "bytes": "1"}),
-    "grow-without-growth": msgpack.packb({"type": "grow", "manifest_id": ID, "remaining": 1}),
+    "grow-without-manifest": msgpack.packb({"type": "grow", "manifest_id": ID, "remaining": 1}),
     "missing-with-text": msgpack.packb({"type": "missing", "id": "00"}),
     "cut-off": msgpack.packb({"type": "end", "bytes": 70000})[:-2],
 }
@@ -140,7 +146,7 @@ def refused(cases: dict[str, bytes]) -> list[dict[str, str]]:
 def document() -> dict[str, Any]:
     frame = chunk_header(FRAME["id"], FRAME["offset"], FRAME["size"]) + FRAME["payload"]
     return {
-        "protocol": 2,
+        "protocol": 3,
         "client": packed(CLIENT),
         "server": packed(SERVER),
         "refused_by_server": refused(REFUSED_BY_SERVER),

@@ -20,14 +20,18 @@ _RULES: tuple[tuple[frozenset[str] | None, re.Pattern[str], Scope | None], ...] 
         re.compile(r"/(?!v1(?:/|$)|metrics$|openapi\.json$).*", re.DOTALL),
         None,
     ),  # the viewer's files hold no data
-    (_READS, re.compile(rf"/v1/scenes(?:/{_SCENE}(?:/manifest|/thumbnail)?)?|/v1/chunks/[^/]*"), Scope.VIEW),
+    (
+        _READS,
+        re.compile(rf"/v1/scenes(?:/{_SCENE}(?:/manifest|/index\.hgs|/thumbnail|/chunks/[^/]*)?)?|/v1/chunks/[^/]*"),
+        Scope.VIEW,
+    ),
     (frozenset({"WEBSOCKET"}), re.compile(rf"/v1/scenes/{_SCENE}/stream"), Scope.VIEW),
     (frozenset({"PATCH", "DELETE"}), re.compile(rf"/v1/scenes/{_SCENE}"), Scope.PUBLISH),
     (frozenset({"POST"}), re.compile(r"/v1/links"), Scope.PUBLISH),
     (None, re.compile(r"/v1/(?:jobs|captures|uploads|workers)(?:/.*)?"), Scope.SUBMIT),
 )
 
-_SCENE_PATH = re.compile(rf"/v1/scenes/({_SCENE})(?:/(?:manifest|thumbnail|stream))?")
+_SCENE_PATH = re.compile(rf"/v1/scenes/({_SCENE})(?:/(?:manifest|index\.hgs|thumbnail|stream|chunks/[^/]*))?")
 
 
 def needed_scope(method: str, path: str) -> Scope | None:

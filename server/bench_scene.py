@@ -7,6 +7,7 @@ import json
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, load_manifest
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.paging import PagedScene, paged
 from hgs_core.scene.camera import Camera
 
 __all__ = ["BenchScene", "made_up_scene", "scene_of"]
@@ -31,6 +33,11 @@ class BenchScene:
     def size(self) -> int:
         """Bytes of all chunks and of the manifest."""
         return len(self.document) + sum(map(len, self.chunks.values()))
+
+    @cached_property
+    def pages(self) -> PagedScene:
+        """The manifest in pages, as publishing makes them."""
+        return paged(self.manifest, json.loads(self.document))
 
     @property
     def rate(self) -> float:

@@ -10,15 +10,17 @@ import json
 import random
 import struct
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import msgpack
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from hgs_core.codec.format.growth import apply_growth, continues
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.growth import apply_growth
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from server.playback import Throughput
 from server.protocol import CHUNK_FRAME, HEADER_BYTES, MAX_HAVE, PROTOCOL_VERSION, Credit, Hello, Limits, Ping, encode
 
@@ -60,7 +62,6 @@ class StreamClient:
 
         With `audio` its sound comes, too, and `have` holds the pieces that the manifest's `audio` names.
         """
-        self.manifest: Manifest | None = None
         self.have: dict[str, bytes] = {}
         self.missing: set[str] = set()
         self.complete = False  # but for what limits leave out
@@ -75,12 +76,18 @@ class StreamClient:
         self._place, self._rate = at, rate
         self._parts: dict[str, bytearray] = {}
         self._manifest_id: bytes | None = None
-        self._document: dict[str, Any] = {}  # of the manifest
+        self._paged: PagedManifest | None = None
+        self._document: dict[str, Any] = {}  # of the manifest, in versions 1 and 2
         self._socket: ClientConnection | None = None
         self._window = self._granted = 0
         self._trip = SHORTEST_TRIP
         self._pinged: float | None = None
         self._told = (0.0, 0.0)  # when, and bytes per second
+
+    @property
+    def manifest(self) -> Manifest | None:
+        """The manifest, as far as its pages have come; another object whenever more of it has."""
+        return None if self._paged is None else self._paged.manifest
 
     async def run(self) -> None:
         """Receive; return when the client has closed the stream.
@@ -140,15 +147,17 @@ class StreamClient:
     async def _greet(self, socket: ClientConnection) -> None:
         self._window = self._granted = SMALLEST_WINDOW
         self._told = (0.0, 0.0)
-        grows = self.manifest is not None and self.manifest.live is not None  # then it may have become another one
-        sounds = self.manifest.audio.sizes if self.manifest is not None and self.manifest.audio is not None else {}
-        latest = [name for name in self.have if grows or name in sounds][-MAX_HAVE:]
+        paged = self._paged
+        listed = {} if paged is None else paged.listed()
+        by_page = {name for names in listed.values() for name in names}
+        others = [] if paged is None else [page.id for page in paged.pages if not paged.lacks(page.id)]
+        latest = [name for name in (*self.have, *others) if name not in by_page and name not in listed][-MAX_HAVE:]
         hello = Hello(
             self._protocol,
             SMALLEST_WINDOW,
             have=frozenset(map(bytes.fromhex, latest)),
-            have_bits=self._bits() if self.manifest is not None and not grows else None,
-            codings=("gzip",),
+            pages={bytes.fromhex(page): self._bits(names) for page, names in listed.items()},
+            codings=("gzip",) if self._protocol < 3 else (),
             parts={bytes.fromhex(name): len(part) for name, part in self._parts.items()},
             manifest_id=self._manifest_id,
             time=self._place,
@@ -161,13 +170,10 @@ class StreamClient:
         self._pinged = time.monotonic()
         await socket.send(encode(Ping(0)))
 
-    def _bits(self) -> bytes:
-        """Return which of the manifest's chunks are here."""
-        chunks = () if self.manifest is None else self.manifest.chunks
-        bits = bytearray(-(-len(chunks) // 8))
-        for place, entry in enumerate(chunks):
-            bits[place // 8] |= (entry.id in self.have) << place % 8
-        return bytes(bits)
+    def _bits(self, names: Sequence[str]) -> bytes:
+        """Return which of the chunks are here, the lowest bit first."""
+        whole = sum((name in self.have) << place for place, name in enumerate(names))
+        return whole.to_bytes(-(-len(names) // 8), "little")
 
     async def _receive(self, message: bytes) -> None:
         self.wire += len(message)
@@ -181,10 +187,9 @@ class StreamClient:
         match message["type"]:
             case "welcome" if message["manifest"]:
                 self.manifests += 1
-                document = _json(message, "manifest")
-                if self.manifest is not None and not continues(document, self._document):
-                    raise StreamRefusedError("another scene has taken its place")
-                self._read(document, message["manifest_id"])
+                self._become(message, message["manifest"])
+            case "grow" if "manifest" in message:
+                self._become(message, message["manifest"])
             case "grow":
                 self._read(apply_growth(self._document, _json(message, "growth")), message["manifest_id"])
             case "pong" if self._pinged is not None:
@@ -198,8 +203,18 @@ class StreamClient:
             case "error":
                 raise StreamRefusedError(f"{message['code']}: {message['detail']}")
 
+    def _become(self, message: dict[str, Any], manifest: bytes) -> None:
+        document = read_index(manifest, self._url) if self._protocol > 2 else _json(message, "manifest")
+        self._read(document, message["manifest_id"])
+
     def _read(self, document: dict[str, Any], manifest_id: bytes) -> None:
-        self.manifest = Manifest.from_json(document, f"manifest of {self._url}")
+        later = PagedManifest(document, f"manifest of {self._url}")
+        if self._paged is None:
+            self._paged = later
+        elif self._paged.continued_by(later):
+            self._paged.become(later)
+        else:
+            raise StreamRefusedError("another scene has taken its place")
         self._document, self._manifest_id, self.complete = document, manifest_id, False
 
     async def _frame(self, message: bytes) -> None:
@@ -214,10 +229,19 @@ class StreamClient:
             data = bytes(self._parts.pop(name))
             if hashlib.sha256(data).hexdigest() != name:
                 raise StreamRefusedError(f"chunk {name} has come damaged")
-            self.have[name] = data
+            self._take(name, data)
         now = time.monotonic()
         self.line.count(len(message), now)
         await self._grant(len(message), now)
+
+    def _take(self, name: str, data: bytes) -> None:
+        if self._paged is None or not self._paged.lacks(name):
+            self.have[name] = data
+            return
+        try:
+            self._paged.add(name, data)
+        except InputError as error:
+            raise StreamRefusedError(str(error)) from error
 
     async def _grant(self, received: int, now: float) -> None:
         """Give credit back in quarters of the window, which is twice what the line carries in a round trip."""

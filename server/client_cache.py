@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
 
@@ -34,10 +34,11 @@ class ClientCache:
                 raise ProtocolError(4000, "malformed", detail)
         whole = {chunk for chunk in hello.have if chunk in sizes}
         if hello.manifest_id == scene.manifest_id and hello.have_bits is not None:
-            bits = hello.have_bits
-            whole.update(
-                chunk for k, chunk in enumerate(islice(scene.sizes, 8 * len(bits))) if bits[k // 8] >> k % 8 & 1
-            )
+            whole.update(_named(scene.sizes, hello.have_bits))
+        for page, bits in hello.pages.items():
+            if page in scene.page_chunks:
+                whole.add(page)
+                whole.update(_named(scene.page_chunks[page], bits))
         return cls(frozenset(whole), {chunk: offset for chunk, offset in parts.items() if chunk not in whole})
 
     def lacking(self, wanted: Mapping[bytes, int]) -> int:
@@ -45,3 +46,10 @@ class ClientCache:
         there = sum(wanted.get(chunk, 0) for chunk in self.whole)
         there += sum(offset for chunk, offset in self.parts.items() if chunk in wanted)
         return sum(wanted.values()) - there
+
+
+def _named(chunks: Iterable[bytes], bits: bytes) -> Iterator[bytes]:
+    """Yield the chunks whose bits are set, the lowest bit of each byte first."""
+    for k, chunk in enumerate(islice(chunks, 8 * len(bits))):
+        if bits[k // 8] >> k % 8 & 1:
+            yield chunk

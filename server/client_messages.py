@@ -12,6 +12,7 @@ from server.protocol import (
     DEFAULT_RATE,
     MAX_HAVE,
     MAX_MESSAGE_BYTES,
+    MAX_PAGES,
     MAX_PARTS,
     MAX_RATE,
     MIN_RATE_LIMIT,
@@ -119,6 +120,17 @@ def _parts(fields: Mapping[str, Any]) -> dict[bytes, int]:
     return parts
 
 
+def _pages(fields: Mapping[str, Any]) -> dict[bytes, bytes]:
+    value = fields.get("pages", [])
+    if not isinstance(value, list) or len(value) > MAX_PAGES:
+        raise _malformed(f"hello.pages is not a list of at most {MAX_PAGES} pairs")
+    for pair in value:
+        two = isinstance(pair, list) and len(pair) == 2 and all(isinstance(part, bytes) for part in pair)
+        if not two or len(pair[0]) != 32:
+            raise _malformed("hello.pages: an entry is not a pair of an id of 32 bytes and binary")
+    return dict(value)
+
+
 def _manifest_id(fields: Mapping[str, Any]) -> bytes | None:
     value = fields.get("manifest_id")
     if "manifest_id" in fields and not (isinstance(value, bytes) and len(value) == 32):
@@ -151,13 +163,14 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
     if version not in PROTOCOL_VERSIONS:
-        known = " and ".join(map(str, PROTOCOL_VERSIONS))
+        known = ", ".join(map(str, PROTOCOL_VERSIONS))
         raise ProtocolError(4001, "protocol-unsupported", f"protocol {version}; this server speaks {known} alone")
     return Hello(
         protocol=version,
         credits=_uint(fields, "credits"),
         have=_have(fields),
         parts=_parts(fields),
+        pages=_pages(fields),
         manifest_id=_manifest_id(fields),
         have_bits=_have_bits(fields),
         codings=_codings(fields),

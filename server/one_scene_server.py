@@ -36,6 +36,9 @@ class _OneScene:
     def manifest(self, scene_id: str) -> bytes | None:
         return self._scene.document if scene_id == "bench" else None
 
+    def pages(self, scene_id: str) -> bytes | None:
+        return self._scene.pages.packed(self._scene.document) if scene_id == "bench" else None
+
     def title(self, scene_id: str) -> str | None:
         return None
 

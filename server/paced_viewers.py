@@ -143,7 +143,7 @@ class _PacedViewer:
         self.figures.visits += 1
         begun = time.monotonic()
         granted = self._pace.first
-        await socket.send(encode(Hello(PROTOCOL_VERSION, granted, codings=("gzip",), follow=True)))
+        await socket.send(encode(Hello(PROTOCOL_VERSION, granted, follow=True)))
         listening = asyncio.create_task(self._listen(socket))
         try:
             step = 0

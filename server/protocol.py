@@ -19,6 +19,7 @@ __all__ = [
     "MAX_BALANCE",
     "MAX_HAVE",
     "MAX_MESSAGE_BYTES",
+    "MAX_PAGES",
     "MAX_PARTS",
     "MAX_PAYLOAD",
     "MAX_RATE",
@@ -47,11 +48,12 @@ __all__ = [
     "encode",
 ]
 
-PROTOCOL_VERSION = 2
-PROTOCOL_VERSIONS = (1, 2)  # that this server speaks
+PROTOCOL_VERSION = 3
+PROTOCOL_VERSIONS = (1, 2, 3)  # that this server speaks
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
 MAX_HAVE = 1 << 14  # chunk ids
+MAX_PAGES = 1 << 14
 MAX_PARTS = 1 << 10  # chunks that the client keeps in part
 MAX_BALANCE = 1 << 26  # bytes of credit
 MAX_RATE = 16.0  # scene seconds per second
@@ -85,11 +87,12 @@ class Hello:
     credits: int  # bytes: the first grant
     have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
     parts: Mapping[bytes, int] = field(default_factory=dict)  # first bytes of chunks that it keeps: id -> how many
-    manifest_id: bytes | None = None  # SHA-256 of the manifest that it keeps
+    pages: Mapping[bytes, bytes] = field(default_factory=dict)  # that it keeps, and a bit for each chunk they list
+    manifest_id: bytes | None = None  # SHA-256 of the index, or manifest, that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
-    have_bits: bytes | None = None  # of the manifest's chunks in order, lowest bit first, those the client keeps
-    codings: tuple[str, ...] = ()  # in which it takes the manifest, beside the manifest as it is
+    have_bits: bytes | None = None  # version 2: of the manifest's chunks in order those it keeps, lowest bit first
+    codings: tuple[str, ...] = ()  # version 2: in which it takes the manifest, beside the manifest as it is
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
     audio: bool = False  # whether the client wants the scene's sound
@@ -150,25 +153,26 @@ class Ping:
 
 @dataclass(frozen=True)
 class Welcome:
-    """Answers `Hello`: the manifest's exact bytes and how many bytes of chunks are to come."""
+    """Answers `Hello`: the scene's index, or manifest, and how many bytes of chunks are to come."""
 
     type: ClassVar[str] = "welcome"
     protocol: int
     scene: str
-    manifest: bytes  # in `coding`; empty if the client keeps the one of `manifest_id`
-    manifest_id: bytes  # the SHA-256 of the manifest itself
+    manifest: bytes  # index.hgs, or in versions 1 and 2 manifest.json; empty if the client keeps that of `manifest_id`
+    manifest_id: bytes  # its SHA-256
     remaining: int
-    coding: str | None = None  # "gzip"; None for the manifest as it is
+    coding: str | None = None  # version 2: "gzip"; None for the manifest as it is
 
 
 @dataclass(frozen=True)
 class Grow:
-    """The scene has grown: what makes its new manifest of the one that the client has, as JSON."""
+    """The scene has grown."""
 
     type: ClassVar[str] = "grow"
-    growth: bytes  # in `coding`
-    manifest_id: bytes  # the SHA-256 of the new manifest
+    manifest_id: bytes  # the SHA-256 of the new index, or manifest
     remaining: int  # bytes of chunks to come
+    manifest: bytes | None = None  # the new index
+    growth: bytes | None = None  # versions 1 and 2: what makes the new manifest of the one before, JSON in `coding`
     coding: str | None = None  # "gzip"; None for JSON as it is
 
 
@@ -231,6 +235,9 @@ def encode(message: ServerMessage | ClientMessage) -> bytes:
         fields["have"] = sorted(message.have)
         fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
         fields["codings"] = list(message.codings)
+        fields["pages"] = [[page, bits] for page, bits in message.pages.items()]
+        if not message.pages:
+            del fields["pages"]
     packed: bytes = msgpack.packb({"type": message.type, **fields}, use_bin_type=True)
     return packed
 

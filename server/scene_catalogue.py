@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
+from hgs_core.codec.format.paging import PagedScene
 from jobs.artifacts import SceneEntry
 from server.encodable import encodable
 from server.problems import ProblemError
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SceneCatalogue", "unknown_scene"]
 
+_LONG = 64 << 10  # bytes of a manifest: shorter ones are read sooner than another object of the store
 _INDICES = 64  # scenes whose index is kept beyond the streams that use it
 
 log = logging.getLogger("hgs.server")
@@ -174,7 +176,8 @@ class SceneCatalogue:
         manifest = self._artifacts.manifest(entry.id)
         if manifest is None:
             raise unknown_scene(entry.id)
-        return read_scene(entry.id, manifest)
+        ready = self._artifacts.pages(entry.id) if len(manifest) >= _LONG else None
+        return read_scene(entry.id, manifest, None if ready is None else PagedScene.unpacked(ready, manifest))
 
 
 def unknown_scene(scene_id: str) -> ProblemError:

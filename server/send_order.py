@@ -16,6 +16,7 @@ from server.slice_queue import SliceQueue
 
 __all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
 
+PAGES_AHEAD = 12.0  # seconds of playing for which pages of the manifest are sent before what they list
 AHEAD = (3.0, 8.0, math.inf)  # seconds of playing for which base layers and then refinements are sent, in turn
 COMPLETE = 1  # the layer of a mark that says that all layers are there; 0 says that the base is
 
@@ -44,9 +45,8 @@ class SendOrder:
         self._slices = scene.queue.copy()
         self._static_turn = True  # refinements of statics and of slices take turns
         self._sought = False
-        self._sounds: SliceQueue | None = (
-            None  # pieces of sound that the client has not been seen to have; None: no wish
-        )
+        self._pages = _queue(scene.pages)
+        self._sounds: SliceQueue | None = None  # pieces that the client has not been seen to have; None: no wish
 
     @property
     def left_out(self) -> int:
@@ -61,7 +61,7 @@ class SendOrder:
 
     def hear(self, wanted: bool) -> None:
         """Send the scene's sound, too, or no more of it."""
-        self._sounds = SliceQueue([piece.end for piece in self._scene.sounds]) if wanted else None
+        self._sounds = _queue(self._scene.sounds) if wanted else None
 
     def grow(self, scene: SceneIndex, splats: int | None) -> None:
         """Send what has been added to the scene, too; `splats` is the limit."""
@@ -70,6 +70,7 @@ class SendOrder:
         self._bases, self._slices = self._bases.grown(ends), self._slices.grown(ends)
         if splats is not None:
             self.limit(splats)
+        self._pages = _queue(scene.pages)
         self.hear(self._sounds is not None)
 
     def has(self, chunk: Chunk) -> bool:
@@ -101,7 +102,14 @@ class SendOrder:
             if base is not None and base[0] <= 0 and (self._sought or self._is_behind(base[2])):
                 return base[1]
             return room
-        sound = self._next_sound(time)
+        if base is not None and base[0] <= 0:
+            return base[1]
+        page = self._next_piece(self._scene.pages, self._pages, time)
+        if page is not None and page[0] <= PAGES_AHEAD * speed:
+            return page[1]
+        sound = self._next_piece(self._scene.sounds, self._sounds, time)
+        if sound is not None and page is not None and sound[0] >= page[0]:
+            sound = None  # the client knows it by a page that it lacks
         for ahead in AHEAD:
             if base is not None and base[0] <= ahead * speed:
                 return base[1]
@@ -114,7 +122,7 @@ class SendOrder:
             if moving is not None:
                 self._static_turn = True
                 return moving
-        return None
+        return None if page is None else page[1]
 
     def _first(self, chunks: deque[Chunk]) -> Chunk | None:
         while chunks and self.has(chunks[0]):
@@ -131,13 +139,13 @@ class SendOrder:
             self.marks.append(Mark(index, 0))
         return None
 
-    def _next_sound(self, time: float) -> tuple[float, Chunk] | None:
-        """Return how far ahead, in scene seconds, the next piece of sound is that the client lacks, and its chunk."""
-        while self._sounds is not None and (index := self._sounds.next(time)) is not None:
-            chunk = self._scene.sounds[index].chunks[0]
+    def _next_piece(self, pieces: Sequence[Slice], queue: SliceQueue | None, time: float) -> tuple[float, Chunk] | None:
+        """Return how far ahead, in scene seconds, the next page or piece of sound is that the client lacks, and it."""
+        while queue is not None and (index := queue.next(time)) is not None:
+            chunk = pieces[index].chunks[0]
             if not self.has(chunk):
-                return self._distance(self._scene.sounds, self._sounds, index, time), chunk
-            self._sounds.discard(index)
+                return self._distance(pieces, queue, index, time), chunk
+            queue.discard(index)
         return None
 
     def _is_behind(self, index: int) -> bool:
@@ -188,6 +196,10 @@ class SendOrder:
     @property
     def _duration(self) -> float:
         return self._scene.end - self._scene.start
+
+
+def _queue(pieces: Sequence[Slice]) -> SliceQueue:
+    return SliceQueue([piece.end for piece in pieces])
 
 
 def _beyond(scene: SceneIndex, splats: int) -> frozenset[bytes]:

@@ -64,6 +64,7 @@ class Artifacts(Protocol):
     def list_scenes(self) -> Sequence[SceneEntry]: ...  # noqa: D102
     def scene_entry(self, scene_id: str) -> SceneEntry | None: ...  # noqa: D102
     def manifest(self, scene_id: str) -> bytes | None: ...  # noqa: D102
+    def pages(self, scene_id: str) -> bytes | None: ...  # noqa: D102
     def thumbnail(self, scene_id: str) -> bytes | None: ...  # noqa: D102
     def title(self, scene_id: str) -> str | None: ...  # noqa: D102
     def rename_scene(self, scene_id: str, title: str) -> None: ...  # noqa: D102

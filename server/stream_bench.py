@@ -88,7 +88,7 @@ async def bench_stream(
         starts = [
             {"mbit": mbit, "protocol": protocol, **_told(scene, await _start(port, mbit * MBIT, protocol), mbit * MBIT)}
             for mbit in (2, 50)
-            for protocol in (1, 2)
+            for protocol in (1, PROTOCOL_VERSION)
         ]
         seeks = await _seeks(scene, port, 2 * MBIT)
         drops = await watch(port, lambda _: 2 * MBIT, min(seconds, 10.0), drops=DROPS)
@@ -102,7 +102,7 @@ async def bench_stream(
             "0.5 of its rate": lambda _: 0.5 * scene.rate,
             "20, 1, 20 Mbit/s": falls,
         }
-        cases = [(name, protocol) for name in lines for protocol in (1, 2)]
+        cases = [(name, protocol) for name in lines for protocol in (1, PROTOCOL_VERSION)]
         watched = await asyncio.gather(
             *(watch(port, lines[name], seconds, protocol=version) for name, version in cases)
         )

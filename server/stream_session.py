@@ -37,8 +37,8 @@ from server.send_order import COMPLETE, Mark, SendOrder
 
 __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
+LAST_WITHOUT_PAGES = 2  # version of the protocol
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
-REST_SECONDS = 20.0  # of the scene before the end of a manifest's beginning, from which on the rest of it is sent
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class ChunkPart:
     chunk: Chunk
     offset: int
     length: int
+    data: bytes | None = None  # of a page of the manifest, all of it; chunks are in the store
 
 
 class StreamSession:
@@ -58,7 +59,8 @@ class StreamSession:
     """
 
     def __init__(self, scene: SceneIndex) -> None:
-        self._scene = scene
+        self._published = scene
+        self._scene = scene  # as the client's version of the protocol has it
         self.waits = 0  # pauses of a client to which data was on its way: the viewer says so when it has to wait
         self._greeted = False
         self._ended = False
@@ -70,14 +72,13 @@ class StreamSession:
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
         self._playhead = Playhead(scene.start, scene.end, scene.start, grows=scene.live is not None)
-        self._whole: SceneIndex | None = None  # while the client has but the opening
         self._follows = False
         self._gzip = False
 
     @property
     def scene(self) -> SceneIndex:
         """The scene, as far as it has grown."""
-        return self._scene
+        return self._published
 
     @property
     def balance(self) -> int:
@@ -134,26 +135,31 @@ class StreamSession:
         Raises:
             ProtocolError: it is another scene.
         """
-        before = self._scene
-        if scene.manifest_id == before.manifest_id or (self._greeted and not self._follows):
+        published, before = self._published, self._scene
+        if scene.manifest_id == published.manifest_id or (self._greeted and not self._follows):
             return
-        growth = scene.growth(before)
+        growth = scene.growth(published)
         if growth is None:
-            if before.growth(scene) is not None:  # it was read before this session began
+            if published.growth(scene) is not None:  # it was read before this session began
                 return
             raise ProtocolError(4004, "scene-changed", "another scene has taken its place")
-        self._scene = scene
+        self._published = scene
+        self._scene = scene = self._for_client(scene)
         self._playhead.set(self._playhead.at(clock), clock)
         self._playhead.end, self._playhead.grows = scene.end, scene.live is not None
         if not self._greeted:
             return
         self._order.grow(scene, self._limits.splats)
+        if self._current is not None and self._current.id not in scene.stored:
+            self._current = None  # a page that another one has replaced
         self._ended = False
-        coding = "gzip" if self._gzip else None
         wanted = scene.stored if self._limits.audio else scene.sizes
         remaining = sum(size for chunk, size in wanted.items() if chunk not in before.stored)
-        growth = compress(growth, "gzip") if coding else growth
-        self._outbox.append(encode(Grow(growth, scene.manifest_id, remaining, coding)))
+        if self._version > LAST_WITHOUT_PAGES:
+            self._outbox.append(encode(Grow(scene.manifest_id, remaining, manifest=scene.manifest)))
+            return
+        growth, coding = self._coded(growth)
+        self._outbox.append(encode(Grow(scene.manifest_id, remaining, growth=growth, coding=coding)))
 
     def wait(self, clock: float) -> float | None:
         """Return after how many seconds `take` has more without a message of the client, None if it never has."""
@@ -170,12 +176,11 @@ class StreamSession:
         self._outbox.append(encode(Missing(chunk.id)))
 
     def _greet(self, hello: Hello, clock: float) -> None:
-        self._open(hello)
-        scene = self._scene
+        self._version = hello.protocol
+        self._scene = scene = self._for_client(self._published)
         cache = ClientCache.of(hello, scene)
         self._offsets = cache.parts
         self._greeted = True
-        self._version = hello.protocol
         self._follows, self._gzip = hello.follow, "gzip" in hello.codings
         self._flow.grant(hello.credits)
         self._order = SendOrder(scene, cache.whole)
@@ -183,27 +188,18 @@ class StreamSession:
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
         remaining = cache.lacking(scene.stored if hello.audio else scene.sizes)
         known = hello.manifest_id == scene.manifest_id
-        manifest, coding = (b"", None) if known else (scene.manifest, None)
-        if manifest and self._gzip:
-            manifest, coding = compress(manifest, "gzip"), "gzip"
+        manifest, coding = (b"", None) if known else self._coded(scene.manifest)
         welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, remaining, coding)
         self._outbox.append(encode(welcome))
 
-    def _open(self, hello: Hello) -> None:
-        """Send of a long manifest the beginning alone, where the client starts there and does not know more."""
-        whole = self._scene
-        first = whole.opening
-        if first is None or not hello.follow or hello.manifest_id == whole.manifest_id:
-            return
-        if hello.time is None or hello.time < first.end - REST_SECONDS:
-            self._whole, self._scene = whole, first
-            self._playhead = Playhead(first.start, first.end, first.start, grows=True)
+    def _for_client(self, scene: SceneIndex) -> SceneIndex:
+        return scene if self._version > LAST_WITHOUT_PAGES else scene.whole
 
-    def _complete(self, clock: float) -> None:
-        """Send the rest of a manifest of which the client has the beginning."""
-        whole, self._whole = self._whole, None
-        if whole is not None:
-            self.grow(whole, clock)
+    def _coded(self, text: bytes) -> tuple[bytes, str | None]:
+        """Compress what versions 1 and 2 send as JSON, if the client takes that."""
+        if self._version > LAST_WITHOUT_PAGES or not self._gzip:
+            return text, None
+        return compress(text, "gzip"), "gzip"
 
     def _limit(self, limits: Limits) -> None:
         if limits.splats != self._limits.splats:
@@ -222,12 +218,7 @@ class StreamSession:
     def _choose(self, clock: float) -> Chunk | None:
         """Return what to send next; on the way, announce the slices that are found to be there."""
         order = self._order
-        if self._playhead.at(clock) > self._scene.end - REST_SECONDS:
-            self._complete(clock)
         chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
-        if chunk is None and self._whole is not None:
-            self._complete(clock)
-            chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
         while order.marks:
             self._announce(order.marks.popleft())
         if chunk is None and not self._ended:
@@ -257,4 +248,4 @@ class StreamSession:
             self._offsets.pop(chunk.id, None)
             self._order.settle(chunk)
             self._current = None
-        return ChunkPart(chunk, offset, length)
+        return ChunkPart(chunk, offset, length, self._scene.page_bytes.get(chunk.id))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from hgs_core.base.atomic import write_bytes
@@ -23,6 +23,7 @@ from hgs_core.codec.format.folder import (
 )
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest
+from hgs_core.codec.format.paging import INDEX, paged
 from server.publishing import encoded_scene
 
 __all__ = ["PLAYER", "PLAYER_SCRIPT", "publish_to_folder"]
@@ -33,7 +34,7 @@ PLAYER = "player"
 PLAYER_SCRIPT = "hgs-player.js"
 PAGE = "index.html"
 
-_OURS = frozenset({MANIFEST, CHUNKS, THUMBNAIL, PAGE, PLAYER})
+_OURS = frozenset({MANIFEST, INDEX, CHUNKS, THUMBNAIL, PAGE, PLAYER})
 _TEMPORARY = re.compile(r"\..+\.[0-9a-f]{12}\.tmp")  # what hgs_core/base/atomic.py leaves when it is killed
 
 _PAGE = """<!doctype html>
@@ -49,7 +50,7 @@ hgs-player {{ display: block; width: 100%; height: 100%; }}
 <script type="module" src="{player}/{script}"></script>
 </head>
 <body>
-<hgs-player src="{manifest}"{poster} autoplay loop controls></hgs-player>
+<hgs-player src="{source}"{poster} autoplay loop controls></hgs-player>
 </body>
 </html>
 """
@@ -122,14 +123,18 @@ def _write(
         if not _is_whole(to / CHUNKS / entry.id, entry):
             write_bytes(to / CHUNKS / entry.id, data)
     progress(Progress("publish", total - 1, total))
+    ready = paged(manifest, json.loads(text))
+    for page, data in ready.pages.items():
+        write_bytes(to / CHUNKS / page, data)
     if player is not None:
         for name in _files(player):
             write_bytes(to / PLAYER / name, (player / name).read_bytes())
-        write_bytes(to / PAGE, _page(manifest).encode())
+        write_bytes(to / PAGE, _page(manifest, INDEX if ready.pages else MANIFEST).encode())
     if manifest.thumbnail:
         write_bytes(to / THUMBNAIL, (scene / THUMBNAIL).read_bytes())
+    write_bytes(to / INDEX, ready.index)
     write_bytes(to / MANIFEST, text)
-    _remove_left_over(to, manifest)
+    _remove_left_over(to, manifest, ready.pages)
     progress(Progress("publish", total, total))
 
 
@@ -144,16 +149,16 @@ def _is_whole(file: Path, entry: ChunkEntry | AudioPiece) -> bool:
     return file.is_file() and file.stat().st_size == entry.bytes and chunk_id(file.read_bytes()) == entry.id
 
 
-def _page(manifest: Manifest) -> str:
+def _page(manifest: Manifest, source: str) -> str:
     poster = f' poster="{THUMBNAIL}"' if manifest.thumbnail else ""
     title = html.escape(manifest.title)
-    return _PAGE.format(title=title, player=PLAYER, script=PLAYER_SCRIPT, manifest=MANIFEST, poster=poster)
+    return _PAGE.format(title=title, player=PLAYER, script=PLAYER_SCRIPT, source=source, poster=poster)
 
 
-def _remove_left_over(to: Path, manifest: Manifest) -> None:
+def _remove_left_over(to: Path, manifest: Manifest, pages: Collection[str]) -> None:
     """Remove the chunks of a scene that was replaced, and what a kill has left."""
     named = stored_sizes(manifest)
-    left = [path for path in (to / CHUNKS).iterdir() if path.name not in named]
+    left = [path for path in (to / CHUNKS).iterdir() if path.name not in named and path.name not in pages]
     left += [path for path in to.iterdir() if _TEMPORARY.fullmatch(path.name)]
     for path in left:
         path.unlink()

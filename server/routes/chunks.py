@@ -9,7 +9,7 @@ from server.conditional import respond
 from server.problems import ProblemError
 from server.service import ServiceDep
 
-__all__ = ["router"]
+__all__ = ["immutable", "router"]
 
 router = APIRouter()
 
@@ -23,6 +23,11 @@ async def chunk(request: Request, chunk_id: str, service: ServiceDep) -> Respons
         raise ProblemError(500, "chunk-damaged", str(error)) from error
     if data is None:
         raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: no such chunk")
+    return immutable(request, chunk_id, data)
+
+
+def immutable(request: Request, chunk_id: str, data: bytes) -> Response:
+    """Answer with bytes that the SHA-256 names, whole or in part."""
     return respond(
         request,
         data,

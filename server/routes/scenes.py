@@ -13,6 +13,8 @@ from jobs.job_request import MAX_TITLE
 from server.conditional import entity_tag, respond, respond_compressed, respond_json
 from server.problems import ProblemError
 from server.request_body import read_json
+from server.routes.chunks import chunk as respond_chunk
+from server.routes.chunks import immutable
 from server.scene_catalogue import unknown_scene
 from server.service import Service, ServiceDep
 
@@ -66,6 +68,25 @@ def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
     if body is None:
         raise unknown_scene(scene_id)
     return respond_compressed(request, body, "application/json")
+
+
+@router.api_route("/{scene_id}/index.hgs", methods=["GET", "HEAD"])
+def index(request: Request, scene_id: str, service: ServiceDep) -> Response:
+    """Serve the index, from which a player finds pages and chunks beside it as in a folder."""
+    body = service.catalogue.scene(scene_id).manifest
+    return respond(
+        request, body, "application/octet-stream", etag=entity_tag(body), cache_control="no-cache", ranges=True
+    )
+
+
+@router.api_route("/{scene_id}/chunks/{chunk_id}", methods=["GET", "HEAD"])
+async def chunk(request: Request, scene_id: str, chunk_id: str, service: ServiceDep) -> Response:
+    """Serve a page of the scene's manifest, or one of its chunks, whole or in part."""
+    found = await run_in_threadpool(service.catalogue.scene, scene_id)
+    if chunk_id not in found.chunk_ids:
+        raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: none of scene {scene_id}")
+    page = found.page_bytes.get(bytes.fromhex(chunk_id))
+    return await respond_chunk(request, chunk_id, service) if page is None else immutable(request, chunk_id, page)
 
 
 @router.api_route("/{scene_id}/thumbnail", methods=["GET", "HEAD"])

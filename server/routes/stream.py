@@ -111,7 +111,7 @@ async def _speak(
             news.clear()
         elif isinstance(item, bytes):
             await socket.send_bytes(item)
-        elif (data := await chunks.expect(item.chunk)) is None:
+        elif (data := item.data or await chunks.expect(item.chunk)) is None:
             session.miss(item)
         else:
             await socket.send_bytes(_frame(item, data))
@@ -122,7 +122,7 @@ async def _speak(
 async def _grow(session: StreamSession, scene: SceneIndex, live: LiveScenes, news: asyncio.Event) -> NoReturn:
     """Give the session every later version of its scene, if the scene grows; end only with a fault."""
     versions: asyncio.Queue[SceneIndex] = asyncio.Queue()
-    with live.follow(scene, versions.put_nowait):  # the session may have but the beginning of it
+    with live.follow(scene, versions.put_nowait):
         while True:
             session.grow(await versions.get(), time.monotonic())
             news.set()

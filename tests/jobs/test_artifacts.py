@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
+import json
 import shutil
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
@@ -12,6 +13,8 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.chunk import pack, unpack
+from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.paging import PagedScene, paged
 from jobs.artifacts import ArtifactStore
 from tests.chunks import static_chunk
 from tests.growing import MOVING, STATIC, write_growing_scene
@@ -60,6 +63,17 @@ def test_scene_grows_by_versions_and_never_shrinks(store: ArtifactStore, tmp_pat
         assert store.scene_entry("growing") != before or segments == 2
     assert store.manifest("growing") == versions[3]
     assert {chunk.id for chunk in store.list_chunks()} == {name_of(data) for data in (STATIC, *MOVING)}
+
+
+def test_pages_of_the_manifest_are_kept_ready_beside_it(store: ArtifactStore, tmp_path: Path) -> None:
+    folder = tmp_path / "growing"
+    for segments in (1, 2):
+        manifest = write_growing_scene(folder, segments)
+        store.put_scene(folder, "growing")
+        ready = PagedScene.unpacked(store.pages("growing") or b"", manifest)
+        assert ready == paged(Manifest.from_json(json.loads(manifest)), json.loads(manifest))
+    store.remove_scene("growing")
+    assert (store.pages("growing"), store.pages("no/name")) == (None, None)
 
 
 def test_growth_reads_no_chunk_again_and_a_damaged_one_changes_nothing(store: ArtifactStore, tmp_path: Path) -> None:

@@ -62,6 +62,7 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
             scene_id="studio",
             title="Studio",
             manifest=b'{"a": "manifest"}',
+            document=b'{"a": "manifest"}',
             start=min((s for s, _, _ in slices), default=0.0),
             end=max((e for _, e, _ in slices), default=0.0),
             static=chunks("static", static, STATIC_PART),
@@ -187,6 +188,9 @@ class FakeArtifacts:
 
     def manifest(self, scene_id: str) -> bytes | None:
         return self.manifests.get(scene_id)
+
+    def pages(self, scene_id: str) -> bytes | None:
+        return None
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         return self.thumbnails.get(scene_id)

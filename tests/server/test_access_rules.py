@@ -19,6 +19,8 @@ CHUNK = "/v1/chunks/" + 64 * "0"
         ("GET", "/v1/scenes", Scope.VIEW),
         ("HEAD", "/v1/scenes/studio", Scope.VIEW),
         ("GET", "/v1/scenes/studio/manifest", Scope.VIEW),
+        ("GET", "/v1/scenes/studio/index.hgs", Scope.VIEW),
+        ("GET", "/v1/scenes/studio/chunks/ab", Scope.VIEW),
         ("GET", CHUNK, Scope.VIEW),
         ("WEBSOCKET", "/v1/scenes/studio/stream", Scope.VIEW),
         ("PATCH", "/v1/scenes/studio", Scope.PUBLISH),
@@ -51,6 +53,6 @@ def test_a_path_about_no_single_scene(path: str) -> None:
     assert scene_of(path) is None
 
 
-@pytest.mark.parametrize("rest", ["", "/manifest", "/thumbnail", "/stream"])
+@pytest.mark.parametrize("rest", ["", "/manifest", "/index.hgs", "/chunks/ab", "/thumbnail", "/stream"])
 def test_a_path_about_a_scene(rest: str) -> None:
     assert scene_of(f"/v1/scenes/studio{rest}") == "studio"

@@ -4,9 +4,10 @@ from collections.abc import Callable
 
 import pytest
 
+from server.bench_scene import made_up_scene
 from server.client_cache import ClientCache
 from server.protocol import Hello, ProtocolError
-from server.scene_index import SceneIndex
+from server.scene_index import SceneIndex, read_scene
 
 MakeScene = Callable[..., SceneIndex]
 
@@ -18,6 +19,15 @@ def test_chunks_are_named_by_id_or_by_bits_of_the_manifest_that_is_there(make_sc
     assert ClientCache.of(hello, scene).whole == {order[0], order[1], order[3]}
     other = Hello(2, 0, have=frozenset({order[3]}), manifest_id=bytes(32), have_bits=b"\x03")
     assert ClientCache.of(other, scene).whole == {order[3]}
+
+
+def test_pages_name_what_they_list_by_bits() -> None:
+    scene = read_scene("bench", made_up_scene(120, static_bytes=1200, slice_bytes=90).document)
+    (first, second, *_), listed = scene.page_chunks, scene.page_chunks
+    pages = {first: b"\x05\x80", second: b"", bytes(32): b"\xff"}
+    known = {first, second, listed[first][0], listed[first][2], listed[first][15]}
+    assert ClientCache.of(Hello(3, 0, pages=pages), scene).whole == known
+    assert ClientCache.of(Hello(2, 0, pages=pages), scene.whole).whole == set()
 
 
 def test_what_is_lacking_counts_parts_once_and_wholes_not_at_all(make_scene: MakeScene) -> None:

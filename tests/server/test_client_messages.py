@@ -118,7 +118,7 @@ def test_deep_nesting_is_refused() -> None:
 
 def test_another_version_is_unsupported_whatever_its_fields() -> None:
     with pytest.raises(ProtocolError) as caught:
-        decode(msgpack.packb({"type": "hello", "protocol": 3, "credits": "lots"}))
+        decode(msgpack.packb({"type": "hello", "protocol": 4, "credits": "lots"}))
     assert (caught.value.close_code, caught.value.code) == (4001, "protocol-unsupported")
 
 

@@ -39,6 +39,7 @@ def _fields(message: ClientMessage) -> dict[str, Any]:
         fields["have"] = sorted(message.have)
         fields["codings"] = list(message.codings)
         fields["parts"] = [[chunk, kept] for chunk, kept in message.parts.items()]
+        fields["pages"] = [[page, bits] for page, bits in message.pages.items()] or None
     return {name: value for name, value in fields.items() if value is not None and value is not False}
 
 

@@ -129,14 +129,14 @@ def test_a_scene_published_anew_under_its_id_is_read_again(
     catalogue: SceneCatalogue, store: CountingStore, scene_folder: Path
 ) -> None:
     listed(catalogue)
-    old = catalogue.scene("scene-1").manifest
+    old = catalogue.scene("scene-1").document
     store.remove_scene("scene-1")
     path = scene_folder / "scene" / "manifest.json"
     path.write_text(json.dumps(json.loads(path.read_text()) | {"title": "Another"}))
     store.put_scene(scene_folder / "scene", "scene-1")
     assert {s["id"]: s["title"] for s in asyncio.run(catalogue.scenes())}["scene-1"] == "Another"
     assert catalogue.describe("scene-1")["title"] == "Another"
-    assert catalogue.scene("scene-1").manifest == path.read_bytes() != old
+    assert catalogue.scene("scene-1").document == path.read_bytes() != old
 
 
 @pytest.mark.parametrize("damaged", [b"", b"{}", b"\xff", b"[" * 100_000, b'{"format": ' + b"9" * 5000 + b"}"])

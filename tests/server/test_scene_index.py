@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 from collections.abc import Callable, Sequence
@@ -7,6 +8,7 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from hgs_core.base.errors import InputError
+from server.bench_scene import made_up_scene
 from server.scene_index import SceneIndex, read_scene
 from tests.server.conftest import SliceSpec
 
@@ -27,13 +29,15 @@ def test_a_manifest_is_read_with_the_chunks_that_each_slice_needs(manifest: byte
 
 def test_sizes_are_of_every_chunk_once_and_of_the_manifest(manifest: bytes, chunks: list[bytes]) -> None:
     scene = read_scene("studio", manifest)
-    assert scene.chunk_bytes == sum(map(len, chunks))
     assert scene.bytes_total == sum(map(len, chunks)) + len(manifest)
 
 
 def test_the_manifest_is_named_by_the_hash_of_its_bytes(manifest: bytes) -> None:
     scene = read_scene("studio", manifest)
-    assert (scene.manifest, scene.manifest_id) == (manifest, hashlib.sha256(manifest).digest())
+    assert scene.document == manifest
+    assert json.loads(gzip.decompress(scene.manifest)) == json.loads(manifest)
+    assert scene.manifest_id == hashlib.sha256(scene.manifest).digest()
+    assert (scene.whole.manifest, scene.whole.manifest_id) == (manifest, hashlib.sha256(manifest).digest())
 
 
 @pytest.mark.parametrize("manifest", [b"", b"{}", b"[" * 100_000, b"\xff"], ids=["empty", "bare", "deep", "not UTF-8"])
@@ -65,3 +69,30 @@ def test_sound_is_read_and_counts_for_the_size_and_for_what_a_link_opens(manifes
     assert scene.sizes == read_scene("studio", manifest).sizes
     assert scene.bytes_total == sum(map(len, chunks)) + 5 + len(sounding)
     assert scene.chunk_ids == {hashlib.sha256(chunk).hexdigest() for chunk in chunks} | {name}
+
+
+def test_pages_are_chunks_that_the_slices_need_first() -> None:
+    made_up = made_up_scene(120, static_bytes=1200, slice_bytes=90)
+    scene = read_scene("bench", made_up.document)
+    assert [len(page.chunks) for page in scene.pages] == [1] * 4
+    assert [piece.chunks[0] for piece in scene.slices[63:65]] == [page.chunks[0] for page in scene.pages[:2]]
+    assert {name: len(data) for name, data in scene.page_bytes.items()}.items() <= scene.sizes.items()
+    listed = [name for names in scene.page_chunks.values() for name in names]
+    assert listed == [bytes.fromhex(chunk.id) for chunk in made_up.manifest.chunks[12:]]
+    assert (scene.bytes_total, scene.title) == (made_up.size, "Made up")
+
+
+def test_whole_scene_of_older_clients_is_the_same_without_pages() -> None:
+    document = made_up_scene(120, static_bytes=1200, slice_bytes=90).document
+    paged = read_scene("bench", document)
+    whole = paged.whole
+    assert (whole.manifest, whole.pages, whole.page_bytes) == (document, (), {})
+    assert [piece.chunks for piece in whole.slices] == [piece.chunks[1:] for piece in paged.slices]
+    assert (whole.static, whole.end, whole.splats_dynamic) == (paged.static, paged.end, paged.splats_dynamic)
+
+
+def test_pages_that_were_made_before_save_the_reading() -> None:
+    made_up = made_up_scene(120, static_bytes=1200, slice_bytes=90)
+    ready = read_scene("bench", made_up.document, made_up.pages)
+    assert ready == read_scene("bench", made_up.document)
+    assert read_scene("bench", b"not looked at", made_up.pages).slices == ready.slices

@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Callable, Iterator
 from itertools import islice
 
-from server.scene_index import Chunk, SceneIndex
+from server.scene_index import Chunk, SceneIndex, Slice
 from server.send_order import COMPLETE, Mark, SendOrder
 
 MakeScene = Callable[..., SceneIndex]
@@ -154,3 +154,25 @@ def test_equal_sound_at_two_times_comes_once(make_scene: MakeScene) -> None:
     order = SendOrder(twice)
     order.hear(True)
     assert list(sizes(order)) == [100, 20]
+
+
+def test_pages_come_before_what_they_list_and_those_of_the_next_seconds_before_all_bases(make_scene: MakeScene) -> None:
+    scene = make_scene([10], [(2.0 * k, 2.0 * k + 2, [400 + k, 300 + k]) for k in range(12)])
+    pages = [Slice(6.0 * k, 6.0 * k + 6, (Chunk(bytes([k]) * 32, 900 + k),)) for k in range(4)]
+    slices = [
+        dataclasses.replace(piece, chunks=(pages[place // 3].chunks[0], *piece.chunks))
+        for place, piece in enumerate(scene.slices)
+    ]
+    order = SendOrder(dataclasses.replace(scene, slices=tuple(slices), pages=tuple(pages)))
+    assert first(order, 6) == [10, 900, 400, 901, 902, 401]
+    assert first(order, 2, 17.9) == [408, 903]  # what is shown comes before the next page
+    assert sorted(sizes(order)) == sorted({*range(400, 412), *range(300, 312)} - {400, 401, 408})
+
+
+def test_page_that_replaces_another_one_comes_though_all_chunks_are_there(make_scene: MakeScene) -> None:
+    scene = make_scene([10], [(0.0, 2.0, [400])])
+    order = SendOrder(scene)
+    assert list(sizes(order)) == [10, 400]
+    page = Slice(50.0, 52.0, (Chunk(bytes(32), 900),))
+    order.grow(dataclasses.replace(scene, pages=(page,), end=52.0), None)
+    assert list(sizes(order)) == [900]

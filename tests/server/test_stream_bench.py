@@ -10,11 +10,11 @@ SCENE = made_up_scene(2, static_bytes=60_000, slice_bytes=9_000)
 
 def test_every_line_is_watched_with_layers_and_without() -> None:
     report, shown = asyncio.run(bench_stream(SCENE, 0.8))
-    assert [(row["mbit"], row["protocol"]) for row in report["starts"]] == [(2, 1), (2, 2), (50, 1), (50, 2)]
+    assert [(row["mbit"], row["protocol"]) for row in report["starts"]] == [(2, 1), (2, 3), (50, 1), (50, 3)]
     first, layered = report["starts"][:2]
     assert layered["start_share"] < first["start_share"]
     assert layered["start_of_line"] < first["start_of_line"]
-    assert [row["protocol"] for row in report["lines"]] == [1, 2] * 3
+    assert [row["protocol"] for row in report["lines"]] == [1, 3] * 3
     assert len(shown) == len(report["lines"])
     assert report["seeks"]["twice"] == 0
     assert report["seeks"]["buffered"]["count"] >= 20

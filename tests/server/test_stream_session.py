@@ -349,15 +349,58 @@ def test_follower_gets_what_is_added_and_nothing_twice() -> None:
         session.grow(scene, 1.0)  # the same again is no news
         added = drain(session, 1.0)
         assert added[0]["type"] == "grow"
-        document = apply_growth(json.loads(before.manifest), json.loads(added[0]["growth"]))
-        assert document == json.loads(scene.manifest)
-        assert added[0]["manifest_id"] == scene.manifest_id
+        document = apply_growth(json.loads(before.document), json.loads(added[0]["growth"]))
+        assert document == json.loads(scene.document)
+        assert added[0]["manifest_id"] == scene.whole.manifest_id
         assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
         assert added[-1]["type"] == "end"
         assert marks_of(added) == [k for k in range(len(scene.slices)) if k >= len(before.slices)]
         items += added
     received = [chunk.id for chunk in chunks_of(items)]
-    assert len(received) == len(set(received)) == len(last.sizes)
+    assert len(received) == len(set(received)) == len(last.whole.sizes)
+
+
+def test_follower_of_version_3_gets_the_index_and_then_the_page_that_has_changed() -> None:
+    first, last = growing_scene(1), growing_scene(3)
+    session = start(first, protocol=3, follow=True)
+    before = drain(session)
+    assert (before[0]["manifest"], before[0]["manifest_id"]) == (first.manifest, first.manifest_id)
+    session.grow(last, 1.0)
+    added = drain(session, 1.0)
+    assert {name: added[0][name] for name in ("type", "manifest", "manifest_id")} == {
+        "type": "grow", "manifest": last.manifest, "manifest_id": last.manifest_id,
+    }  # fmt: skip
+    assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
+    received = [chunk.id for chunk in chunks_of([*before, *added])]
+    assert len(received) == len(set(received))
+    assert set(received) == first.sizes.keys() | last.sizes.keys()
+
+
+def test_pages_are_sent_with_their_bytes_and_in_their_turn() -> None:
+    scene = read_scene("bench", made_up_scene(120, static_bytes=12_000, slice_bytes=900).document)
+    items = [item for item in drain(start(scene, protocol=3)) if isinstance(item, ChunkPart)]
+    pages = {item.chunk.id: item.data for item in items if item.data is not None}
+    assert pages == scene.page_bytes
+    place = {item.chunk.id: number for number, item in enumerate(items)}
+    for page, listed in scene.page_chunks.items():
+        assert place[page] < min(place[chunk] for chunk in listed)
+    assert place[scene.pages[2].chunks[0].id] > place[scene.slices[70].chunks[1].id]  # none long before its time
+
+
+def test_page_that_another_one_has_replaced_is_not_gone_on_with() -> None:
+    first, page = growing_scene(1), Chunk(b"p" * 32, 10_000)
+    first = dataclasses.replace(
+        first,
+        slices=tuple(dataclasses.replace(piece, chunks=(page, *piece.chunks[1:])) for piece in first.slices),
+        pages=(dataclasses.replace(first.pages[0], chunks=(page,)),),
+        page_bytes={page.id: bytes(page.size)},
+    )
+    have = frozenset(chunk.id for chunk in first.static)
+    session = start(first, protocol=3, follow=True, have=have, credits=HEADER_BYTES + 5000)
+    assert [part.chunk for part in step(session, 1)] == [page]
+    session.grow(growing_scene(3), 0.0)
+    session.receive(encode(Credit(WINDOW)), 0.0)
+    assert page not in chunks_of(drain(session))
 
 
 def test_who_does_not_follow_keeps_the_scene_as_it_was() -> None:
@@ -371,7 +414,7 @@ def test_scene_that_grows_before_hello_is_welcomed_as_it_is() -> None:
     session = StreamSession(growing_scene(1))
     session.grow(growing_scene(2), 0.0)
     session.receive(encode(Hello(2, WINDOW)), 0.0)
-    assert drain(session)[0]["manifest"] == growing_scene(2).manifest
+    assert drain(session)[0]["manifest"] == growing_scene(2).document
 
 
 def test_older_version_is_no_news_and_another_scene_ends_the_stream(make_scene: MakeScene) -> None:
@@ -381,7 +424,8 @@ def test_older_version_is_no_news_and_another_scene_ends_the_stream(make_scene: 
     assert drain(session, 1.0) == []
     other = dataclasses.replace(
         growing_scene(3),
-        manifest=growing_scene(3).manifest.replace(b"Made up", b"Other").replace(b'"extent":4.0', b'"extent":5.0'),
+        manifest=b"another index",
+        document=growing_scene(3).document.replace(b"Made up", b"Other").replace(b'"extent":4.0', b'"extent":5.0'),
     )
     with pytest.raises(ProtocolError, match="another scene"):
         session.grow(other, 1.0)

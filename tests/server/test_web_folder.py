@@ -16,6 +16,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.folder import chunk_bytes, load_manifest
+from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from server.web_folder import publish_to_folder
 from tests.growing import write_growing_scene
 
@@ -67,16 +68,19 @@ def test_the_folder_is_complete(scene_folder: Path, player: Path, tmp_path: Path
     publish_to_folder(scene_folder, tmp_path / "web", player=player)
     scene = scene_folder / "scene"
     data = {name: (scene / name).read_bytes() for name in tree(scene)}
+    manifest = json.loads(data["manifest.json"])
     files = {f"player/{name}": (player / name).read_bytes() for name in tree(player)}
     found = {name: (tmp_path / "web" / name).read_bytes() for name in tree(tmp_path / "web")}
     page = found.pop("index.html").decode()
+    assert read_index(found.pop("index.hgs")) == manifest
     assert found == data | files
+    assert 'src="manifest.json"' in page
     assert "<title>Studio</title>" in page
 
 
 def test_data_only_writes_neither_player_nor_page(scene_folder: Path, tmp_path: Path) -> None:
     publish_to_folder(scene_folder, tmp_path / "web", player=None)
-    assert tree(tmp_path / "web") == tree(scene_folder / "scene")
+    assert tree(tmp_path / "web") == tree(scene_folder / "scene") | {"index.hgs"}
 
 
 def test_a_player_that_is_not_built_is_told_before_anything_is_written(scene_folder: Path, tmp_path: Path) -> None:
@@ -99,8 +103,8 @@ def test_a_kill_leaves_no_manifest_and_the_next_call_completes_the_folder(
         (web / ".index.html.0123456789ab.tmp").write_bytes(b"half")
     publish_to_folder(scene_folder, web, player=player)
     assert {name for name in tree(web) if not name.startswith("player/")} == tree(scene_folder / "scene") | {
-        "index.html"
-    }
+        "index.hgs", "index.html",
+    }  # fmt: skip
 
 
 def test_publishing_again_writes_only_damaged_chunks_anew(scene_folder: Path, player: Path, tmp_path: Path) -> None:
@@ -126,7 +130,23 @@ def test_another_scene_is_refused_unless_it_may_be_replaced(
         publish_to_folder(other_scene, web, player=None)
     assert tree(web) == before
     publish_to_folder(other_scene, web, player=None, replace=True)
-    assert tree(web) == tree(other_scene / "scene") < before
+    assert tree(web) == tree(other_scene / "scene") | {"index.hgs"} < before
+
+
+def test_pages_of_a_manifest_lie_among_the_chunks_and_go_when_others_take_their_place(
+    player: Path, tmp_path: Path
+) -> None:
+    run, web = tmp_path / "run", tmp_path / "web"
+    for segments in (1, 2):
+        manifest = write_growing_scene(run / "scene", segments)
+        publish_to_folder(run, web, player=player)
+        paged = PagedManifest(read_index((web / "index.hgs").read_bytes()))
+        (page,) = paged.pages
+        paged.add(page.id, (web / "chunks" / page.id).read_bytes())
+        assert paged.manifest.to_json() == json.loads(manifest)
+        named = {chunk.id for chunk in paged.manifest.chunks} | {page.id}
+        assert {file.name for file in (web / "chunks").iterdir()} == named
+    assert 'src="index.hgs"' in (web / "index.html").read_text()
 
 
 def test_a_scene_that_has_grown_needs_no_leave_to_replace_what_it_was(tmp_path: Path) -> None:

@@ -260,7 +260,7 @@ def test_a_damaged_part_is_told_in_words_and_can_be_put_away(browser: Browser, s
 
     def prepare(page: Page) -> None:
         page.add_init_script(damage)
-        page.route("**/v1/chunks/*", lambda route: waiting.append(route))
+        page.route("**/v1/scenes/*/chunks/*", lambda route: waiting.append(route))
         page.on("pageerror", lambda error: console.append(error.message))
         page.on("console", lambda message: console.append(message.text))
 

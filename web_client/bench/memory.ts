@@ -3,6 +3,7 @@
  * up and never encoded, pass through the player and the worker's part of the scene; textures are counted, not made.
  */
 
+import { parseManifest } from "../src/codec/manifest";
 import type { DynamicChunk } from "../src/codec/types";
 import { StreamedScene } from "../src/player/streamed_scene";
 import type { View } from "../src/player/view";
@@ -126,7 +127,7 @@ class Source implements SceneSource {
   constructor(readonly events: SourceEvents) {}
 
   begin(): void {
-    this.events.manifest(new TextEncoder().encode(JSON.stringify(document)));
+    this.events.manifest(parseManifest(document));
     this.#bring();
   }
 

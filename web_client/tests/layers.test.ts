@@ -7,12 +7,12 @@ import { describe, expect, it } from "vitest";
  * imported upward.
  */
 const ROOMS: Readonly<Record<string, readonly string[]>> = {
-  protocol: [],
   codec: [],
+  protocol: ["codec"],
   camera: ["codec"],
   source: ["codec", "protocol"],
   renderer: ["camera"],
-  worker: ["camera", "codec", "protocol", "renderer"],
+  worker: ["camera", "codec", "renderer"],
   player: ["camera", "codec", "renderer", "source", "worker"],
   xr: ["camera", "codec", "player", "renderer"],
   ui: ["camera", "codec", "player", "renderer", "source", "xr"],

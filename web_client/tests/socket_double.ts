@@ -1,6 +1,7 @@
 import { decode, encode } from "@msgpack/msgpack";
+import { fromHex } from "../src/codec/hex";
 import type { Socket } from "../src/protocol/connection";
-import { fromHex } from "../src/protocol/messages";
+import { TWO_SEGMENTS } from "./worker_double";
 
 /** A socket whose other end is the test. */
 export class FakeSocket implements Socket {
@@ -28,10 +29,10 @@ export class FakeSocket implements Socket {
   }
 
   /** @param manifest empty to leave it out; its id is `id` of every byte. */
-  welcome(manifest = "{}", id = 7): void {
+  welcome(manifest = TWO_SEGMENTS.toString(), id = 7): void {
     const bytes = new TextEncoder().encode(manifest);
     const manifest_id = new Uint8Array(32).fill(id);
-    this.receive(encode({ type: "welcome", protocol: 2, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
+    this.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
   }
 
   types(): unknown[] {

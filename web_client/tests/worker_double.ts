@@ -1,6 +1,7 @@
 /** Stands in for the browser's Worker: notes what the page says, and answers as a test tells it. */
 
 import { readFileSync } from "node:fs";
+import { parseManifest } from "../src/codec/manifest";
 import type { FromWorker, ToWorker } from "../src/worker/messages";
 
 /** Still chunks 1 and 2, and chunks 3 and 4, which move, in segments of one second each. */
@@ -9,6 +10,9 @@ export const TWO_SEGMENTS = readFileSync(new URL("../../tests/vectors/manifest.j
 /** The same as JSON, and what it is while it has the first segment alone. */
 export const WHOLE = JSON.parse(TWO_SEGMENTS.toString());
 export const GROWING = firstSegment();
+
+/** As a source hands it on: a player changes it when the scene grows. */
+export const twoSegments = () => parseManifest(WHOLE);
 
 function firstSegment() {
   const slices = WHOLE.slices.filter((slice: { segment: number }) => slice.segment === 0);

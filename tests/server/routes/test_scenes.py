@@ -1,9 +1,15 @@
 from __future__ import annotations
 
+import gzip
 import hashlib
+import json
 from typing import Any
 
 import pytest
+
+from hgs_core.codec.format.growth import first_segments
+from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
+from tests.growing import MOVING, STATIC, growing_manifest
 
 
 @pytest.fixture(autouse=True)
@@ -55,6 +61,37 @@ def test_files_of_a_scene_are_revalidated(
     etag = response.headers["etag"]
     assert etag == f'"{hashlib.sha256(response.content).hexdigest()}"'
     assert server.get(f"/v1/scenes/studio/{name}", Accept_Encoding="", If_None_Match=etag).status_code == 304
+
+
+def test_index_and_chunks_lie_as_in_a_folder(server: Any, manifest: bytes, chunks: list[bytes]) -> None:
+    for chunk in chunks:
+        server.artifacts.add_chunk(chunk)
+    server.artifacts.add_chunk(b"of another scene")
+    index = server.get("/v1/scenes/studio/index.hgs")
+    assert json.loads(gzip.decompress(index.content)) == json.loads(manifest)
+    assert index.headers["cache-control"] == "no-cache"
+    tag = index.headers["etag"]
+    assert server.get("/v1/scenes/studio/index.hgs", If_None_Match=tag).status_code == 304
+    names = [hashlib.sha256(data).hexdigest() for data in (*chunks, b"of another scene")]
+    found = [server.get(f"/v1/scenes/studio/chunks/{name}") for name in names]
+    assert [answer.content for answer in found[:-1]] == chunks
+    assert {answer.headers["cache-control"] for answer in found[:-1]} == {"public, max-age=31536000, immutable"}
+    assert (found[-1].status_code, found[-1].json()["code"]) == (404, "chunk-not-found")
+    assert server.get("/v1/scenes/studio/chunks/ab").status_code == 404
+
+
+def test_pages_of_a_manifest_lie_among_the_chunks(server: Any) -> None:
+    manifest = json.dumps(first_segments(growing_manifest(STATIC, MOVING), 2).to_json()).encode()
+    server.artifacts.manifests["growing"] = manifest
+    index = read_index(server.get("/v1/scenes/growing/index.hgs").content)
+    paged = PagedManifest(index)
+    (row,) = paged.pages
+    answer = server.get(f"/v1/scenes/growing/chunks/{row.id}")
+    paged.add(row.id, answer.content)
+    assert paged.manifest.to_json() == json.loads(manifest)
+    assert answer.headers["cache-control"] == "public, max-age=31536000, immutable"
+    assert server.get(f"/v1/scenes/growing/chunks/{row.id}", Range="bytes=0-3").content == answer.content[:4]
+    assert server.get(f"/v1/chunks/{row.id}").status_code == 404
 
 
 def test_manifest_is_compressed_for_those_who_ask(server: Any, manifest: bytes) -> None:

@@ -18,26 +18,29 @@ export interface AudioEntry {
   readonly pieces: readonly SoundPiece[];
 }
 
-/** Reads a manifest's `audio`. Throws ManifestError. */
-export function readAudio(json: unknown): AudioEntry {
+/**
+ * Reads a manifest's `audio`.
+ *
+ * @param inPages whether it may have no piece yet: pages that come later have them.
+ * @throws ManifestError
+ */
+export function readAudio(json: unknown, inPages = false): AudioEntry {
   const root = new Field("audio", json);
   const sizes = new Map<string, number>();
   let before = Number.NEGATIVE_INFINITY;
-  const pieces = root
-    .get("pieces")
-    .some()
-    .map((field) => {
-      const id = field.get("id").hash();
-      const bytes = field.get("bytes").whole(1, 2 ** 28);
-      if ((sizes.get(id) ?? bytes) !== bytes) throw field.get("bytes").error("as many as of the equal piece before");
-      sizes.set(id, bytes);
-      const start = field.get("start").number();
-      if (start <= before) throw field.get("start").error("later than the one before");
-      before = start;
-      const end = field.get("end").number();
-      if (end <= start) throw field.get("end").error("later than the start");
-      return { id, start, end };
-    });
+  const listed = root.get("pieces");
+  const pieces = (inPages ? listed.items() : listed.some()).map((field) => {
+    const id = field.get("id").hash();
+    const bytes = field.get("bytes").whole(1, 2 ** 28);
+    if ((sizes.get(id) ?? bytes) !== bytes) throw field.get("bytes").error("as many as of the equal piece before");
+    sizes.set(id, bytes);
+    const start = field.get("start").number();
+    if (start <= before) throw field.get("start").error("later than the one before");
+    before = start;
+    const end = field.get("end").number();
+    if (end <= start) throw field.get("end").error("later than the start");
+    return { id, start, end };
+  });
   return {
     codec: root.get("codec").text(),
     sampleRate: root.get("sample_rate").whole(1, 1e6),

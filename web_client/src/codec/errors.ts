@@ -12,7 +12,7 @@ export class ChunkError extends Error {
   }
 }
 
-/** A manifest with a field that is missing or wrong: names the field, the value and what was expected. */
+/** A manifest with a field that is missing or wrong, or a file that is not what it says: names it and what was expected. */
 export class ManifestError extends Error {
   override readonly name = "ManifestError";
 

@@ -25,6 +25,11 @@ export class Field {
     return Object.hasOwn(this.object(), name);
   }
 
+  /** Undefined where there is none. */
+  given(name: string): Field | undefined {
+    return this.has(name) ? this.get(name) : undefined;
+  }
+
   get(name: string): Field {
     if (!this.has(name)) throw new ManifestError(`${this.path}.${name}`, "is missing");
     return new Field(`${this.path}.${name}`, this.object()[name]);
@@ -120,11 +125,11 @@ export function parseManifest(json: unknown): Manifest {
     },
     thumbnail: root.get("thumbnail").flag(),
     training: root.get("training").object(),
-    antialiased: root.has("antialiased") && root.get("antialiased").flag(),
-    live: root.has("live") ? root.get("live").whole(1) : null,
-    metresPerUnit: root.has("metres_per_unit") ? root.get("metres_per_unit").positive() : null,
+    antialiased: root.given("antialiased")?.flag() ?? false,
+    live: root.given("live")?.whole(1) ?? null,
+    metresPerUnit: root.given("metres_per_unit")?.positive() ?? null,
     audio: root.object().audio,
-    capturedSpace: root.has("captured_space") ? readCapturedSpace(root.get("captured_space")) : null,
+    capturedSpace: readCapturedSpace(root.given("captured_space")),
   };
   checkReferences(manifest, root);
   return manifest;
@@ -152,9 +157,10 @@ function readCamera(field: Field): ManifestCamera {
   };
 }
 
-function readCapturedSpace(field: Field): CapturedSpace {
+function readCapturedSpace(field: Field | undefined): CapturedSpace | null {
+  if (!field) return null;
   const front = field.get("front").triple();
-  const azimuth = field.has("azimuth") ? field.get("azimuth").positive() : null;
+  const azimuth = field.given("azimuth")?.positive() ?? null;
   if (azimuth !== null && azimuth >= Math.PI) throw field.get("azimuth").error("below pi");
   const distance = field.get("distance").range();
   if (distance[0] <= 0) throw field.get("distance").error("numbers above 0");
@@ -211,13 +217,11 @@ function checkReferences(manifest: Manifest, root: Field): void {
     }
   }
   const dynamic = manifest.slices.flatMap((slice) => slice.chunks);
-  const sum = (chunks: readonly ChunkEntry[], of: "bytes" | "splats") => chunks.reduce((total, c) => total + c[of], 0);
-  for (const [name, stated, total] of [
-    ["splats_static", manifest.totals.splatsStatic, sum(manifest.static, "splats")],
-    ["splats_dynamic", manifest.totals.splatsDynamic, sum(dynamic, "splats")],
-    ["bytes_static", manifest.totals.bytesStatic, sum(manifest.static, "bytes")],
-    ["bytes_dynamic", manifest.totals.bytesDynamic, sum(dynamic, "bytes")],
-  ] as const) {
-    if (stated !== total) throw root.get("totals").get(name).error(`${total}, the sum over the chunks`);
+  for (const [kind, chunks] of Object.entries<readonly ChunkEntry[]>({ static: manifest.static, dynamic })) {
+    for (const of of ["splats", "bytes"] as const) {
+      const stated = root.get("totals").get(`${of}_${kind}`);
+      const total = chunks.reduce((sum, chunk) => sum + chunk[of], 0);
+      if (stated.value !== total) throw stated.error(`${total}, the sum over the chunks`);
+    }
   }
 }

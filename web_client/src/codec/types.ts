@@ -121,6 +121,12 @@ export interface Totals {
   readonly bytesDynamic: number;
 }
 
+/** How many chunks that move there are, with how many splats. */
+export interface Room {
+  readonly chunks: number;
+  readonly splats: number;
+}
+
 export interface Manifest {
   readonly version: number;
   readonly title: string;
@@ -154,6 +160,8 @@ export interface Manifest {
   readonly live: number | null;
   /** What is heard, as the document has it; undefined for nothing. See `readAudio`. */
   readonly audio?: unknown;
+  /** Of a manifest in pages: all that moves, and the most of two slices that follow each other; else the slices say so. */
+  readonly room?: { readonly all: Room; readonly most: Room };
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }

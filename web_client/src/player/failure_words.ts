@@ -3,7 +3,6 @@
 import type { SourceFailure } from "../source/scene_source";
 
 export const DECODER_STOPPED = "The decoder of this page has stopped. Loading the page again may help.";
-export const SCENE_UNREADABLE = "This page cannot read the scene. Loading the page again may help.";
 const NOT_LOADED = "A part of the player could not be loaded. Loading the page again may help.";
 
 /** The words for a failure of the source, which are loaded when there is one. */

@@ -1,7 +1,7 @@
 /** How much of a scene is kept in memory. */
 
 import { chunksOf } from "../codec/slices";
-import type { Manifest } from "../codec/types";
+import type { Manifest, Room } from "../codec/types";
 import { TEXTURE_WIDTH } from "../renderer/layout";
 import { rowsOf } from "../worker/placement";
 
@@ -36,14 +36,15 @@ export function defaultBudget(device: Device = globalThis.navigator ?? {}): numb
  * what any one moment needs, even if that is more than the budget.
  */
 export function dynamicRows(manifest: Manifest, staticRows: number, budget: number, most: number): number {
-  const { slices } = manifest;
+  const { slices, room } = manifest;
   const sizes = new Map(slices.flatMap(({ chunks }) => chunks.map((chunk) => [chunk.id, rowsOf(chunk)] as const)));
   const sum = (ids: Iterable<string>) => [...ids].reduce((rows, id) => rows + (sizes.get(id) ?? 0), 0);
-  const all = sum(sizes.keys()) * (manifest.live === null ? 1 : GROWTH);
+  const enough = (of: Room) => of.chunks + rowsOf(of); // each chunk takes whole rows
+  const all = (room ? enough(room.all) : sum(sizes.keys())) * (manifest.live === null ? 1 : GROWTH);
   const affordable = Math.min(most, Math.floor((budget - UNDER_WAY - staticRows * STATIC_ROW) / DYNAMIC_ROW));
   // Of two slices in a row: while one is shown, the other comes.
   const needed = slices.map((slice, i) =>
     sum(new Set([...chunksOf(slice), ...chunksOf(slices[(i + 1) % slices.length])])),
   );
-  return Math.min(all, Math.max(affordable, ...needed));
+  return Math.min(all, Math.max(affordable, room ? enough(room.most) : 0, ...needed));
 }

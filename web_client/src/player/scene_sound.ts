@@ -3,7 +3,7 @@
  * is fetched while it is muted, and nothing sounds before the visitor has touched the page: browsers would not let it.
  */
 
-import { type AudioEntry, readAudio } from "../codec/audio_entry";
+import { type AudioEntry, readAudio, type SoundPiece } from "../codec/audio_entry";
 import type { Manifest } from "../codec/types";
 import { newContext, outputTime, toSample } from "./sound_device";
 import { Alignment, type Line, partToHear, pieceAt } from "./sound_timing";
@@ -45,13 +45,16 @@ interface Run {
   /** The line moved by less than a sample, so that each piece begins at one, right after the one before. */
   readonly exact: Line;
   readonly fade: GainNode;
+  /** By their start. */
   readonly pieces: Map<number, AudioBufferSourceNode>;
 }
 
 export class SceneSound {
-  readonly #audio: AudioEntry;
+  #audio: AudioEntry;
+  #listed: unknown; // what of the manifest has been read
   readonly #alignment = new Alignment();
-  readonly #buffers = new Map<number, AudioBuffer | null>(); // null: on its way, or not to be had now
+  /** By the start of their pieces; null: on its way, or not to be had now. */
+  readonly #buffers = new Map<number, AudioBuffer | null>();
   #context: AudioContext | null = null;
   #volume: GainNode | null = null;
   #run: Run | null = null;
@@ -68,7 +71,7 @@ export class SceneSound {
     readonly scene: Pick<StreamedScene, "playback" | "source">,
     readonly gone: AbortSignal,
   ) {
-    this.#audio = readAudio(player.manifest?.audio);
+    this.#audio = this.#list();
     const listen = { signal: gone };
     player.addEventListener("frame", () => this.#update(), listen);
     player.addEventListener("volumechange", () => this.#update(), listen);
@@ -82,6 +85,7 @@ export class SceneSound {
     const { playback } = this.scene;
     const { muted, volume } = this.player;
     if (!playback || this.gone.aborted) return;
+    this.#audio = this.#list();
     const { clock, moving } = playback;
     if (muted || !moving || document.hidden || clock.rate > FASTEST) {
       this.#hush();
@@ -91,11 +95,11 @@ export class SceneSound {
     if (!context || !this.#volume) return;
     const loud = Math.min(1, Math.max(0, volume || 0)) ** 2; // as loudness is heard
     this.#volume.gain.setTargetAtTime(loud, context.currentTime, FADE);
-    const wanted = new Set<number>();
+    const wanted = new Set<SoundPiece>();
     for (let ahead = 0; ahead <= AHEAD; ahead += 0.4 / clock.rate) {
-      wanted.add(pieceAt(this.#audio.pieces, clock.after(ahead)));
+      const piece = this.#audio.pieces[pieceAt(this.#audio.pieces, clock.after(ahead))];
+      if (piece) wanted.add(piece);
     }
-    wanted.delete(-1);
     this.#fetch(context, wanted);
     if (context.state !== "running" || clock.ticked === null) return;
     const { performanceTime: heard, contextTime } = outputTime(context);
@@ -103,7 +107,15 @@ export class SceneSound {
     const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
     const [first] = wanted;
     if (line !== this.#run?.line && first !== undefined) this.#begin(context, this.#volume, line, first);
-    for (const index of wanted) this.#hear(context, index);
+    for (const piece of wanted) this.#hear(context, piece);
+  }
+
+  /** What the manifest lists; more of it may have come since, with more sound. */
+  #list(): AudioEntry {
+    const { audio, room } = this.player.manifest ?? {};
+    if (audio === this.#listed) return this.#audio;
+    this.#listed = audio;
+    return readAudio(audio, room !== undefined);
   }
 
   /** The device, running or about to; null while the browser would not let it. */
@@ -146,9 +158,9 @@ export class SceneSound {
     this.#rest = setTimeout(() => void this.#context?.suspend().catch(() => {}), REST);
   }
 
-  #begin(context: AudioContext, volume: GainNode, line: Line, first: number): void {
+  #begin(context: AudioContext, volume: GainNode, line: Line, first: SoundPiece): void {
     this.#end();
-    const into = this.#audio.pieces[first].start / line.rate;
+    const into = first.start / line.rate;
     const exact = { zero: toSample(line.zero + into, context) - into, rate: line.rate };
     const fade = context.createGain();
     fade.gain.setValueAtTime(0, context.currentTime);
@@ -169,37 +181,38 @@ export class SceneSound {
   }
 
   /** Hand a piece to the device, if it is decoded, soon to be heard, and not there yet. */
-  #hear(context: AudioContext, index: number): void {
-    const [run, buffer] = [this.#run, this.#buffers.get(index)];
-    if (!run || !buffer || run.pieces.has(index)) return;
+  #hear(context: AudioContext, piece: SoundPiece): void {
+    const { start, end } = piece;
+    const [run, buffer] = [this.#run, this.#buffers.get(start)];
+    if (!run || !buffer || run.pieces.has(start)) return;
     const now = context.currentTime + LATEST;
     const { pieces } = this.#audio;
-    const part = partToHear(pieces, index, run.exact, now);
+    const part = partToHear(pieces, pieces.indexOf(piece), run.exact, now);
     if (!part || part.when > now + SOON) return;
-    const { start, end } = pieces[index];
     const { rate } = run.line;
     const node = new AudioBufferSourceNode(context, { buffer: atRate(context, buffer, end - start, rate) });
     node.connect(run.fade);
     const from = Math.max(0, node.buffer!.duration - (end - part.from) / rate);
     node.start(toSample(part.when, context), toSample(from, context), (part.until - part.from) / rate);
-    run.pieces.set(index, node);
+    run.pieces.set(start, node);
   }
 
   /** Bring and decode pieces, and let go of those that have long been heard. */
-  #fetch(context: AudioContext, wanted: ReadonlySet<number>): void {
-    for (const index of wanted) {
-      if (this.#buffers.has(index)) continue;
-      this.#buffers.set(index, null);
-      void this.#bring(context, index);
+  #fetch(context: AudioContext, wanted: ReadonlySet<SoundPiece>): void {
+    const starts = new Set<number>();
+    for (const piece of wanted) {
+      starts.add(piece.start);
+      if (this.#buffers.has(piece.start)) continue;
+      this.#buffers.set(piece.start, null);
+      void this.#bring(context, piece);
     }
-    for (const index of this.#buffers.keys()) {
+    for (const start of this.#buffers.keys()) {
       if (this.#buffers.size <= KEPT) break;
-      if (!wanted.has(index)) this.#buffers.delete(index);
+      if (!starts.has(start)) this.#buffers.delete(start);
     }
   }
 
-  async #bring(context: AudioContext, index: number): Promise<void> {
-    const { id } = this.#audio.pieces[index];
+  async #bring(context: AudioContext, { id, start }: SoundPiece): Promise<void> {
     let bytes: Uint8Array;
     try {
       bytes = await this.scene.source.fetchAgain(id, this.gone, "default");
@@ -207,12 +220,12 @@ export class SceneSound {
       if (this.gone.aborted) return;
       // biome-ignore lint/suspicious/noConsole: the scene goes on, without sound for a second
       console.warn(`sound ${id}: ${error instanceof Error ? error.message : error}`);
-      setTimeout(() => this.#buffers.delete(index), RETRY);
+      setTimeout(() => this.#buffers.delete(start), RETRY);
       return;
     }
     try {
       const buffer = await context.decodeAudioData(bytes.slice().buffer as ArrayBuffer);
-      if (this.#buffers.has(index)) this.#buffers.set(index, buffer);
+      if (this.#buffers.has(start)) this.#buffers.set(start, buffer);
       this.#update();
     } catch (error) {
       if (!this.gone.aborted && !this.#deaf) this.#complain(`${this.#audio.codec}, ${id}: ${error}`);

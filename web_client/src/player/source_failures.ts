@@ -4,6 +4,7 @@ import type { SourceFailure } from "../source/scene_source";
 
 export const SOURCE_FAILURES: Readonly<Partial<Record<SourceFailure, string>>> = {
   "no-scene": "There is no such scene here. It may have been taken away.",
+  unreadable: "This page cannot read the scene. Loading the page again may help.",
   "scene-changed": "This scene has been published anew. Load the page again to see it.",
   "not-understood": "This page and the server are of different versions. Loading the page again may help.",
   ended: "The server has ended the stream. Loading the page again may help.",

@@ -3,8 +3,6 @@
  * has been decoded goes to a sink, such as the renderer of a page, of a headset or of a host.
  */
 
-import { ManifestError } from "../codec/errors";
-import { parseManifest } from "../codec/manifest";
 import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import type { SceneSource, SourceState } from "../source/scene_source";
@@ -12,7 +10,7 @@ import { Throughput } from "../source/throughput";
 import { SceneWorker } from "../worker/scene_worker";
 import { SceneBuffer } from "./buffer";
 import { PlayerClock } from "./clock";
-import { DECODER_STOPPED, describeFailure, SCENE_UNREADABLE } from "./failure_words";
+import { DECODER_STOPPED, describeFailure } from "./failure_words";
 import { drawnTime, nextMoment, normalised } from "./moment";
 import { type OrderKey, OrderRequests } from "./order_requests";
 import { Playback } from "./playback";
@@ -64,7 +62,7 @@ export class StreamedScene {
     });
     this.source = options.open(
       {
-        manifest: (bytes) => this.#begin(bytes),
+        manifest: (manifest) => this.#begin(manifest),
         grown: (later) => this.#grow(later),
         chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
         missing: (id) => this.#chunks.missing(id),
@@ -182,9 +180,8 @@ export class StreamedScene {
       : this.orders.shows(wanted);
   }
 
-  #begin(bytes: Uint8Array): void {
+  #begin(manifest: Manifest): void {
     try {
-      const manifest = parseManifest(JSON.parse(new TextDecoder().decode(bytes)));
       const buffer = new SceneBuffer(manifest);
       this.#chunks.begin(manifest, buffer, this.#options.memoryBudget);
       this.#worker.begin(manifest);
@@ -198,9 +195,8 @@ export class StreamedScene {
       this.#events.changed();
     } catch (error) {
       this.source.close();
-      const cause = error instanceof Error ? error.message : String(error);
-      const unreadable = error instanceof ManifestError || error instanceof SyntaxError;
-      this.#events.failed(unreadable ? SCENE_UNREADABLE : cause, cause);
+      const { message } = error as Error;
+      this.#events.failed(message, message);
     }
   }
 

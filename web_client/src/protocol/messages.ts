@@ -1,8 +1,9 @@
-/** The messages of docs/protocol.md, version 2: one encoder, one decoder, and the chunk frame. */
+/** The messages of docs/protocol.md, version 3: one encoder, one decoder, and the chunk frame. */
 
+import { toHex } from "../codec/hex";
 import { pack, unpack } from "./msgpack";
 
-export const PROTOCOL = 2;
+export const PROTOCOL = 3;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
 /** Most entries of a hello's list. */
@@ -14,15 +15,13 @@ export type ClientMessage =
       type: "hello";
       protocol: number;
       credits: number;
-      /** Which of the manifest's chunks are here, lowest bits first; with `manifest_id`. */
-      have_bits?: Uint8Array;
-      /** Chunks that are here whatever the manifest. */
+      /** Chunks that are here, but for those of `pages`. */
       have?: Uint8Array[];
-      /** In which the manifest is taken, beside the manifest as it is. */
-      codings: string[];
+      /** Pages of the manifest that are here, and which of the chunks that they list, lowest bits first. */
+      pages?: [Uint8Array, Uint8Array][];
       /** Chunks whose first bytes are here, and how many. */
       parts: [Uint8Array, number][];
-      /** SHA-256 of the manifest that is here. */
+      /** SHA-256 of the index that is here. */
       manifest_id?: Uint8Array;
       time?: number;
       rate: number;
@@ -46,23 +45,14 @@ export type ServerMessage =
       type: "welcome";
       protocol: number;
       scene: string;
-      /** In `coding`; empty if hello named it. */
+      /** The index; empty if hello named it. */
       manifest: Uint8Array<ArrayBuffer>;
-      /** Of the manifest itself. */
+      /** Its SHA-256. */
       manifest_id: Uint8Array;
       remaining: number;
-      coding?: string;
     }
-  /** The scene has grown: what makes its new manifest of the one that is here, as JSON. */
-  | {
-      type: "grow";
-      /** In `coding`. */
-      growth: Uint8Array<ArrayBuffer>;
-      /** Of the new manifest. */
-      manifest_id: Uint8Array;
-      remaining: number;
-      coding?: string;
-    }
+  /** The scene has grown: its new index. */
+  | { type: "grow"; manifest: Uint8Array<ArrayBuffer>; manifest_id: Uint8Array; remaining: number }
   /** The server cannot give the chunk. */
   | { type: "missing"; id: Uint8Array }
   /** Of layer 0, the base of a slice has been sent; of layer 1, all of it. */
@@ -88,7 +78,7 @@ export function encodeMessage(message: ClientMessage): Uint8Array<ArrayBuffer> {
 
 const FIELDS: Readonly<Record<ServerMessage["type"], Readonly<Record<string, "number" | "string" | "bytes">>>> = {
   welcome: { protocol: "number", scene: "string", manifest: "bytes", manifest_id: "bytes", remaining: "number" },
-  grow: { growth: "bytes", manifest_id: "bytes", remaining: "number" },
+  grow: { manifest: "bytes", manifest_id: "bytes", remaining: "number" },
   missing: { id: "bytes" },
   slice: { index: "number", start: "number", end: "number" },
   pong: { id: "number" },
@@ -138,12 +128,4 @@ export function decodeChunkFrame(bytes: Uint8Array<ArrayBuffer>): ChunkFrame {
     throw new ProtocolError(`a chunk frame ends at byte ${offset + payload.length} of ${size}`);
   }
   return { id: toHex(bytes.subarray(16, CHUNK_HEADER_BYTES)), offset, size, payload };
-}
-
-export function toHex(bytes: Uint8Array): string {
-  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
-}
-
-export function fromHex(hex: string): Uint8Array<ArrayBuffer> {
-  return Uint8Array.from({ length: hex.length / 2 }, (_, i) => Number.parseInt(hex.slice(2 * i, 2 * i + 2), 16));
 }

@@ -8,6 +8,8 @@ import type { Playhead } from "./scene_source";
 /** Seconds of playing for which base layers and then refinements come, in turn. */
 const NEAR = 8;
 const AHEAD = [3, NEAR, Number.POSITIVE_INFINITY];
+/** Seconds of playing for which pages of the manifest come before what they list. */
+const PAGES_AHEAD = 12;
 /** About as many bytes of a refinement are on their way when it is of use: it comes before its slice is over, or waits. */
 const UNDER_WAY = 1 << 16;
 
@@ -42,9 +44,13 @@ export class ChunkOrder {
     const first = Math.max(0, sliceAt(slices, time));
     const around = [...slices.slice(first), ...slices.slice(0, first)];
     const soonest = bytesPerSecond > 0 ? time + (rate * UNDER_WAY) / bytesPerSecond : time;
+    const within = (ahead: number) =>
+      around.filter(
+        (slice, i) => slice.start + (first + i < slices.length ? 0 : end - start) <= time + ahead * (rate || 1),
+      );
+    yield* take(within(PAGES_AHEAD).flatMap(({ chunks }) => chunks.filter(({ splats }) => !splats)));
     for (const ahead of AHEAD) {
-      const reach = time + ahead * (rate || 1);
-      const near = around.filter((slice, i) => slice.start + (first + i < slices.length ? 0 : end - start) <= reach);
+      const near = within(ahead);
       yield* take(near.flatMap((slice) => this.#of(chunksOf(slice), true)));
       if (ahead <= NEAR && near[0]?.end <= soonest) near.shift();
       const moving = take(near.flatMap((slice) => this.#of(chunksOf(slice), false)));

@@ -1,5 +1,7 @@
 /** A file over HTTP, given up when nothing more of it comes. */
 
+import { ManifestError } from "../codec/errors";
+
 const SILENCE = 10_000; // ms without a byte, after which a download is given up
 
 /** The server has answered, but not with the file. */
@@ -17,13 +19,6 @@ export class StatusError extends Error {
   }
 }
 
-/** The server has answered with something else than the file. */
-export class LengthError extends Error {
-  constructor(url: string, length: number, expected: number) {
-    super(`${url}: ${length} bytes instead of ${expected}`);
-  }
-}
-
 export interface Download {
   /** Where the file was found, after redirects. */
   readonly url: string;
@@ -33,7 +28,7 @@ export interface Download {
 /**
  * Fetch a file, of `length` bytes if that is known.
  *
- * @throws StatusError if the server answers anything but 200, LengthError if with another file, and another error if it
+ * @throws StatusError if the server answers anything but 200, ManifestError if with another file, and another error if it
  *   cannot be reached or falls silent.
  */
 export async function download(
@@ -58,7 +53,9 @@ export async function download(
       timer = setTimeout(() => silence.abort(), SILENCE);
     }
     const bytes = joined(parts);
-    if (length !== undefined && bytes.length !== length) throw new LengthError(url, bytes.length, length);
+    if (length !== undefined && bytes.length !== length) {
+      throw new ManifestError(url, `has ${bytes.length} bytes, expected ${length}`);
+    }
     return { url: response.url || url, bytes };
   } finally {
     clearTimeout(timer);

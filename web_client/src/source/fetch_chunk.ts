@@ -20,8 +20,8 @@ export async function fetchChunk(
   throw new Error(`The server answered ${response.status}: ${response.statusText}`);
 }
 
-/** The address of a chunk on the server of a stream, `ws://host/v1/scenes/{scene}/stream`, with the link that opens both. */
+/** The address of a chunk, or page, of a scene whose stream is `ws://host/v1/scenes/{scene}/stream`, with the link that opens both. */
 export function chunkUrl(stream: string, id: string): string {
   const { search } = new URL(stream);
-  return new URL(`../../chunks/${id}${search}`, stream).href.replace(/^ws/, "http");
+  return new URL(`chunks/${id}${search}`, stream).href.replace(/^ws/, "http");
 }

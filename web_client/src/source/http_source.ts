@@ -3,11 +3,12 @@
  * first, a few at a time.
  */
 
-import { parseManifest } from "../codec/manifest";
-import type { ChunkEntry, Manifest } from "../codec/types";
+import { ManifestError } from "../codec/errors";
+import type { ChunkEntry } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
-import { download, LengthError, StatusError } from "./download";
+import { download, StatusError } from "./download";
 import { retryDelay } from "./retry_delay";
+import { readManifest, type SceneManifest } from "./scene_manifest";
 import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 
@@ -24,7 +25,8 @@ export class HttpSource implements SceneSource {
   readonly #settled = new Set<string>(); // chunks that have come, or cannot be had
   readonly #refusals = new Map<string, number>();
   readonly #throughput = new Throughput();
-  #url: string; // of the manifest
+  #url: string; // of the index or manifest
+  #scene: SceneManifest | null = null;
   #order: ChunkOrder | null = null; // from the manifest on
   #playhead: Playhead;
   #undecoded = 0; // bytes
@@ -32,7 +34,7 @@ export class HttpSource implements SceneSource {
   #retry: ReturnType<typeof setTimeout> | undefined; // while nothing is asked for
 
   /**
-   * @param url of the manifest.
+   * @param url of the index or manifest.
    * @param hidden whether nobody sees the page: then nothing more is fetched until `wake`.
    */
   constructor(
@@ -102,24 +104,23 @@ export class HttpSource implements SceneSource {
     const { signal } = this.#abort;
     try {
       const { url, bytes } = await download(this.#url, signal, "no-cache");
+      const scene = await readManifest(bytes);
       if (signal.aborted) return;
       this.#url = url;
       this.#failures = 0;
       this.events.state("open");
-      this.events.manifest(bytes.slice());
-      if (signal.aborted) return; // the player cannot read it
-      const document = JSON.parse(new TextDecoder().decode(bytes));
-      this.become(parseManifest(document));
-      if (!document.live) return;
+      this.become(scene);
+      if (!scene.manifest.live) return;
       import("./manifest_polling").then(
-        ({ followManifest }) => followManifest(this, url, document, signal),
+        ({ followManifest }) => followManifest(this, url, scene, signal),
         ({ message }) => this.events.failed("not-loaded", message),
       );
     } catch (error) {
       if (signal.aborted) return;
-      if (error instanceof StatusError && (error.missing || error.status === 403)) {
+      const missing = error instanceof StatusError && (error.missing || error.status === 403);
+      if (missing || error instanceof ManifestError || error instanceof SyntaxError) {
         this.close();
-        this.events.failed("no-scene", error.message);
+        this.events.failed(missing ? "no-scene" : "unreadable", error.message);
       } else {
         this.#retryLater(() => void this.#fetchManifest());
       }
@@ -127,8 +128,11 @@ export class HttpSource implements SceneSource {
   }
 
   /** Fetch the chunks of this manifest from now on. */
-  become(manifest: Manifest): void {
-    this.#order = new ChunkOrder(manifest);
+  become(scene: SceneManifest): void {
+    const tell = this.#scene ? "grown" : "manifest";
+    this.#scene = scene;
+    this.events[tell](scene.manifest);
+    this.#order = new ChunkOrder(scene.manifest);
     this.#fetchMore();
   }
 
@@ -166,9 +170,14 @@ export class HttpSource implements SceneSource {
       const { bytes } = await download(this.#chunkUrl(id), abort.signal, cache, chunk.bytes);
       if (abort.signal.aborted) return;
       this.#throughput.count(bytes.length, performance.now());
-      this.#settled.add(id);
+      const page = await this.#scene?.add?.(id, bytes);
       if (this.#failures > 0) this.events.state("open");
       this.#failures = 0;
+      if (page) {
+        this.become(this.#scene as SceneManifest); // which names it no more
+        return;
+      }
+      this.#settled.add(id);
       this.#undecoded += bytes.length;
       this.events.progress(bytes.length);
       this.events.chunk(id, bytes);
@@ -182,7 +191,7 @@ export class HttpSource implements SceneSource {
 
   #failed({ id }: ChunkEntry, error: unknown): void {
     const missing = error instanceof StatusError && error.missing;
-    const refused = error instanceof StatusError || error instanceof LengthError; // else nothing has answered
+    const refused = error instanceof StatusError || error instanceof ManifestError; // else nothing has answered
     const refusals = (this.#refusals.get(id) ?? 0) + 1;
     if (refused) this.#refusals.set(id, refusals);
     if (missing || (refused && refusals >= MOST_REFUSALS)) {

@@ -18,7 +18,7 @@ export function openLate(load: () => Promise<OpenSource>): OpenSource {
     };
     events.state("connecting");
     const opened = load().then((open) => {
-      if (closed) throw new DOMException("the source was closed before it could open", "AbortError");
+      if (closed) throw new DOMException("closed before it could open", "AbortError");
       source = open(events, playhead);
       return source;
     });

@@ -1,9 +1,9 @@
-/** Follows a scene that grows in a folder of a web server: asks for its manifest again and again. */
+/** Follows a scene that grows in a folder of a web server: asks for its index or manifest again and again. */
 
-import { parseManifest } from "../codec/manifest";
 import { download } from "./download";
-import { continues, type ManifestDocument } from "./growth";
 import type { HttpSource } from "./http_source";
+import { continues, readIndex } from "./paged_manifest";
+import type { SceneManifest } from "./scene_manifest";
 
 /** Between two looks, ms; doubled after every one that fails. */
 const PAUSE = 2000;
@@ -12,27 +12,25 @@ const LONGEST_PAUSE = 30_000;
 /**
  * Tell a source of every later version of its manifest, until the scene is complete; not while nobody sees the page.
  *
- * @param url of the manifest.
+ * @param url of the index or manifest.
  */
 export async function followManifest(
-  source: Pick<HttpSource, "become" | "events" | "hidden">,
+  source: Pick<HttpSource, "become" | "hidden">,
   url: string,
-  manifest: ManifestDocument,
+  first: SceneManifest,
   signal: AbortSignal,
 ): Promise<void> {
   let pause = PAUSE;
-  for (let last = manifest; last.live !== undefined && !signal.aborted; ) {
+  for (let last = first; last.manifest.live !== null && !signal.aborted; ) {
     await new Promise((resolve) => setTimeout(resolve, pause));
     if (source.hidden() || signal.aborted) continue;
     try {
       const { bytes } = await download(url, signal, "no-cache");
-      const found: ManifestDocument = JSON.parse(new TextDecoder().decode(bytes));
+      const found = await readIndex(bytes, last);
       pause = PAUSE;
       if (signal.aborted || !continues(found, last)) continue; // a cache may answer with an earlier version
-      const later = parseManifest(found);
       last = found;
-      source.events.grown(later);
-      source.become(later);
+      source.become(found);
     } catch {
       pause = Math.min(LONGEST_PAUSE, 2 * pause);
     }

@@ -8,11 +8,12 @@ import { streamUrl } from "./stream_url";
 /** A scene on a server of HGS: its page, or what the API has of it. */
 const SERVED = /^(.*)\/(?:view|v1\/scenes)\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})(?:\/|\/stream)?$/;
 
-/** A scene in a folder of any web server: its manifest, or the folder itself. */
-const FOLDER = /\/(?:[^/]*\.json)?$/;
+/** A scene in a folder of any web server: its index or manifest, or the folder itself. */
+const FOLDER = /\/(?:[^/]*\.(?:json|hgs))?$/;
 
 /**
- * Say how to open the scene of an address. On a web server: a manifest (`….json`) or its folder (`…/`). On a server of HGS:
+ * Say how to open the scene of an address. On a web server: an index (`….hgs`), a manifest (`….json`) or
+ * their folder (`…/`). On a server of HGS:
  * the scene's page `/view/{scene}`, its `/v1/scenes/{scene}`, or its stream itself (`ws:` or `wss:`). Relative addresses are
  * those of the page.
  *
@@ -25,7 +26,7 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
   if (!served) {
     if (!/^https?:$/.test(url.protocol) || !FOLDER.test(url.pathname)) {
       throw new Error(
-        `src ${src}: not a manifest.json, a folder (…/), a scene of a server (/view/NAME) or a stream (wss:)`,
+        `src ${src}: not a manifest.json or index.hgs, a folder (…/), a scene of a server (/view/NAME) or a stream (wss:)`,
       );
     }
     const manifest = url.pathname.endsWith("/") ? new URL("manifest.json", url) : url;

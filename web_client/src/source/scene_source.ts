@@ -3,18 +3,18 @@
 import type { Manifest } from "../codec/types";
 
 /**
- * The scene is not there; it is another one than before; page and server are of different versions; the source's own script
- * cannot be had; anything else.
+ * The scene is not there; it is another one than before; it cannot be read; page and server are of different versions; the
+ * source's own script cannot be had; anything else.
  */
-export type SourceFailure = "no-scene" | "scene-changed" | "not-understood" | "not-loaded" | "ended";
+export type SourceFailure = "no-scene" | "scene-changed" | "unreadable" | "not-understood" | "not-loaded" | "ended";
 
 export type SourceState = "connecting" | "open" | "retrying" | "closed";
 
 /** What a source tells the player. */
 export interface SourceEvents {
-  /** The manifest's bytes; once. */
-  manifest(bytes: Uint8Array): void;
-  /** The scene has grown: this is its manifest now, a later version. */
+  /** The manifest, as far as its pages are here; once. */
+  manifest(manifest: Manifest): void;
+  /** More of the manifest is here, or the scene has grown: this is its manifest now. */
   grown(manifest: Manifest): void;
   /** A complete chunk; call `consumed` with its size when it is done with. */
   chunk(id: string, bytes: Uint8Array<ArrayBuffer>): void;

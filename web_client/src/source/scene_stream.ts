@@ -3,6 +3,8 @@
  * consumed.
  */
 
+import { toHex } from "../codec/hex";
+import type { Manifest } from "../codec/types";
 import type { Socket } from "../protocol/connection";
 import {
   CHUNK_FRAME,
@@ -12,17 +14,17 @@ import {
   PROTOCOL,
   ProtocolError,
   type ServerMessage,
-  toHex,
 } from "../protocol/messages";
 import { PartialChunks } from "../protocol/partial_chunks";
 import { PlayheadMessages } from "../protocol/playhead_messages";
 import { chunkUrl, fetchChunk } from "./fetch_chunk";
+import { continues, readIndex } from "./paged_manifest";
 import { RateReports } from "./rate_reports";
 import { ReconnectingSocket } from "./reconnecting_socket";
+import type { SceneManifest } from "./scene_manifest";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
 import { helloOf } from "./stream_hello";
-import { StreamedManifest } from "./streamed_manifest";
 import { StreamedSound } from "./streamed_sound";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
@@ -35,10 +37,11 @@ export class SceneStream implements SceneSource {
   readonly #partial = new PartialChunks();
   readonly #rates = new RateReports(() => this.#tell());
   readonly #moves = new PlayheadMessages((message) => this.#send(message));
-  readonly #manifest: StreamedManifest;
   readonly #socket: ReconnectingSocket;
   #sound = new StreamedSound(new Set(), () => {});
-  /** What has come while a manifest is decompressed. */
+  #scene: SceneManifest | null = null; // from the index on
+  #id: Uint8Array | null = null; // of the index
+  /** What has come while an index or a page is read. */
   #held: Uint8Array<ArrayBuffer>[] | null = null;
   #playhead: Playhead;
   #undecoded = 0;
@@ -50,13 +53,6 @@ export class SceneStream implements SceneSource {
     connect: (url: string) => Socket = (url) => new WebSocket(url),
   ) {
     this.#playhead = playhead;
-    this.#manifest = new StreamedManifest({
-      grown: (manifest) => {
-        for (const id of this.#manifest.sounds) this.#sound.ids.add(id);
-        events.grown(manifest);
-      },
-      failed: (failure, detail) => this.#fail(failure, detail),
-    });
     this.#socket = new ReconnectingSocket(() => connect(url), {
       connecting: () => events.state("connecting"),
       open: (credits) => this.#greet(credits),
@@ -121,8 +117,9 @@ export class SceneStream implements SceneSource {
   #greet(credits: number): void {
     this.#moves.clear();
     this.#rates.forget();
-    const [playhead, manifest, sound] = [this.#playhead, this.#manifest, this.#sound];
-    this.#send(helloOf(credits, { playhead, manifest, sound, have: this.#have, partial: this.#partial }));
+    const [playhead, id, sound] = [this.#playhead, this.#id, this.#sound];
+    const pages = this.#scene?.listed?.() ?? [];
+    this.#send(helloOf(credits, { playhead, id, pages, sound, have: this.#have, partial: this.#partial }));
   }
 
   /** What the server should know of this client. */
@@ -159,7 +156,7 @@ export class SceneStream implements SceneSource {
         this.#welcome(message);
         break;
       case "grow":
-        this.#open(message.growth, message.coding, (bytes) => this.#manifest.grow(bytes, message.manifest_id.slice()));
+        this.#become(message);
         break;
       case "missing":
         this.#partial.drop(toHex(message.id));
@@ -170,7 +167,7 @@ export class SceneStream implements SceneSource {
         this.#socket.answered(message.id);
         break;
       case "end":
-        if (!this.#manifest.grows) this.#socket.rest(); // else there will be more
+        if (!this.#scene?.manifest.live) this.#socket.rest(); // else there will be more
         break;
       case "error":
         if (!PASSING.has(message.code)) this.#fail(streamFailure(message.code), message.detail);
@@ -178,66 +175,109 @@ export class SceneStream implements SceneSource {
     }
   }
 
-  #welcome({ protocol, manifest, manifest_id, coding }: Extract<ServerMessage, { type: "welcome" }>): void {
+  #welcome(message: Extract<ServerMessage, { type: "welcome" }>): void {
+    const { protocol, manifest, manifest_id } = message;
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
     this.events.state("open");
-    const id = manifest_id.slice();
-    if (this.#manifest.is(id)) return;
+    if (this.#id?.every((byte, i) => byte === manifest_id[i])) return;
     if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");
-    if (this.#manifest.id !== null) {
-      this.#open(manifest, coding, (bytes) => this.#manifest.become(bytes, id));
+    this.#become(message);
+  }
+
+  /** Go on with an index: the first one, or that of what the scene has become. */
+  #become({ manifest, manifest_id }: Pick<Extract<ServerMessage, { type: "grow" }>, "manifest" | "manifest_id">): void {
+    const before = this.#scene;
+    const id = manifest_id.slice();
+    this.#read(
+      () => readIndex(manifest.slice(), before ?? undefined),
+      (scene) => {
+        if (before && !continues(scene, before)) {
+          this.#fail("scene-changed", "another manifest than before");
+          return;
+        }
+        this.#scene = scene;
+        this.#id = id;
+        if (before) {
+          this.#grown();
+        } else {
+          this.#sound = new StreamedSound(soundsOf(scene.manifest), () => this.#tell());
+          this.events.manifest(scene.manifest);
+        }
+      },
+    );
+  }
+
+  #grown(): void {
+    if (!this.#scene) return;
+    const { manifest } = this.#scene;
+    for (const id of soundsOf(manifest)) this.#sound.ids.add(id);
+    this.events.grown(manifest);
+  }
+
+  /** Read an index or a page. What comes after it waits for it, whatever becomes of the connection. */
+  #read<Value>(read: () => Value | Promise<Value>, take: (value: Value) => void): void {
+    const failed = (error: unknown) => this.#fail("unreadable", String(error));
+    let value: Value | Promise<Value>;
+    try {
+      value = read();
+    } catch (error) {
+      failed(error);
       return;
     }
-    this.#manifest.id = id;
-    this.#open(manifest, coding, (bytes) => {
-      this.#manifest.begin(bytes);
-      this.#sound = new StreamedSound(new Set(this.#manifest.sounds), () => this.#tell());
-      this.events.manifest(bytes);
-    });
-  }
-
-  /** Read a manifest, or what has been added to it. */
-  #open(bytes: Uint8Array<ArrayBuffer>, coding: string | undefined, read: (bytes: Uint8Array) => void): void {
-    if (coding !== undefined && coding !== "gzip") throw new ProtocolError(`a manifest in the coding ${coding}`);
-    if (coding) void this.#inflate(bytes, read);
-    else read(bytes.slice());
-  }
-
-  /** What comes after the manifest waits for it, whatever becomes of the connection. */
-  async #inflate(manifest: Uint8Array<ArrayBuffer>, read: (bytes: Uint8Array) => void): Promise<void> {
+    if (!(value instanceof Promise)) {
+      take(value);
+      return;
+    }
     const held: Uint8Array<ArrayBuffer>[] = [];
     this.#held = held;
-    let bytes: Uint8Array;
-    try {
-      const stream = new Blob([manifest]).stream().pipeThrough(new DecompressionStream("gzip"));
-      bytes = new Uint8Array(await new Response(stream).arrayBuffer());
-    } catch {
-      this.#fail("not-understood", "the server broke the protocol: the manifest is not gzip");
-      return;
-    }
-    this.#held = null;
-    read(bytes);
-    for (const message of held) this.#guarded(message);
+    value.then((value) => {
+      this.#held = null;
+      take(value);
+      for (const message of held) this.#guarded(message);
+    }, failed);
   }
 
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
     const frame = decodeChunkFrame(message);
     const chunk = this.#partial.add(frame);
-    const sound = this.#sound.ids.has(frame.id);
-    if (!sound) this.events.progress(frame.payload.length);
+    const { id } = frame;
+    const sound = this.#sound.ids.has(id);
+    const page = this.#scene?.lacks?.(id);
+    if (!sound && !page) this.events.progress(frame.payload.length);
     this.#rates.count(message.length, performance.now());
-    if (chunk && sound) this.#sound.arrived(frame.id, chunk);
-    else if (chunk && !this.#have.has(frame.id)) {
-      this.#have.add(frame.id);
+    if (chunk && sound) this.#sound.arrived(id, chunk);
+    else if (chunk && page) this.#addPage(id, chunk);
+    else if (chunk && !this.#have.has(id)) {
+      this.#have.add(id);
       this.#socket.succeeded();
       this.#undecoded += chunk.length;
-      this.events.chunk(frame.id, chunk);
+      this.events.chunk(id, chunk);
     }
     this.#grant();
+  }
+
+  /** A page that is damaged is fetched once more, and then done without. */
+  #addPage(id: string, bytes: Uint8Array<ArrayBuffer>): void {
+    const { signal } = new AbortController();
+    const again = async () => this.#scene?.add?.(id, await fetchChunk(chunkUrl(this.url, id), signal));
+    this.#read(
+      () =>
+        this.#scene
+          ?.add?.(id, bytes)
+          .catch(again)
+          .catch(() => this.events.missing(id)),
+      () => this.#grown(),
+    );
   }
 
   /** Give credit back in portions, but not to a decoder that cannot keep up. */
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#socket.grant();
   }
+}
+
+/** Ids of a scene's pieces of sound, as far as its manifest is here. */
+function soundsOf({ audio }: Manifest): Set<string> {
+  const { pieces = [] } = (audio ?? {}) as { pieces?: { id: string }[] };
+  return new Set(pieces.map(({ id }) => id));
 }

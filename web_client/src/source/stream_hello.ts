@@ -1,15 +1,18 @@
 /** What a client says first on every connection: what it has, where its playhead is, and what it wants. */
 
-import { type ClientMessage, fromHex, MOST_HAVE, MOST_PARTS, PROTOCOL } from "../protocol/messages";
+import { fromHex } from "../codec/hex";
+import { type ClientMessage, MOST_HAVE, MOST_PARTS, PROTOCOL } from "../protocol/messages";
 import type { PartialChunks } from "../protocol/partial_chunks";
 import type { Playhead } from "./scene_source";
-import type { StreamedManifest } from "./streamed_manifest";
 import type { StreamedSound } from "./streamed_sound";
 
 /** What a stream has when it connects. */
 export interface StreamState {
   readonly playhead: Playhead;
-  readonly manifest: Pick<StreamedManifest, "id" | "grows" | "chunks">;
+  /** SHA-256 of the index; null before one has come. */
+  readonly id: Uint8Array | null;
+  /** The pages that are here, with what they list. */
+  readonly pages: readonly (readonly [string, readonly string[]])[];
   readonly sound: Pick<StreamedSound, "wanted" | "sent">;
   /** Ids of complete chunks. */
   readonly have: ReadonlySet<string>;
@@ -20,17 +23,17 @@ export interface StreamState {
 /** @param credits bytes that the server may send. */
 export function helloOf(
   credits: number,
-  { playhead: { time, rate }, manifest, sound, have, partial }: StreamState,
+  { playhead: { time, rate }, id, pages, sound, have, partial }: StreamState,
 ): Extract<ClientMessage, { type: "hello" }> {
-  const { id, grows, chunks } = manifest; // one that grows may have become another one
-  const named = [...(sound.wanted ? sound.sent : []), ...(grows ? have : [])].slice(-MOST_HAVE);
+  const here = new Set([...(sound.wanted ? sound.sent : []), ...have]);
+  const listed = new Set(pages.flatMap(([page, ids]) => [page, ...ids]));
+  const others = [...here].filter((name) => !listed.has(name)).slice(-MOST_HAVE);
   return {
     type: "hello",
     protocol: PROTOCOL,
     credits,
-    ...((grows || sound.wanted) && { have: named.map(fromHex) }),
-    have_bits: !grows && chunks.length > 0 ? bitsOf(chunks, have) : undefined,
-    codings: ["gzip"],
+    ...(others.length > 0 && { have: others.map(fromHex) }),
+    ...(pages.length > 0 && { pages: pages.map(([page, ids]) => [fromHex(page), bitsOf(ids, here)]) }),
     parts: partial.keep(MOST_PARTS).map(([id, filled]) => [fromHex(id), filled]),
     ...(id && { manifest_id: id }),
     ...(time !== null && { time }),

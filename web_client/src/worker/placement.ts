@@ -21,4 +21,4 @@ export function placeStatics(manifest: Manifest): StaticPlacement {
 }
 
 /** Dynamics come and go: so many rows of a texture, whichever are free. */
-export const rowsOf = (chunk: ChunkEntry): number => Math.ceil(chunk.splats / DYNAMICS_PER_ROW);
+export const rowsOf = ({ splats }: Pick<ChunkEntry, "splats">): number => Math.ceil(splats / DYNAMICS_PER_ROW);

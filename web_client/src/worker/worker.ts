@@ -1,9 +1,9 @@
 /** The worker: decodes chunks, packs them for the renderer and orders splats, so that the page never waits for either. */
 
 import { decodeChunk } from "../codec/decode";
+import { toHex } from "../codec/hex";
 import type { DecodedChunk } from "../codec/types";
 import { provideZstd } from "../codec/zstd";
-import { toHex } from "../protocol/messages";
 import type { FromWorker, ToWorker } from "./messages";
 import { WorkerScene } from "./worker_scene";
 

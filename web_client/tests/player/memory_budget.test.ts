@@ -32,6 +32,13 @@ describe("dynamicRows", () => {
     expect(beside).toBeLessThan(rows - 4000 * 0.6);
   });
 
+  it("takes it from the index where pages of the manifest have not come", () => {
+    const room = { all: { chunks: 50, splats: 50 * 256_000 }, most: { chunks: 2, splats: 512_000 } };
+    const awaited = manifest({ slices: [{ ...slice(0, 50, []), chunks: [entry("page", 0)] }], room });
+    expect(dynamicRows(awaited, 0, 1e12, 1e6)).toBe(50_050);
+    expect(dynamicRows(awaited, 0, 1 * MB, 1e6)).toBe(2002);
+  });
+
   it("has room for what one moment needs and the next, whatever the budget, and never more than a texture", () => {
     expect(dynamicRows(long, 0, 1 * MB, 1e6)).toBe(2000);
     expect(dynamicRows(long, 0, 1e12, 8192)).toBe(8192);

@@ -4,7 +4,7 @@ import type { View } from "../../src/player/view";
 import { LADDER } from "../../src/renderer/quality";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
 import { fakeCanvas } from "../canvas";
-import { TWO_SEGMENTS, WorkerDouble } from "../worker_double";
+import { twoSegments, WorkerDouble } from "../worker_double";
 
 vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
 vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
@@ -45,7 +45,7 @@ beforeEach(() => {
     onFrame: silent,
     onError: silent,
   });
-  source?.manifest(TWO_SEGMENTS);
+  source?.manifest(twoSegments());
   WorkerDouble.last.decodeAll();
 });
 

@@ -4,7 +4,7 @@ import { StreamedScene } from "../../src/player/streamed_scene";
 import type { View } from "../../src/player/view";
 import type { SplatSink } from "../../src/renderer/splat_drawer";
 import type { SceneSource, SourceEvents } from "../../src/source/scene_source";
-import { GROWING, TWO_SEGMENTS, WHOLE, WorkerDouble } from "../worker_double";
+import { GROWING, TWO_SEGMENTS, twoSegments, WHOLE, WorkerDouble } from "../worker_double";
 
 vi.mock("../../src/worker/start_worker", () => ({ startWorker: () => new WorkerDouble() }));
 vi.mock("../../src/worker/decompressor", () => ({ decompressor: () => new Promise(() => {}) }));
@@ -50,7 +50,7 @@ afterEach(() => {
 
 /** The manifest has come, and all chunks. */
 function begin(): void {
-  source.manifest(TWO_SEGMENTS);
+  source.manifest(twoSegments());
   WorkerDouble.last.decodeAll();
 }
 
@@ -81,7 +81,7 @@ describe("StreamedScene.step", () => {
   });
 
   it("shows nothing before the base of the first moment is here", () => {
-    source.manifest(TWO_SEGMENTS);
+    source.manifest(twoSegments());
     expect(scene.step(0, [view(0)])).toEqual({ shots: [], moving: false, settled: false });
     expect(orders()).toEqual([]);
     WorkerDouble.last.decodeAll();
@@ -187,7 +187,7 @@ describe("a scene that is too large", () => {
     }));
     const totals = { splats_static: 0, splats_dynamic: 2400, bytes_static: 0, bytes_dynamic: 40 };
     const long = { ...document, end: 4, segments, static: [], slices, totals };
-    source.manifest(new TextEncoder().encode(JSON.stringify(long)));
+    source.manifest(parseManifest(long));
     for (const id of ids) source.chunk(id, new Uint8Array(10));
     decode();
   }
@@ -281,7 +281,7 @@ describe("a scene that grows", () => {
   const border = WHOLE.segments[1].start;
 
   it("waits at its edge, goes on when it has grown, and closes its source once all of it is here", () => {
-    source.manifest(new TextEncoder().encode(JSON.stringify(GROWING)));
+    source.manifest(parseManifest(GROWING));
     WorkerDouble.last.decodeAll();
     expect(close).not.toHaveBeenCalled();
     scene.playback?.play();

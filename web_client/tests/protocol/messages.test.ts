@@ -1,13 +1,7 @@
 import { decode, encode } from "@msgpack/msgpack";
 import { describe, expect, it } from "vitest";
-import {
-  decodeChunkFrame,
-  decodeMessage,
-  encodeMessage,
-  fromHex,
-  ProtocolError,
-  toHex,
-} from "../../src/protocol/messages";
+import { fromHex, toHex } from "../../src/codec/hex";
+import { decodeChunkFrame, decodeMessage, encodeMessage, ProtocolError } from "../../src/protocol/messages";
 
 const ID = "00ff".repeat(16);
 
@@ -26,10 +20,10 @@ function frame(offset: number, size: number, payload: number[]): Uint8Array<Arra
 describe("control messages", () => {
   it("encodes a hello as one map with string keys", () => {
     const parts: [Uint8Array, number][] = [[fromHex(ID), 5]];
-    const have_bits = Uint8Array.of(5);
-    const hello = { type: "hello", protocol: 2, credits: 4096, have_bits, parts, time: 0.5, rate: 1 } as const;
-    const bytes = encodeMessage({ ...hello, codings: [] });
-    expect(decode(bytes)).toEqual({ ...hello, codings: [] });
+    const pages: [Uint8Array, Uint8Array][] = [[fromHex(ID), Uint8Array.of(5)]];
+    const hello = { type: "hello", protocol: 3, credits: 4096, pages, parts, time: 0.5, rate: 1 } as const;
+    const bytes = encodeMessage(hello);
+    expect(decode(bytes)).toEqual(hello);
     expect(bytes[0]).not.toBe(0x01);
   });
 

@@ -27,6 +27,8 @@ describe("fetchChunk", () => {
 });
 
 it("finds a chunk on the server of a stream, by the link that opens both", () => {
-  expect(chunkUrl("ws://here/v1/scenes/s/stream", "ab")).toBe("http://here/v1/chunks/ab");
-  expect(chunkUrl("wss://far/below/v1/scenes/s/stream?key=k", "ab")).toBe("https://far/below/v1/chunks/ab?key=k");
+  expect(chunkUrl("ws://here/v1/scenes/s/stream", "ab")).toBe("http://here/v1/scenes/s/chunks/ab");
+  expect(chunkUrl("wss://far/below/v1/scenes/s/stream?key=k", "ab")).toBe(
+    "https://far/below/v1/scenes/s/chunks/ab?key=k",
+  );
 });

@@ -2,6 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { parseManifest } from "../../src/codec/manifest";
 import { HttpSource } from "../../src/source/http_source";
 import type { SourceEvents } from "../../src/source/scene_source";
+import { MANIFEST as PAGE_MANIFEST, PAGED } from "../page_vectors";
 
 const id = (letter: string) => letter.repeat(64);
 const chunk = (letter: string) => ({
@@ -205,7 +206,7 @@ describe("the manifest", () => {
       ["https://cdn.example/studio/manifest.json?v=2", "no-cache"],
     ]);
     await requests[0].answer(MANIFEST);
-    expect(new TextDecoder().decode(events.manifest.mock.calls[0][0])).toBe(MANIFEST);
+    expect(events.manifest.mock.calls).toEqual([[parseManifest(JSON.parse(MANIFEST))]]);
     expect(events.state.mock.calls.flat()).toEqual(["connecting", "open"]);
   });
 
@@ -235,6 +236,43 @@ describe("the manifest", () => {
     await requests[0].fail();
     opened.wake();
     expect(requests).toHaveLength(1);
+  });
+});
+
+describe("a manifest in pages", () => {
+  const [first] = PAGED.pages;
+  const index = "https://cdn.example/studio/index.hgs";
+  const pages = () => requests.filter(({ url }) => url.endsWith(first.id));
+  const manifest = parseManifest(PAGE_MANIFEST);
+
+  it("brings the page at the playhead with what stands, and what it lists then", async () => {
+    open(index);
+    await requests[0].answer(PAGED.bytes);
+    await vi.waitFor(() => expect(events.manifest).toHaveBeenCalledOnce());
+    expect(requests.map(({ url }) => url.slice(-70))).toContain(`chunks/${first.id}`.slice(-70));
+    await pages()[0].answer(first.bytes);
+    await vi.waitFor(() => expect(events.grown).toHaveBeenCalledOnce());
+    expect(events.grown.mock.calls[0][0].slices.slice(0, 8)).toEqual(manifest.slices.slice(0, 8));
+    const [{ id }] = manifest.slices[0].chunks;
+    expect(requests.some(({ url }) => url.endsWith(id))).toBe(true);
+    expect([events.chunk.mock.calls, events.progress.mock.calls]).toEqual([[], []]);
+  });
+
+  it("asks for a page that is damaged again, past the caches", async () => {
+    open(index);
+    await requests[0].answer(PAGED.bytes);
+    await vi.waitFor(() => expect(pages().length).toBe(1));
+    await pages()[0].answer(new Uint8Array(first.bytes.length));
+    await vi.waitFor(() => expect(events.state).toHaveBeenLastCalledWith("retrying"));
+    await vi.advanceTimersByTimeAsync(500);
+    expect(pages().map(({ cache }) => cache)).toEqual(["reload"]);
+  });
+
+  it.each(["{", "{}", Uint8Array.of(0x1f, 0x8b, 1)])("that cannot be read is told", async (answer) => {
+    open(index);
+    await requests[0].answer(answer);
+    await vi.waitFor(() => expect(events.failed).toHaveBeenCalledOnce());
+    expect(events.failed).toHaveBeenCalledWith("unreadable", expect.any(String));
   });
 });
 
@@ -367,7 +405,7 @@ it("brings a damaged chunk once more, past the caches", async () => {
   await request("a").answer(whole());
   expect(await again).toEqual(whole());
   const other = opened.fetchAgain(id("a"), new AbortController().signal);
-  const refused = expect(other).rejects.toThrow("50 bytes instead of 100");
+  const refused = expect(other).rejects.toThrow("has 50 bytes, expected 100");
   await request("a").answer(new Uint8Array(50));
   await refused;
 });

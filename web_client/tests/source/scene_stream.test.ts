@@ -1,19 +1,17 @@
 import { gzipSync } from "node:zlib";
 import { encode } from "@msgpack/msgpack";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { fromHex } from "../../src/codec/hex";
 import { parseManifest } from "../../src/codec/manifest";
-import { fromHex } from "../../src/protocol/messages";
 import type { SourceEvents } from "../../src/source/scene_source";
 import { SceneStream } from "../../src/source/scene_stream";
+import { MANIFEST, PAGED } from "../page_vectors";
 import { FakeSocket } from "../socket_double";
 import { GROWING, WHOLE } from "../worker_double";
 
 const A = "aa".repeat(32);
 const B = "bb".repeat(32);
 const C = "cc".repeat(32);
-/** A scene of three chunks. */
-const ABC = JSON.stringify({ static: [{ id: A }], slices: [{ chunks: [{ id: B }] }, { chunks: [{ id: C }] }] });
-
 const text = (document: unknown) => new TextEncoder().encode(JSON.stringify(document));
 
 const sockets: FakeSocket[] = [];
@@ -49,40 +47,80 @@ describe("SceneStream", () => {
     vi.stubGlobal("fetch", answer);
     const { signal } = new AbortController();
     await connect().stream.fetchAgain(A, signal);
-    expect(answer).toHaveBeenCalledWith(`http://here/v1/chunks/${A}`, expect.objectContaining({ signal }));
+    expect(answer).toHaveBeenCalledWith(`http://here/v1/scenes/s/chunks/${A}`, expect.objectContaining({ signal }));
     vi.unstubAllGlobals();
   });
 
   it("says hello with what it has, its credit and its playhead", () => {
     const { socket } = connect();
     socket.open();
-    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 2, parts: [], time: 0.5, rate: 1 });
+    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 3, parts: [], time: 0.5, rate: 1 });
     expect(socket.sent[0].credits).toBeGreaterThanOrEqual(4144);
     expect(socket.binaryType).toBe("arraybuffer");
   });
 
   it("tells what a scene that grows has become, and comes back with the names of what it has", () => {
     const { socket, events } = connect();
-    const { segments, slices, end, totals } = WHOLE;
-    const later = { ...WHOLE, live: 2 };
     socket.open();
     expect(socket.sent[0]).toMatchObject({ follow: true });
     socket.welcome(JSON.stringify(GROWING));
-    const news = slices.slice(GROWING.slices.length);
-    const growth = text({ live: 2, end, totals, segments: segments.slice(1), slices: news });
-    socket.receive(encode({ type: "grow", growth, manifest_id: new Uint8Array(32).fill(8), remaining: 1 }));
+    const later = { ...WHOLE, live: 2 };
+    const manifest_id = new Uint8Array(32).fill(8);
+    socket.receive(encode({ type: "grow", manifest: text(later), manifest_id, remaining: 1 }));
     expect(events.grown.mock.calls).toEqual([[parseManifest(later)]]);
-    const added = news[0].chunks[0].id;
+    const added = WHOLE.slices[GROWING.slices.length].chunks[0].id;
     socket.frame(added, 0, 1, Uint8Array.of(9));
     socket.drop(1006);
     vi.advanceTimersByTime(8000);
     const again = sockets[1];
     again.open();
-    expect(again.sent[0]).toMatchObject({ have: [fromHex(added)], manifest_id: new Uint8Array(32).fill(8) });
-    expect(again.sent[0]).not.toHaveProperty("have_bits");
+    expect(again.sent[0]).toMatchObject({ have: [fromHex(added)], manifest_id });
     again.welcome(JSON.stringify(WHOLE), 9);
     expect(events.grown.mock.calls[1]).toEqual([parseManifest(WHOLE)]);
     expect([events.manifest.mock.calls.length, events.failed.mock.calls.length]).toEqual([1, 0]);
+  });
+
+  it("takes pages from among the chunks, and waits with what comes after one", async () => {
+    vi.useRealTimers();
+    const { socket, events } = connect();
+    const [{ id, bytes }] = PAGED.pages;
+    const chunk = MANIFEST.slices[0].chunks[0].id;
+    socket.open();
+    const manifest_id = new Uint8Array(32).fill(7);
+    socket.receive(
+      encode({ type: "welcome", protocol: 3, scene: "s", manifest: PAGED.bytes, manifest_id, remaining: 1 }),
+    );
+    socket.frame(id, 0, bytes.length, bytes.slice(0, 100));
+    socket.frame(id, 100, bytes.length, bytes.slice(100));
+    socket.frame(chunk, 0, 1, Uint8Array.of(1));
+    await vi.waitFor(() => expect(events.chunk).toHaveBeenCalledOnce());
+    expect(events.grown.mock.calls[0][0].slices.slice(0, 8)).toEqual(parseManifest(MANIFEST).slices.slice(0, 8));
+    expect(events.grown).toHaveBeenCalledBefore(events.chunk);
+    expect(events.progress.mock.calls).toEqual([[1]]);
+    socket.drop(1006);
+    await vi.waitFor(() => expect(sockets.length).toBe(2));
+    sockets[1].open();
+    const { pages, have } = sockets[1].sent[0] as { pages: [Uint8Array, Uint8Array][]; have: unknown };
+    expect([pages.length, pages[0][0], pages[0][1][0], have]).toEqual([1, fromHex(id), 1, undefined]);
+  });
+
+  it("fetches a page that is damaged once more, and does without it then", async () => {
+    vi.useRealTimers();
+    const [{ id, bytes }] = PAGED.pages;
+    const answer = vi.fn().mockResolvedValueOnce(new Response(bytes)).mockResolvedValueOnce(new Response("?"));
+    vi.stubGlobal("fetch", answer);
+    for (const last of ["grown", "missing"] as const) {
+      const { stream, events } = connect();
+      const socket = sockets[sockets.length - 1];
+      socket.open();
+      socket.welcome(JSON.stringify(PAGED.index));
+      socket.frame(id, 0, 3, Uint8Array.of(1, 2, 3));
+      await vi.waitFor(() => expect(events[last]).toHaveBeenCalled());
+      expect(events.failed).not.toHaveBeenCalled();
+      stream.close();
+    }
+    expect(answer.mock.calls[0][0]).toBe(`http://here/v1/scenes/s/chunks/${id}`);
+    vi.unstubAllGlobals();
   });
 
   it("puts interleaved frames together", () => {
@@ -131,7 +169,7 @@ describe("SceneStream", () => {
   it("comes back after a broken connection with what it has, where the playhead is", () => {
     const { socket, stream, events } = connect();
     socket.open();
-    socket.welcome(ABC);
+    socket.welcome();
     socket.frame(A, 0, 1, Uint8Array.of(1));
     socket.frame(B, 0, 2, Uint8Array.of(1)); // half of it
     socket.frame(C, 0, 1, Uint8Array.of(1));
@@ -141,7 +179,7 @@ describe("SceneStream", () => {
     vi.advanceTimersByTime(2000);
     sockets[1].open();
     expect(sockets[1].sent[0]).toMatchObject({
-      have_bits: Uint8Array.of(0b101),
+      have: [fromHex(A), fromHex(C)],
       parts: [[fromHex(B), 1]],
       manifest_id: new Uint8Array(32).fill(7),
       time: 1.25,
@@ -172,35 +210,27 @@ describe("SceneStream", () => {
     expect(events.chunk).toHaveBeenCalledOnce();
   });
 
-  it("waits with what comes after a compressed manifest until it has been decompressed", async () => {
-    vi.useRealTimers();
-    const { socket, events } = connect();
-    socket.open();
-    socket.receive(
-      encode({
-        type: "welcome",
-        protocol: 2,
-        scene: "s",
-        manifest: gzipSync(ABC),
-        manifest_id: new Uint8Array(32),
-        remaining: 1,
-        coding: "gzip",
-      }),
-    );
-    socket.frame(A, 0, 1, Uint8Array.of(1));
-    expect(events.chunk).not.toHaveBeenCalled();
-    await vi.waitFor(() => expect(events.chunk).toHaveBeenCalledOnce());
-    expect(new TextDecoder().decode(events.manifest.mock.calls[0][0])).toBe(ABC);
-  });
-
-  it.each(["gzip", "br"])("gives up where a manifest in the coding %s cannot be read", async (coding) => {
+  it("waits with what comes after a compressed index until it has been decompressed", async () => {
     vi.useRealTimers();
     const { socket, events } = connect();
     socket.open();
     const manifest_id = new Uint8Array(32);
-    const manifest = Uint8Array.of(1, 2, 3);
-    socket.receive(encode({ type: "welcome", protocol: 2, scene: "s", manifest, manifest_id, remaining: 1, coding }));
-    await vi.waitFor(() => expect(events.failed).toHaveBeenCalledWith("not-understood", expect.any(String)));
+    const manifest = gzipSync(JSON.stringify(WHOLE));
+    socket.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest, manifest_id, remaining: 1 }));
+    socket.frame(A, 0, 1, Uint8Array.of(1));
+    expect(events.chunk).not.toHaveBeenCalled();
+    await vi.waitFor(() => expect(events.chunk).toHaveBeenCalledOnce());
+    expect(events.manifest.mock.calls).toEqual([[parseManifest(WHOLE)]]);
+  });
+
+  it.each([[[0x1f, 0x8b, 3]], [[0x7b]]])("gives up where an index cannot be read: %o", async (manifest) => {
+    vi.useRealTimers();
+    const { socket, events } = connect();
+    socket.open();
+    const bytes = Uint8Array.from(manifest);
+    const manifest_id = new Uint8Array(32);
+    socket.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest: bytes, manifest_id, remaining: 1 }));
+    await vi.waitFor(() => expect(events.failed).toHaveBeenCalledWith("unreadable", expect.any(String)));
   });
 
   it("goes on without a chunk that the server cannot give, and asks for it again next time", () => {
@@ -327,11 +357,11 @@ describe("SceneStream", () => {
   it("says so when the scene is another one after coming back", () => {
     const { socket, events } = connect();
     socket.open();
-    socket.welcome("{}");
+    socket.welcome();
     socket.drop(1012);
     vi.advanceTimersByTime(2000);
     sockets[1].open();
-    sockets[1].welcome('{"a": 1}', 8);
+    sockets[1].welcome(JSON.stringify({ ...WHOLE, title: "Another" }), 8);
     expect(events.failed).toHaveBeenCalledExactlyOnceWith("scene-changed", expect.any(String));
   });
 
@@ -365,7 +395,7 @@ describe("SceneStream", () => {
   it("asks for sound when a piece is wanted, and once more on the next connection, with what has come", async () => {
     const { events, stream, socket } = connect();
     socket.open();
-    socket.welcome(JSON.stringify({ static: [{ id: A }], slices: [], audio: { pieces: [{ id: B }, { id: C }] } }));
+    socket.welcome(JSON.stringify({ ...WHOLE, audio: { pieces: [{ id: B }, { id: C }] } }));
     const asked = stream.fetchAgain(B, new AbortController().signal, "default");
     expect(socket.sent.at(-1)).toEqual({ type: "limits", audio: true });
     socket.frame(B, 0, 3, Uint8Array.of(1, 2, 3));

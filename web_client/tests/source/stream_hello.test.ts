@@ -1,13 +1,14 @@
 import { expect, it } from "vitest";
-import { fromHex } from "../../src/protocol/messages";
+import { fromHex } from "../../src/codec/hex";
 import { PartialChunks } from "../../src/protocol/partial_chunks";
 import { helloOf, type StreamState } from "../../src/source/stream_hello";
 
-const [A, B, C] = ["aa", "bb", "cc"].map((byte) => byte.repeat(32));
+const [A, B, C, D, PAGE] = ["aa", "bb", "cc", "dd", "ee"].map((byte) => byte.repeat(32));
 
 const state = (fields: Partial<StreamState>): StreamState => ({
   playhead: { time: 0.5, rate: 1 },
-  manifest: { id: null, grows: false, chunks: [] },
+  id: null,
+  pages: [],
   sound: { wanted: false, sent: [] },
   have: new Set(),
   partial: new PartialChunks(),
@@ -15,13 +16,10 @@ const state = (fields: Partial<StreamState>): StreamState => ({
 });
 
 it("says at first where the playhead is, and nothing of what it has", () => {
-  const { have_bits, ...hello } = helloOf(9000, state({}));
-  expect(have_bits).toBeUndefined();
-  expect(hello).toEqual({
+  expect(helloOf(9000, state({}))).toEqual({
     type: "hello",
-    protocol: 2,
+    protocol: 3,
     credits: 9000,
-    codings: ["gzip"],
     parts: [],
     time: 0.5,
     rate: 1,
@@ -33,18 +31,18 @@ it("leaves the time to the server where it knows none", () => {
   expect(helloOf(1, state({ playhead: { time: null, rate: 0 } }))).not.toHaveProperty("time");
 });
 
-it("marks what it has of a manifest that stays as it is, lowest bits first", () => {
+it("names pages with a bit for each chunk that they list, lowest bits first, and all else by its id", () => {
   const id = new Uint8Array(32);
-  const hello = helloOf(1, state({ manifest: { id, grows: false, chunks: [A, B, C] }, have: new Set([C, A]) }));
-  expect(hello).toMatchObject({ have_bits: Uint8Array.of(0b101), manifest_id: id });
-  expect(hello).not.toHaveProperty("have");
+  const pages = [[PAGE, [A, B, C]]] as const;
+  const hello = helloOf(1, state({ id, pages, have: new Set([C, A, D]) }));
+  expect(hello).toMatchObject({ manifest_id: id, pages: [[fromHex(PAGE), Uint8Array.of(0b101)]], have: [fromHex(D)] });
 });
 
-it("names what it has where the manifest may have become another one, and the sound if that is wanted", () => {
-  const growing = { id: null, grows: true, chunks: [A, B] };
+it("names its sound if that is wanted", () => {
   const sound = { wanted: true, sent: [C] };
-  expect(helloOf(1, state({ manifest: growing, have: new Set([A]) }))).toMatchObject({ have: [fromHex(A)] });
-  const both = helloOf(1, state({ manifest: growing, have: new Set([A]), sound }));
+  const both = helloOf(1, state({ have: new Set([A]), sound }));
   expect(both).toMatchObject({ have: [fromHex(C), fromHex(A)], audio: true });
-  expect(both.have_bits).toBeUndefined();
+  const paged = helloOf(1, state({ pages: [[PAGE, [A, C]]], have: new Set([A]), sound }));
+  expect(paged).toMatchObject({ pages: [[fromHex(PAGE), Uint8Array.of(0b11)]] });
+  expect(paged).not.toHaveProperty("have");
 });
