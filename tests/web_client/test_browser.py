@@ -306,8 +306,13 @@ def test_dragging_turns_the_camera_and_a_key_brings_it_back(browser: Browser, si
         page.mouse.down()
         page.mouse.move(500, 270, steps=4)
         page.mouse.up()
-        page.evaluate("() => window.hgs.seek(0.4)")
-        assert psnr(canvas_pixels(page), before) < 30
+        for _ in range(100):  # a busy machine may hand the drag to the page after the seek
+            page.evaluate("() => window.hgs.seek(0.4)")
+            if psnr(canvas_pixels(page), before) < 30:
+                break
+            page.wait_for_timeout(100)
+        else:
+            pytest.fail("the picture has not turned")
         page.keyboard.press("r")
         page.locator(".message", has_text="Back to the camera").wait_for()
         page.evaluate("() => window.hgs.seek(0.4)")
