@@ -1,21 +1,25 @@
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import hashlib
 import json
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+from obstore.store import MemoryStore
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.chunk import pack, unpack
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.paging import PagedScene, paged
+from jobs import artifacts
 from jobs.artifacts import ArtifactStore
+from jobs.store_lock import StoreLock
 from tests.chunks import static_chunk
 from tests.growing import MOVING, STATIC, write_growing_scene
 
@@ -272,3 +276,25 @@ def test_a_store_on_a_path_with_spaces_and_umlauts(tmp_path: Path, scene: Path) 
 
 def test_an_s3_url_opens_without_a_connection() -> None:
     ArtifactStore("s3://bucket/prefix")
+
+
+class LostLock(StoreLock):
+    """A lock that is lost while chunks are stored."""
+
+    @contextlib.contextmanager
+    def _held(self, waiting: Callable[[], object], *, alone: bool) -> Iterator[Callable[[], object]]:
+        def require() -> None:
+            raise ConnectionResetError
+
+        yield require
+
+
+def test_a_publisher_that_lost_the_lock_writes_no_manifest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, write_scene: Callable[..., list[str]]
+) -> None:
+    monkeypatch.setattr(artifacts, "open_object_store", lambda url, once: MemoryStore())
+    store = ArtifactStore("s3://bucket", LostLock())
+    write_scene(tmp_path / "scene")
+    with pytest.raises(ConnectionResetError):
+        store.put_scene(tmp_path / "scene", "a")
+    assert store.manifest("a") is None
