@@ -10,7 +10,7 @@ import json
 import random
 import struct
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import msgpack
@@ -21,8 +21,9 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec.format.growth import apply_growth
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
+from server.client_hello import hello_of
 from server.playback import Throughput
-from server.protocol import CHUNK_FRAME, HEADER_BYTES, MAX_HAVE, PROTOCOL_VERSION, Credit, Hello, Limits, Ping, encode
+from server.protocol import CHUNK_FRAME, HEADER_BYTES, PROTOCOL_VERSION, Credit, Limits, Ping, encode
 
 __all__ = ["StreamClient", "StreamRefusedError"]
 
@@ -147,33 +148,21 @@ class StreamClient:
     async def _greet(self, socket: ClientConnection) -> None:
         self._window = self._granted = SMALLEST_WINDOW
         self._told = (0.0, 0.0)
-        paged = self._paged
-        listed = {} if paged is None else paged.listed()
-        by_page = {name for names in listed.values() for name in names}
-        others = [] if paged is None else [page.id for page in paged.pages if not paged.lacks(page.id)]
-        latest = [name for name in (*self.have, *others) if name not in by_page and name not in listed][-MAX_HAVE:]
-        hello = Hello(
+        hello = hello_of(
             self._protocol,
             SMALLEST_WINDOW,
-            have=frozenset(map(bytes.fromhex, latest)),
-            pages={bytes.fromhex(page): self._bits(names) for page, names in listed.items()},
-            codings=("gzip",) if self._protocol < 3 else (),
-            parts={bytes.fromhex(name): len(part) for name, part in self._parts.items()},
+            paged=self._paged,
+            have=self.have,
+            parts=self._parts,
             manifest_id=self._manifest_id,
             time=self._place,
             rate=self._rate,
             splats=self._splats,
-            follow=True,
             audio=self._audio,
         )
         await socket.send(encode(hello))
         self._pinged = time.monotonic()
         await socket.send(encode(Ping(0)))
-
-    def _bits(self, names: Sequence[str]) -> bytes:
-        """Return which of the chunks are here, the lowest bit first."""
-        whole = sum((name in self.have) << place for place, name in enumerate(names))
-        return whole.to_bytes(-(-len(names) // 8), "little")
 
     async def _receive(self, message: bytes) -> None:
         self.wire += len(message)

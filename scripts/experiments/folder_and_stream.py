@@ -2,7 +2,8 @@
 
     python scripts/experiments/folder_and_stream.py SCENE --mbit 2 --visits 8
 
-SCENE is a scene folder; the player is that which scripts/install has built. Visits to both take turns.
+SCENE is a scene folder; the player is that which scripts/install has built. Visits to all take turns: to the folder's
+manifest, to its index, over HTTP as well, and to the stream.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from server.shaped_line import ShapedLine
 
 PAGE = """<!doctype html><title>{name}</title><script type="module" src="/player/hgs-player.js"></script>
 <hgs-player src="{src}" autoplay loop style="display: block; width: 480px; height: 360px"></hgs-player>"""
-SOURCES = {"folder": "scene/manifest.json", "stream": "/view/bench"}
+SOURCES = {"folder": "scene/manifest.json", "index": "/v1/scenes/bench/index.hgs", "stream": "/view/bench"}
 PLAYS = "() => (document.querySelector('hgs-player')?.currentTime ?? 0) > 0.02"
 
 

@@ -4,7 +4,6 @@
  */
 
 import { toHex } from "../codec/hex";
-import type { Manifest } from "../codec/types";
 import type { Socket } from "../protocol/connection";
 import {
   CHUNK_FRAME,
@@ -18,6 +17,7 @@ import {
 import { PartialChunks } from "../protocol/partial_chunks";
 import { PlayheadMessages } from "../protocol/playhead_messages";
 import { chunkUrl, fetchChunk } from "./fetch_chunk";
+import { MessageOrder } from "./message_order";
 import { continues, readIndex } from "./paged_manifest";
 import { RateReports } from "./rate_reports";
 import { ReconnectingSocket } from "./reconnecting_socket";
@@ -25,7 +25,7 @@ import type { SceneManifest } from "./scene_manifest";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { streamFailure } from "./stream_failure";
 import { helloOf } from "./stream_hello";
-import { StreamedSound } from "./streamed_sound";
+import { StreamedSound, soundsOf } from "./streamed_sound";
 
 /** Complete chunks that may wait for their decoding before credit is held back, bytes. */
 const UNDECODED = 16 << 20;
@@ -41,8 +41,10 @@ export class SceneStream implements SceneSource {
   #sound = new StreamedSound(new Set(), () => {});
   #scene: SceneManifest | null = null; // from the index on
   #id: Uint8Array | null = null; // of the index
-  /** What has come while an index or a page is read. */
-  #held: Uint8Array<ArrayBuffer>[] | null = null;
+  readonly #messages = new MessageOrder<Uint8Array<ArrayBuffer>>(
+    (bytes) => this.#guarded(bytes),
+    (error) => this.#fail("unreadable", String(error)),
+  );
   #playhead: Playhead;
   #undecoded = 0;
 
@@ -56,7 +58,7 @@ export class SceneStream implements SceneSource {
     this.#socket = new ReconnectingSocket(() => connect(url), {
       connecting: () => events.state("connecting"),
       open: (credits) => this.#greet(credits),
-      message: (bytes) => this.#guarded(bytes),
+      message: (bytes) => this.#messages.put(bytes),
       retrying: () => {
         this.#moves.clear();
         events.state("retrying");
@@ -133,10 +135,6 @@ export class SceneStream implements SceneSource {
   }
 
   #guarded(bytes: Uint8Array<ArrayBuffer>): void {
-    if (this.#held) {
-      this.#held.push(bytes);
-      return;
-    }
     try {
       this.#receive(bytes);
     } catch (error) {
@@ -188,7 +186,7 @@ export class SceneStream implements SceneSource {
   #become({ manifest, manifest_id }: Pick<Extract<ServerMessage, { type: "grow" }>, "manifest" | "manifest_id">): void {
     const before = this.#scene;
     const id = manifest_id.slice();
-    this.#read(
+    this.#messages.read(
       () => readIndex(manifest.slice(), before ?? undefined),
       (scene) => {
         if (before && !continues(scene, before)) {
@@ -214,29 +212,6 @@ export class SceneStream implements SceneSource {
     this.events.grown(manifest);
   }
 
-  /** Read an index or a page. What comes after it waits for it, whatever becomes of the connection. */
-  #read<Value>(read: () => Value | Promise<Value>, take: (value: Value) => void): void {
-    const failed = (error: unknown) => this.#fail("unreadable", String(error));
-    let value: Value | Promise<Value>;
-    try {
-      value = read();
-    } catch (error) {
-      failed(error);
-      return;
-    }
-    if (!(value instanceof Promise)) {
-      take(value);
-      return;
-    }
-    const held: Uint8Array<ArrayBuffer>[] = [];
-    this.#held = held;
-    value.then((value) => {
-      this.#held = null;
-      take(value);
-      for (const message of held) this.#guarded(message);
-    }, failed);
-  }
-
   #receiveFrame(message: Uint8Array<ArrayBuffer>): void {
     const frame = decodeChunkFrame(message);
     const chunk = this.#partial.add(frame);
@@ -260,7 +235,7 @@ export class SceneStream implements SceneSource {
   #addPage(id: string, bytes: Uint8Array<ArrayBuffer>): void {
     const { signal } = new AbortController();
     const again = async () => this.#scene?.add?.(id, await fetchChunk(chunkUrl(this.url, id), signal));
-    this.#read(
+    this.#messages.read(
       () =>
         this.#scene
           ?.add?.(id, bytes)
@@ -274,10 +249,4 @@ export class SceneStream implements SceneSource {
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#socket.grant();
   }
-}
-
-/** Ids of a scene's pieces of sound, as far as its manifest is here. */
-function soundsOf({ audio }: Manifest): Set<string> {
-  const { pieces = [] } = (audio ?? {}) as { pieces?: { id: string }[] };
-  return new Set(pieces.map(({ id }) => id));
 }

@@ -3,6 +3,8 @@
  * cannot bring is to be fetched by its id.
  */
 
+import type { Manifest } from "../codec/types";
+
 type Bytes = Uint8Array<ArrayBuffer>;
 
 /** Milliseconds without a question after which the server is told to send no more: it is muted, or all has been asked for. */
@@ -95,4 +97,10 @@ export class StreamedSound {
     resolve?.(bytes);
     return resolve !== undefined;
   }
+}
+
+/** Ids of a scene's pieces of sound, as far as its manifest is here. */
+export function soundsOf({ audio }: Manifest): Set<string> {
+  const { pieces = [] } = (audio ?? {}) as { pieces?: { id: string }[] };
+  return new Set(pieces.map(({ id }) => id));
 }
