@@ -15,6 +15,7 @@ from pathlib import Path
 import obstore
 import pytest
 from chain_pipeline import chain
+from flaky_proxy import FlakyProxy
 from postgres_server import PostgresServer
 from s3_server import S3Server, missing_program
 
@@ -149,6 +150,29 @@ def test_an_upload_is_trained_by_a_machine_that_did_not_take_it(
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
     assert (tmp_path / "one" / "fetched" / "studio" / "cam00.mp4").read_bytes() == b"a video"
+
+
+@pytest.mark.slow
+def test_a_store_that_is_away_for_a_while_costs_no_training(
+    client: JobClient, submit: Callable[..., str], home: Home, s3: S3Server, wait_for: WaitFor, wait_until: Poll,
+    node: Callable[[str], Worker], monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
+) -> None:  # fmt: skip
+    job_id = submit(iterations=500)
+    proxy = FlakyProxy(int(s3.address.rpartition(":")[2]))
+    monkeypatch.setenv("AWS_ENDPOINT", proxy.address)
+    node("one")
+    monkeypatch.setenv("AWS_ENDPOINT", s3.address)
+    run = StoredRun(open_object_store(home.store_url), run_prefix(job_id))
+    wait_until(lambda: (head := run.head()) is not None and "checkpoint.pt" in head.files, "a checkpoint in the store")
+    proxy.refuse()
+    job = wait_for(job_id, lambda job: job.state is JobState.WAITING, "the end of the training")  # which waits for it
+    assert "the store fails" in job.waiting
+    proxy.pass_on()
+    job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
+    assert (job.state, job.error) == (JobState.SUCCEEDED, "")
+    trained = (tmp_path / "capture" / f"{job_id}.log").read_text().splitlines()
+    assert [int(line.split()[1]) for line in trained] == list(range(500))
+    proxy.refuse()
 
 
 @pytest.mark.slow
