@@ -11,11 +11,14 @@ from typing import Any
 
 import pytest
 
+from hgs_core.codec.format.paging import PagedScene
 from jobs.artifacts import ArtifactStore, SceneEntry
 from jobs.job import Job
 from server import scene_catalogue as module
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
+from server.scene_index import SceneIndex, read_scene
+from tests.growing import write_growing_scene
 
 
 class CountingStore(ArtifactStore):
@@ -232,3 +235,25 @@ def test_indices_are_kept_for_the_scenes_watched_last(
     for scene_id in ("scene-0", "scene-1", "scene-0", "scene-2", "scene-0", "scene-1"):
         catalogue.scene(scene_id)
     assert store.reads == ["scene-0", "scene-1", "scene-2", "scene-1"]
+
+
+def test_pages_that_publishing_left_save_the_reading_of_a_long_manifest(
+    catalogue: SceneCatalogue, store: CountingStore, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    write_growing_scene(tmp_path / "growing", 2)
+    store.put_scene(tmp_path / "growing", "growing")
+    asked: list[PagedScene | None] = []
+
+    def read(scene_id: str, manifest: bytes, ready: PagedScene | None = None) -> SceneIndex:
+        asked.append(ready)
+        return read_scene(scene_id, manifest, ready)
+
+    monkeypatch.setattr(module, "read_scene", read)
+    monkeypatch.setattr(module, "_LONG", 1000)
+    index = catalogue.scene("growing")
+    assert [None if ready is None else ready.pages.keys() for ready in asked] == [
+        {name.hex() for name in index.page_bytes}
+    ]
+    monkeypatch.setattr(module, "_LONG", 1 << 20)
+    assert SceneCatalogue(store, NoJobs()).scene("growing") == index  # type: ignore[arg-type]
+    assert asked[1] is None

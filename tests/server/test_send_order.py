@@ -176,3 +176,14 @@ def test_page_that_replaces_another_one_comes_though_all_chunks_are_there(make_s
     page = Slice(50.0, 52.0, (Chunk(bytes(32), 900),))
     order.grow(dataclasses.replace(scene, pages=(page,), end=52.0), None)
     assert list(sizes(order)) == [900]
+
+
+def test_sound_never_comes_before_the_page_that_lists_it(make_scene: MakeScene) -> None:
+    pieces = [(20.0 * k, 20.0 * k + 20, 50 + k) for k in range(3)]
+    scene = make_scene([10], [(20.0 * k, 20.0 * k + 20, [400 + k]) for k in range(3)], pieces)
+    pages = tuple(Slice(20.0 * k, 20.0 * k + 20, (Chunk(bytes([k]) * 32, 900 + k),)) for k in range(3))
+    order = SendOrder(dataclasses.replace(scene, pages=pages))  # the slices' pages are another matter
+    order.hear(True)
+    sent = list(sizes(order))
+    assert [sent.index(900 + k) < sent.index(50 + k) for k in range(3) if 900 + k in sent] == [True] * 3
+    assert {900, 901, 902} <= set(sent)

@@ -44,6 +44,13 @@ describe("the order of chunks", () => {
     expect(order({ here })).toBe("a3 a4 a5 b3 b4 b5 c3 c4");
   });
 
+  it("brings pages of the manifest before the bases of what comes sooner, but not long before their time", () => {
+    const page = (start: number, id: string) => ({ ...slice(start, start + 2, []), chunks: [entry(id, 0)] });
+    const slices = [slice(0, 2, ["a0"]), slice(2, 4, ["a1"]), page(4, "p0"), page(11, "p1"), page(14, "p2")];
+    const paged = manifest({ end: 16, static: [entry("s0")], slices });
+    expect(order({ of: paged })).toBe("s0 a0 p0 p1 a1 p2");
+  });
+
   it("goes further ahead where the scene plays faster", () => {
     expect(order({ rate: 2, count: 6 })).toBe("s0 a0 a1 a2 a3 a4");
   });
