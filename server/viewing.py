@@ -76,7 +76,7 @@ class Viewer:
         if not self.can_show(moment):
             await self.client.send(Pause(moment))  # the server's playhead would run on
         while not self.can_show(moment):
-            await self.frame()
+            await asyncio.sleep(TICK)  # the playhead stands: a frame could take it past what was sought
         return time.monotonic() - begun
 
     def can_show(self, moment: float) -> bool:

@@ -2,8 +2,12 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from server.bench_scene import made_up_scene
+from server.client import StreamClient
 from server.one_scene_server import serving
+from server.playback import Buffer, Clock
 from server.viewing import Viewer, play
 
 SCENE = made_up_scene(1, static_bytes=12_000, slice_bytes=3_000)
@@ -19,6 +23,25 @@ def test_scene_is_played_once() -> None:
         assert [int(2 * moment) for moment, _ in watched.shown][:2] == [0, 1]
         assert set(watched.shown[-1][1]) == set(SCENE.chunks)
         assert "shown" not in watched.to_json()
+
+    asyncio.run(scenario())
+
+
+def test_playhead_waits_where_it_has_been_sent_while_what_comes_next_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    manifest = made_up_scene(4, static_bytes=12_000, slice_bytes=3_000).manifest
+    monkeypatch.setattr(StreamClient, "manifest", manifest)
+
+    async def scenario() -> None:
+        viewer = Viewer("ws://127.0.0.1:1/none")
+        viewer.clock = Clock(Buffer(manifest), 0.0)
+        lacking = {entry.id for entry in manifest.slices[3].chunks}  # the last one before 2 s; no other needs them
+        viewer.client.have.update((entry.id, b"") for entry in manifest.chunks if entry.id not in lacking)
+        seeking = asyncio.create_task(viewer.sought(1.9999))
+        await asyncio.sleep(0.1)
+        assert not seeking.done()
+        assert viewer.clock.time == 1.9999
+        viewer.client.have.update(dict.fromkeys(lacking, b""))
+        await asyncio.wait_for(seeking, 60)
 
     asyncio.run(scenario())
 
