@@ -209,6 +209,7 @@ class StreamSession:
             self._order.hear(limits.audio)
             self._ended = False
         self._limits, self._flow.bytes_per_second = limits, limits.bytes_per_second
+        self._flow.measured = limits.measured
 
     def _seek(self, time: float, clock: float) -> None:
         self._playhead.set(time, clock)

@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import pytest
 
-from server.flow_control import FlowControl
+from server.flow_control import FAST, SHORT_PAYLOAD, UNKNOWN_BYTES, FlowControl
 from server.protocol import HEADER_BYTES, MAX_BALANCE, MAX_PAYLOAD, MIN_PAYLOAD, ProtocolError
 
 
 @pytest.fixture
 def flow() -> FlowControl:
-    """Credit for two of the longest frames."""
+    """Credit for two of the longest frames, on a fast line."""
     flow = FlowControl()
+    flow.measured = FAST
     flow.grant(2 * (MAX_PAYLOAD + HEADER_BYTES))
     return flow
 
@@ -33,6 +34,19 @@ def test_frames_are_cut_to_the_longest_and_to_the_credit(flow: FlowControl) -> N
     assert flow.spend(5 * MAX_PAYLOAD, 0.0) == MAX_PAYLOAD - 1000 - HEADER_BYTES
     assert flow.balance == 0
     assert flow.spend(1, 0.0) is None
+
+
+def test_frames_are_short_on_lines_that_are_slow_or_not_known_yet() -> None:
+    """The smallest window, of 64 KiB, holds several of them: credit comes back while the next are on their way."""
+    flow = FlowControl()
+    flow.grant(MAX_BALANCE)
+    while flow.sent_bytes < UNKNOWN_BYTES:
+        assert flow.spend(1 << 30, 0.0) == SHORT_PAYLOAD <= (64 << 10) / 4
+    assert flow.spend(1 << 30, 0.0) == MAX_PAYLOAD
+    flow.measured = FAST - 1
+    assert flow.spend(1 << 30, 0.0) == SHORT_PAYLOAD
+    flow.measured = FAST
+    assert flow.spend(1 << 30, 0.0) == MAX_PAYLOAD
 
 
 def test_credit_for_less_than_the_least_frame_waits_for_more() -> None:

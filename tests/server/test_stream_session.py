@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from hgs_core.codec.format.growth import apply_growth, first_segments
 from server.bench_scene import made_up_scene
+from server.flow_control import SHORT_PAYLOAD
 from server.protocol import (
     HEADER_BYTES,
     MAX_BALANCE,
@@ -144,13 +145,13 @@ def test_seek_sends_what_is_alive_first(make_scene: MakeScene) -> None:
 
 
 def test_seek_resumes_a_chunk_that_was_sent_in_part(make_scene: MakeScene) -> None:
-    scene = make_scene([3 * MAX_PAYLOAD], THREE_SLICES)
+    scene = make_scene([3 * SHORT_PAYLOAD], THREE_SLICES)
     session = start(scene)
     assert step(session, 1)[0].offset == 0
     session.receive(encode(Seek(4.7)), 0.0)
     rest = [item for item in drain(session) if isinstance(item, ChunkPart)]
     assert rest[0].chunk == scene.slices[2].chunks[0]
-    assert [part.offset for part in rest if part.chunk == scene.static[0]] == [MAX_PAYLOAD, 2 * MAX_PAYLOAD]
+    assert [part.offset for part in rest if part.chunk == scene.static[0]] == [SHORT_PAYLOAD, 2 * SHORT_PAYLOAD]
 
 
 def test_seek_into_a_complete_slice_marks_it_again(make_scene: MakeScene) -> None:
@@ -199,16 +200,16 @@ def test_manifest_is_compressed_for_who_takes_it_so(make_scene: MakeScene) -> No
 
 
 def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -> None:
-    scene = make_scene([2 * MAX_PAYLOAD, 500], [(0.0, 1.0, [3000])])
+    scene = make_scene([2 * SHORT_PAYLOAD, 500], [(0.0, 1.0, [3000])])
     first, second = scene.static
     have = frozenset({second.id})
-    items = drain(start(scene, have=have, parts={first.id: 70_000, second.id: 20, b"\0" * 32: 1 << 40}))
-    assert items[0]["remaining"] == 2 * MAX_PAYLOAD - 70_000 + 3000
+    items = drain(start(scene, have=have, parts={first.id: 20_000, second.id: 20, b"\0" * 32: 1 << 40}))
+    assert items[0]["remaining"] == 2 * SHORT_PAYLOAD - 20_000 + 3000
     assert [(part.chunk, part.offset, part.length) for part in items if isinstance(part, ChunkPart)] == [
-        (first, 70_000, 2 * MAX_PAYLOAD - 70_000),
+        (first, 20_000, 2 * SHORT_PAYLOAD - 20_000),
         (scene.slices[0].chunks[0], 0, 3000),
     ]
-    assert items[-1] == {"type": "end", "bytes": 2 * MAX_PAYLOAD - 70_000 + 3000, "left_out": 0}
+    assert items[-1] == {"type": "end", "bytes": 2 * SHORT_PAYLOAD - 20_000 + 3000, "left_out": 0}
 
 
 @pytest.mark.parametrize("offset", [10, 11, 1 << 40])
@@ -237,13 +238,13 @@ def test_chunk_that_cannot_be_read_costs_itself_alone(make_scene: MakeScene) -> 
 
 
 def test_chunk_that_breaks_off_is_not_gone_on_with(make_scene: MakeScene) -> None:
-    session = start(make_scene([3 * MAX_PAYLOAD, 20], []))
+    session = start(make_scene([3 * SHORT_PAYLOAD, 20], []))
     step(session, 1)
     (second,) = step(session, 1)
     session.miss(second)
     items = drain(session)
     assert [chunk.size for chunk in chunks_of(items)] == [20]
-    assert items[-1] == {"type": "end", "bytes": MAX_PAYLOAD + 20, "left_out": 0}
+    assert items[-1] == {"type": "end", "bytes": SHORT_PAYLOAD + 20, "left_out": 0}
 
 
 def test_full_have_list_gets_markers_and_end_without_credit(make_scene: MakeScene) -> None:
