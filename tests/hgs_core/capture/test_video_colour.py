@@ -35,16 +35,16 @@ def planes(picture: npt.NDArray[np.uint8], matrix: str, bits: int, full: bool) -
 
 
 def encode(path: Path, picture: npt.NDArray[np.uint8], matrix: str, bits: int, full: bool) -> None:
-    codec, pixels = ("libx264", "yuv420p") if bits == 8 else ("libx265", "yuv420p10le")
+    pixels = "yuv420p" if bits == 8 else "yuv420p10le"
     frame = av.VideoFrame(picture.shape[1], picture.shape[0], pixels)
     for plane, values in zip(frame.planes, planes(picture, matrix, bits, full), strict=True):
         rows = np.zeros((plane.height, plane.line_size), np.uint8)
         data = values.astype(np.uint8 if bits == 8 else "<u2").view(np.uint8)
         rows[:, : data.shape[1]] = data
         plane.update(rows.tobytes())
-    options = {"crf": "1"} if bits == 8 else {"x265-params": "log-level=error:lossless=1"}
     with av.open(str(path), "w") as container:
-        stream = container.add_stream(codec, rate=30, options=options)
+        # FFmpeg now and then writes no MP4 of x265's streams.
+        stream = container.add_stream("libx264", rate=30, options={"crf": "1"} if bits == 8 else {"qp": "1"})
         stream.width, stream.height, stream.pix_fmt = frame.width, frame.height, pixels
         stream.codec_context.colorspace = frame.colorspace = MATRICES[matrix][2]
         stream.codec_context.color_range = frame.color_range = 2 if full else 1
