@@ -26,12 +26,12 @@ from night import (
     Node,
     Watch,
     drop_links,
+    flaky_store,
     most_repeated,
     submit,
     wait_for_the_end,
 )
 from postgres_server import PostgresServer
-from s3_server import S3Server, missing_program
 from small_disk import small_disk
 
 from jobs.artifacts import ArtifactStore
@@ -58,16 +58,8 @@ def disk(tmp_path: Path) -> Iterator[Path]:
 
 @pytest.fixture
 def store(monkeypatch: pytest.MonkeyPatch) -> Iterator[FlakyProxy]:
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    proxy = FlakyProxy(int(server.address.rpartition(":")[2]), EVERYWHERE)
-    for name, value in {**server.settings, "AWS_ENDPOINT": proxy.address}.items():
-        monkeypatch.setenv(name, value)
-    yield proxy
-    proxy.refuse()
-    server.stop()
+    with flaky_store(monkeypatch) as proxy:
+        yield proxy
 
 
 @pytest.fixture

@@ -27,12 +27,12 @@ from night import (
     Node,
     Watch,
     drop_links,
+    flaky_store,
     most_repeated,
     submit,
     wait_for_the_end,
 )
 from postgres_server import PostgresServer
-from s3_server import S3Server, missing_program
 
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
@@ -62,16 +62,8 @@ def server(networks: list[NetworkNode], postgres: Callable[[str], PostgresServer
 
 @pytest.fixture
 def store(monkeypatch: pytest.MonkeyPatch) -> Iterator[FlakyProxy]:
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    proxy = FlakyProxy(int(server.address.rpartition(":")[2]), EVERYWHERE)
-    for name, value in {**server.settings, "AWS_ENDPOINT": proxy.address}.items():
-        monkeypatch.setenv(name, value)
-    yield proxy
-    proxy.refuse()
-    server.stop()
+    with flaky_store(monkeypatch) as proxy:
+        yield proxy
 
 
 @pytest.fixture

@@ -9,11 +9,15 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
 import sqlalchemy as sa
+from flaky_proxy import FlakyProxy
 from network_node import NetworkNode
+from s3_server import S3Server, missing_program
 
 from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient
@@ -24,6 +28,23 @@ from jobs.job_request import JobRequest
 EVERYWHERE = "0.0.0.0"
 JOBS, ITERATIONS, CHECKPOINT_EVERY = 20, 500, 5
 LINK_AWAY = 45.0  # seconds: longer than a worker may live without its proof of life, and others wait for it
+
+
+@contextmanager
+def flaky_store(monkeypatch: pytest.MonkeyPatch) -> Iterator[FlakyProxy]:
+    """Start an S3 store and go to it by a proxy that can stand in the way; skip the test where there is none."""
+    if missing := missing_program():
+        pytest.skip(missing)
+    server = S3Server()
+    server.start()
+    proxy = FlakyProxy(int(server.address.rpartition(":")[2]), EVERYWHERE)
+    for name, value in {**server.settings, "AWS_ENDPOINT": proxy.address}.items():
+        monkeypatch.setenv(name, value)
+    try:
+        yield proxy
+    finally:
+        proxy.refuse()
+        server.stop()
 
 
 class Node:
