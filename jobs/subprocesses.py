@@ -16,6 +16,7 @@ from pathlib import Path
 from hgs_core.base.progress import Progress
 from jobs.home import Home
 from jobs.out_of_memory import CURE, system_kills
+from jobs.stage_environment import stage_environment
 from jobs.stage_silence import Silence
 
 __all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]
@@ -75,7 +76,7 @@ class StageRunner:
                 stdout=asyncio.subprocess.PIPE,
                 stderr=log,
                 start_new_session=True,  # a group of its own, so that its children end with it
-                env={**os.environ, **self.home.environment()},
+                env=stage_environment(self.home, stage, run),
                 limit=LINE_LIMIT,
             )
         silence = Silence(process.pid, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import os
 import sys
 import time
 from collections import OrderedDict
@@ -18,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from jobs.stage_environment import without_secrets
 from server.problems import ProblemError
 
 __all__ = ["CaptureCheckRun", "CaptureChecks"]
@@ -26,7 +26,6 @@ _LONGEST = 1800.0  # seconds that a check may take
 _MOST_WAITING = 20
 _MOST_KEPT = 200  # captures whose check is remembered
 _SHOWN = ("cameras", "findings", "stops", "frames", "width")  # of what a check found; the rest is for pictures
-_SECRET = ("AWS_", "HGS_DATABASE_URL", "HGS_STORE_URL")  # variables that reading a stranger's video needs not
 
 log = logging.getLogger("hgs.server")
 
@@ -124,7 +123,7 @@ class CaptureChecks:
             stdin=asyncio.subprocess.DEVNULL,
             stdout=pipe,
             stderr=pipe,
-            env={name: value for name, value in os.environ.items() if not name.startswith(_SECRET)},
+            env=without_secrets(),
         )
         try:
             output, errors = await asyncio.wait_for(process.communicate(), self._longest)
