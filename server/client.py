@@ -23,7 +23,16 @@ from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from server.client_hello import hello_of
 from server.playback import Throughput
-from server.protocol import CHUNK_FRAME, HEADER_BYTES, PROTOCOL_VERSION, Credit, Limits, Ping, encode
+from server.protocol import (
+    CHUNK_FRAME,
+    HEADER_BYTES,
+    LAST_WITHOUT_PAGES,
+    PROTOCOL_VERSION,
+    Credit,
+    Limits,
+    Ping,
+    encode,
+)
 
 __all__ = ["StreamClient", "StreamRefusedError"]
 
@@ -193,7 +202,8 @@ class StreamClient:
                 raise StreamRefusedError(f"{message['code']}: {message['detail']}")
 
     def _become(self, message: dict[str, Any], manifest: bytes) -> None:
-        document = read_index(manifest, self._url) if self._protocol > 2 else _json(message, "manifest")
+        paged = self._protocol > LAST_WITHOUT_PAGES
+        document = read_index(manifest, self._url) if paged else _json(message, "manifest")
         self._read(document, message["manifest_id"])
 
     def _read(self, document: dict[str, Any], manifest_id: bytes) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from hgs_core.codec.format.paged_manifest import PagedManifest
-from server.protocol import MAX_HAVE, Hello
+from server.protocol import LAST_WITHOUT_PAGES, MAX_HAVE, Hello
 
 __all__ = ["hello_of"]
 
@@ -34,7 +34,7 @@ def hello_of(
         credits,
         have=frozenset(map(bytes.fromhex, others[-MAX_HAVE:])),
         pages={bytes.fromhex(page): _bits(names, have) for page, names in listed.items()},
-        codings=("gzip",) if protocol < 3 else (),
+        codings=("gzip",) if protocol <= LAST_WITHOUT_PAGES else (),
         parts={bytes.fromhex(name): len(part) for name, part in parts.items()},
         follow=True,
         **wishes,

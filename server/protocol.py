@@ -16,6 +16,7 @@ __all__ = [
     "CHUNK_FRAME",
     "DEFAULT_RATE",
     "HEADER_BYTES",
+    "LAST_WITHOUT_PAGES",
     "MAX_BALANCE",
     "MAX_HAVE",
     "MAX_MESSAGE_BYTES",
@@ -50,6 +51,7 @@ __all__ = [
 
 PROTOCOL_VERSION = 3
 PROTOCOL_VERSIONS = (1, 2, 3)  # that this server speaks
+LAST_WITHOUT_PAGES = 2  # the manifest comes as a whole until then
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
 MAX_HAVE = 1 << 14  # chunk ids

@@ -15,6 +15,7 @@ from server.content_coding import compress
 from server.flow_control import FlowControl
 from server.playhead import Playhead
 from server.protocol import (
+    LAST_WITHOUT_PAGES,
     PROTOCOL_VERSION,
     Credit,
     End,
@@ -37,7 +38,6 @@ from server.send_order import COMPLETE, Mark, SendOrder
 
 __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
-LAST_WITHOUT_PAGES = 2  # version of the protocol
 MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
 
 

@@ -15,7 +15,7 @@ import sqlalchemy as sa
 import yaml
 from composition import DATABASE, FILE, SECRETS, Composition, substituted
 from postgres_server import PostgresServer
-from s3_server import S3Server, missing_program
+from s3_server import running_s3_server
 
 Poll = Callable[[Callable[[], bool], str], None]
 
@@ -23,13 +23,9 @@ Poll = Callable[[Callable[[], bool], str], None]
 @pytest.fixture
 def store() -> Iterator[str]:
     """An S3 server with the bucket that the file names; returns its address."""
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    urllib.request.urlopen(urllib.request.Request(f"{server.address}/hgs", method="PUT")).close()
-    yield server.address
-    server.stop()
+    with running_s3_server() as server:
+        urllib.request.urlopen(urllib.request.Request(f"{server.address}/hgs", method="PUT")).close()
+        yield server.address
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from typing import Any
 
 import obstore
 import pytest
-from s3_server import S3Server, missing_program
+from s3_server import running_s3_server
 
 from hgs_core.base.errors import InputError
 from jobs.object_store import is_folder, open_object_store, require_conditional_puts
@@ -26,14 +26,10 @@ def test_a_bucket_is_no_folder() -> None:
 class TestConditionalPuts:
     @pytest.fixture
     def url(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-        if missing := missing_program():
-            pytest.skip(missing)
-        server = S3Server()
-        for name, value in server.settings.items():
-            monkeypatch.setenv(name, value)
-        server.start()
-        yield "s3://bucket/probed"
-        server.stop()
+        with running_s3_server() as server:
+            for name, value in server.settings.items():
+                monkeypatch.setenv(name, value)
+            yield "s3://bucket/probed"
 
     def test_a_store_that_keeps_them_apart_will_do(self, url: str) -> None:
         require_conditional_puts(url)

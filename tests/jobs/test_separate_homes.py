@@ -17,7 +17,7 @@ import pytest
 from chain_pipeline import chain
 from flaky_proxy import FlakyProxy
 from postgres_server import PostgresServer
-from s3_server import S3Server, missing_program
+from s3_server import S3Server, running_s3_server
 
 from hgs_core.base.errors import InputError
 from hgs_core.runs.config import RunConfig
@@ -47,12 +47,8 @@ IMPATIENT = "from jobs import liveness, worker; liveness.PostgresLiveness.__init
 
 @pytest.fixture(scope="module")
 def s3() -> Iterator[S3Server]:
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    yield server
-    server.stop()
+    with running_s3_server() as server:
+        yield server
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 import obstore
 import pytest
 from obstore.store import MemoryStore, ObjectStore, from_url
-from s3_server import S3Server, missing_program
+from s3_server import S3Server, running_s3_server
 
 from hgs_core.base.errors import InputError
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
@@ -17,12 +17,8 @@ from jobs.stored_run import RunHead, RunTakenError, StoredRun
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[S3Server]:
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    yield server
-    server.stop()
+    with running_s3_server() as server:
+        yield server
 
 
 @pytest.fixture(params=["memory", "s3"])

@@ -17,7 +17,7 @@ import pytest
 import sqlalchemy as sa
 from flaky_proxy import FlakyProxy
 from network_node import NetworkNode
-from s3_server import S3Server, missing_program
+from s3_server import running_s3_server
 
 from hgs_core.runs.config import RunConfig
 from jobs.client import JobClient
@@ -33,18 +33,14 @@ LINK_AWAY = 45.0  # seconds: longer than a worker may live without its proof of 
 @contextmanager
 def flaky_store(monkeypatch: pytest.MonkeyPatch) -> Iterator[FlakyProxy]:
     """Start an S3 store and go to it by a proxy that can stand in the way; skip the test where there is none."""
-    if missing := missing_program():
-        pytest.skip(missing)
-    server = S3Server()
-    server.start()
-    proxy = FlakyProxy(int(server.address.rpartition(":")[2]), EVERYWHERE)
-    for name, value in {**server.settings, "AWS_ENDPOINT": proxy.address}.items():
-        monkeypatch.setenv(name, value)
-    try:
-        yield proxy
-    finally:
-        proxy.refuse()
-        server.stop()
+    with running_s3_server() as server:
+        proxy = FlakyProxy(int(server.address.rpartition(":")[2]), EVERYWHERE)
+        for name, value in {**server.settings, "AWS_ENDPOINT": proxy.address}.items():
+            monkeypatch.setenv(name, value)
+        try:
+            yield proxy
+        finally:
+            proxy.refuse()
 
 
 class Node:

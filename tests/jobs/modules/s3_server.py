@@ -8,7 +8,11 @@ import subprocess
 import sys
 import time
 import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+
+import pytest
 
 
 def missing_program() -> str:
@@ -58,3 +62,16 @@ class S3Server:
             self._process.kill()
             self._process.wait()
             self._process = None
+
+
+@contextmanager
+def running_s3_server() -> Iterator[S3Server]:
+    """Start one for the block; skip the test where there is none."""
+    if missing := missing_program():
+        pytest.skip(missing)
+    server = S3Server()
+    server.start()
+    try:
+        yield server
+    finally:
+        server.stop()
