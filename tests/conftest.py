@@ -15,6 +15,11 @@ if TYPE_CHECKING:
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
+def pytest_make_parametrize_id(val: object, argname: str) -> str | None:
+    """Name binary values by their parameter: bytes may tell the time, and workers must collect the same names."""
+    return argname if isinstance(val, bytes) and not (val.isascii() and val.decode().isprintable()) else None
+
+
 @pytest.fixture(scope="session")
 def test_data() -> Callable[[str], Path]:
     """Return a function that finds a capture outside the repository, or skips the test with the reason."""
