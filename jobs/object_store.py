@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import re
 import secrets
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -27,9 +29,15 @@ def open_object_store(url: str, *, once: bool = False) -> ObjectStore:
     """Open file:///FOLDER (made if missing), s3://BUCKET/PREFIX or any other URL that obstore knows.
 
     With `once`, a server that does not answer is not asked again.
+
+    Raises:
+        InputError: the environment's address of the server is none.
     """
     if is_folder(url):
         return LocalStore.from_url(url, mkdir=True)
+    for name in ("AWS_ENDPOINT", "AWS_ENDPOINT_URL"):  # the library's own answer to such is a panic
+        if (endpoint := os.environ.get(name)) and not re.match(r"https?://[^\s/]", endpoint):
+            raise InputError(f"{name} {endpoint}", "is not the address of a server", "give https://HOST")
     # No options of the client's: they would take the place of what the environment says, all of it.
     return from_url(url, retry_config={"max_retries": 0} if once else None)
 

@@ -11,29 +11,12 @@ from starlette.exceptions import HTTPException
 
 from server.conditional import entity_tag, respond
 from server.content_coding import preferred_coding
+from server.media_types import MEDIA_TYPES
 from server.security_headers import CONSOLE_POLICY, EMBEDDABLE_POLICY
 
 __all__ = ["VIEWER", "viewer_router"]
 
 VIEWER = Path(__file__).resolve().parent / "viewer"
-
-# Ours, because the system's table may lack .wasm or name .js text/plain, and browsers then refuse both.
-_MEDIA_TYPES = {
-    ".css": "text/css; charset=utf-8",
-    ".html": "text/html; charset=utf-8",
-    ".ico": "image/x-icon",
-    ".jpg": "image/jpeg",
-    ".js": "text/javascript; charset=utf-8",
-    ".json": "application/json",
-    ".map": "application/json",
-    ".mjs": "text/javascript; charset=utf-8",
-    ".png": "image/png",
-    ".svg": "image/svg+xml",
-    ".txt": "text/plain; charset=utf-8",
-    ".wasm": "application/wasm",
-    ".webp": "image/webp",
-    ".woff2": "font/woff2",
-}
 
 # The build leaves these beside each file that they make smaller; the best one first.
 _CODED = {"br": ".br", "gzip": ".gz"}
@@ -72,7 +55,7 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
             if address.fullmatch(path):
                 return _page(request, folder / page, policy)
         file = folder / path
-        if not _FILE.fullmatch(path) or file.suffix not in _MEDIA_TYPES or not file.is_file():
+        if not _FILE.fullmatch(path) or file.suffix not in MEDIA_TYPES or not file.is_file():
             if "text/html" in request.headers.get("Accept", ""):
                 answer = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
                 answer.status_code = 404 if answer.status_code == 200 else answer.status_code
@@ -97,7 +80,7 @@ def _file(request: Request, file: Path, policy: str) -> Response:
     body = coded.get(coding, file).read_bytes()
     # The build names the files under assets/ by their content.
     cache_control = "public, max-age=31536000, immutable" if file.parent.name == "assets" else "no-cache"
-    media_type = _MEDIA_TYPES[file.suffix]
+    media_type = MEDIA_TYPES[file.suffix]
     response = respond(request, body, media_type, etag=entity_tag(body), cache_control=cache_control, coding=coding)
     response.headers["Content-Security-Policy"] = policy
     return response

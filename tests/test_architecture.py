@@ -122,6 +122,7 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.bench.operations": "constants",
     "hgs_core.interchange.file_format": "records",
     "hgs_core.render.constants": "constants",
+    "server.media_types": "constants",
     **dict.fromkeys(
         (
             "hgs_core.render.triton.draw",

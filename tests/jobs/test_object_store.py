@@ -23,6 +23,12 @@ def test_a_bucket_is_no_folder() -> None:
     assert not is_folder("s3://bucket/prefix")
 
 
+def test_an_endpoint_that_is_no_address_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AWS_ENDPOINT", "storage:9000")
+    with pytest.raises(InputError, match="AWS_ENDPOINT storage:9000: is not the address of a server; give https://"):
+        open_object_store("s3://bucket/prefix")
+
+
 class TestConditionalPuts:
     @pytest.fixture
     def url(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:

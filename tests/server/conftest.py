@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
+from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.codec.format.folder import load_manifest
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
 from hgs_core.scene.camera import Camera
@@ -296,6 +298,47 @@ def scene_folder(tmp_path: Path, chunks: list[bytes], manifest: bytes) -> Path:
     for chunk in chunks:
         (run / "scene" / "chunks" / hashlib.sha256(chunk).hexdigest()).write_bytes(chunk)
     return run
+
+
+@pytest.fixture
+def player(tmp_path: Path) -> Path:
+    """A built player: its script, which loads a module and a wasm file."""
+    folder = tmp_path / "viewer" / "player"
+    (folder / "assets").mkdir(parents=True)
+    (folder / "hgs-player.js").write_text('import "./assets/zstd-1a2b.js";')
+    (folder / "assets" / "zstd-1a2b.js").write_text("1;")
+    (folder / "assets" / "zstd-1a2b.wasm").write_bytes(b"\0asm")
+    return folder
+
+
+@pytest.fixture
+def other_scene(scene_folder: Path, tmp_path: Path) -> Path:
+    """A run like `scene_folder` whose scene lacks the last slice and has another title."""
+    run = tmp_path / "other"
+    (run / "scene" / "chunks").mkdir(parents=True)
+    document = json.loads((scene_folder / "scene" / "manifest.json").read_text()) | {"title": "<Other> & more"}
+    gone = document["slices"].pop()["chunks"]
+    document["totals"]["splats_dynamic"] -= sum(chunk["splats"] for chunk in gone)
+    document["totals"]["bytes_dynamic"] -= sum(chunk["bytes"] for chunk in gone)
+    document["thumbnail"] = False
+    (run / "scene" / "manifest.json").write_text(json.dumps(document))
+    for entry in load_manifest(run / "scene").chunks:
+        (run / "scene" / "chunks" / entry.id).write_bytes((scene_folder / "scene" / "chunks" / entry.id).read_bytes())
+    return run
+
+
+class Killed(BaseException):
+    """Stands for a kill: nothing catches it."""
+
+
+def killed_after(files: int) -> ProgressCallback:
+    """Return a progress callback that ends the process, as it were, when so many files are under way."""
+
+    def progress(report: Progress) -> None:
+        if report.done == files:
+            raise Killed
+
+    return progress
 
 
 @contextlib.asynccontextmanager

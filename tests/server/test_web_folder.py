@@ -7,57 +7,17 @@ from functools import partial
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
 from urllib.parse import urljoin
 from urllib.request import urlopen
 
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress
 from hgs_core.codec.format.folder import chunk_bytes, load_manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from server.web_folder import publish_to_folder
 from tests.growing import write_growing_scene
-
-
-@pytest.fixture
-def player(tmp_path: Path) -> Path:
-    """A built player: its script, which loads a module and a wasm file."""
-    folder = tmp_path / "viewer" / "player"
-    (folder / "assets").mkdir(parents=True)
-    (folder / "hgs-player.js").write_text('import "./assets/zstd-1a2b.js";')
-    (folder / "assets" / "zstd-1a2b.js").write_text("1;")
-    (folder / "assets" / "zstd-1a2b.wasm").write_bytes(b"\0asm")
-    return folder
-
-
-@pytest.fixture
-def other_scene(scene_folder: Path, tmp_path: Path) -> Path:
-    """A run like `scene_folder` whose scene lacks the last slice and has another title."""
-    run = tmp_path / "other"
-    (run / "scene" / "chunks").mkdir(parents=True)
-    document = json.loads((scene_folder / "scene" / "manifest.json").read_text()) | {"title": "<Other> & more"}
-    gone = document["slices"].pop()["chunks"]
-    document["totals"]["splats_dynamic"] -= sum(chunk["splats"] for chunk in gone)
-    document["totals"]["bytes_dynamic"] -= sum(chunk["bytes"] for chunk in gone)
-    document["thumbnail"] = False
-    (run / "scene" / "manifest.json").write_text(json.dumps(document))
-    for entry in load_manifest(run / "scene").chunks:
-        (run / "scene" / "chunks" / entry.id).write_bytes(chunk_bytes(scene_folder / "scene", entry))
-    return run
-
-
-class Killed(BaseException):
-    """Stands for a kill: nothing catches it."""
-
-
-def killed_after(files: int) -> Any:
-    def progress(report: Progress) -> None:
-        if report.done == files:
-            raise Killed
-
-    return progress
+from tests.server.conftest import Killed, killed_after
 
 
 def tree(folder: Path) -> set[str]:

@@ -15,8 +15,9 @@ from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.folder import chunk_id
 from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.splats import HybridScene, Segment
+from server.static_publishing import PLAYER
 from server.viewer import VIEWER
-from server.web_folder import PLAYER, publish_to_folder
+from server.web_folder import publish_to_folder
 from tests.synthetic import synthetic_scene
 
 if TYPE_CHECKING:

@@ -20,7 +20,10 @@ import pytest
 
 from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
 from hgs_core.codec.format.folder import load_manifest
+from server.web_bucket import publish_to_bucket
 from server.web_folder import publish_to_folder
+from tests.jobs.modules.s3_server import running_s3_server
+from tests.server.test_web_bucket import let_all_read
 from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH, serving
 from tests.web_client.test_console_pages import violations
 
@@ -254,6 +257,30 @@ def test_a_folder_that_hgs_publish_writes_plays_by_itself(browser: Browser, site
         finally:
             context.close()
     assert len(host.requests) == len(set(host.requests))
+
+
+def test_a_bucket_that_hgs_publish_fills_plays_by_itself_and_in_a_page_of_another_origin(
+    browser: Browser, site: Site, served_picture: np.ndarray, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with running_s3_server() as server:
+        for name, value in server.settings.items():
+            monkeypatch.setenv(name, value)
+        publish_to_bucket(site.folder.parent, "s3://bucket/scene", player=PLAYER)
+        let_all_read(server, "s3://bucket/scene")
+        address = f"{server.address}/bucket/scene"
+        context = browser.new_context(viewport={"width": 800, "height": 600})
+        try:
+            page = context.new_page()
+            page.goto(f"{address}/index.html")
+            page.wait_for_function("() => document.querySelector('hgs-player').currentTime > 0.1")
+        finally:
+            context.close()
+        script = SCRIPT.replace("player/", f"{address}/player/")
+        element = player('time="0.4" camera="side"').replace("clouds/", f"{address}/")
+        (tmp_path / "page").mkdir()
+        with hosting(tmp_path / "page") as page_host, embedding(browser, page_host, script + element) as other:
+            wait_for_picture(other)
+            assert np.array_equal(pixels(other), served_picture)
 
 
 def test_a_page_of_another_origin_takes_player_and_scene_from_a_cdn(
