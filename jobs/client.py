@@ -79,7 +79,7 @@ class JobClient:
             job = Job(
                 id=job_id, title=title, capture=str(capture), config=config.to_json(),
                 labels=request.labels, priority=request.priority, time_limit=request.time_limit,
-                webhook=request.webhook,
+                webhook=request.webhook, audio=request.audio,
             )  # fmt: skip
             self._runs.submitted(job_id)
             # One transaction: a job is in the table if and only if it is in the queue.

@@ -58,6 +58,7 @@ class Job:
     priority: int = 0  # higher ones are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # the URL that is told when the job ends
+    audio: str = ""  # what is heard, as was asked for: JobRequest.audio; of jobs from before it was kept, not known
     stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
 
     def to_json(self) -> dict[str, Any]:

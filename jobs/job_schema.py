@@ -33,6 +33,7 @@ job_rows = sa.Table(
     sa.Column("time_limit", sa.Float(53), nullable=False, server_default="0"),
     sa.Column("stage_ends", sa.Float(53), nullable=False, server_default="0"),
     sa.Column("webhook", sa.Text, nullable=False, server_default=""),
+    sa.Column("audio", sa.Text, nullable=False, server_default=""),
     sa.Column("request_key", sa.String(255)),  # NULL: the client gave none
     sa.Column("request_digest", sa.String(64), nullable=False, server_default=""),
     # Rows are wide, by their configs: lists are sorted, and titles looked through, in this alone.

@@ -42,6 +42,7 @@ def describe_job(job: Job) -> dict[str, Any]:
         "preset": config.get("preset"),
         "hold_out": list(config.get("capture", {}).get("hold_out", ())),
         "config": config,
+        "audio": job.audio or None,
         "stage": job.stage or None,
         "progress": progress if job.stage else None,
         "error": job.error or None,

@@ -81,6 +81,7 @@ def job_details(job: dict[str, Any], now: float) -> str:
         "labels": ", ".join(job["labels"]) or None,
         "capture": job["capture"],
         "preset": job["preset"],
+        "sound": sound if (sound := job.get("audio")) != "auto" else None,
         "scene": job["scene"],
         "submitted": f"{duration(now - job['created'])} ago",
         "last word": f"{duration(now - job['updated'])} ago",

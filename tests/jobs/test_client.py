@@ -143,10 +143,10 @@ def ask(tmp_path: Path, **fields: Any) -> JobRequest:
     return JobRequest(capture, RunConfig(), **fields)
 
 
-def test_labels_priority_and_time_limit_are_kept(client: JobClient, tmp_path: Path) -> None:
-    job = client.get(client.submit(ask(tmp_path, labels=("night",), priority=7, time_limit=60.0)))
+def test_what_is_asked_for_beside_the_config_is_kept(client: JobClient, tmp_path: Path) -> None:
+    job = client.get(client.submit(ask(tmp_path, labels=("night",), priority=7, time_limit=60.0, audio="none")))
     assert job is not None
-    assert (job.labels, job.priority, job.time_limit) == (("night",), 7, 60.0)
+    assert (job.labels, job.priority, job.time_limit, job.audio) == (("night",), 7, 60.0, "none")
 
 
 def test_the_same_key_is_the_same_job(client: JobClient, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ def test_a_table_of_an_earlier_version_gets_the_new_columns_and_indexes(tmp_path
     with engine.begin() as connection:
         for index in ("ix_hgs_job_request_key", "ix_hgs_job_list", "ix_hgs_job_capture"):
             connection.exec_driver_sql(f"DROP INDEX {index}")
-        for column in ("labels", "request_key"):
+        for column in ("labels", "request_key", "audio"):
             connection.exec_driver_sql(f"ALTER TABLE hgs_job DROP COLUMN {column}")
         connection.exec_driver_sql("DROP TABLE hgs_job_label")
     prepare_database(home, engine, metadata)
@@ -24,5 +24,5 @@ def test_a_table_of_an_earlier_version_gets_the_new_columns_and_indexes(tmp_path
     assert {index["name"] for index in found.get_indexes("hgs_job")} >= {
         "ix_hgs_job_request_key", "ix_hgs_job_list", "ix_hgs_job_capture",
     }  # fmt: skip
-    assert {column["name"] for column in found.get_columns("hgs_job")} >= {"labels", "request_key"}
+    assert {column["name"] for column in found.get_columns("hgs_job")} >= {"labels", "request_key", "audio"}
     engine.dispose()

@@ -100,7 +100,7 @@ class FakeJobs:
         self.jobs[job_id] = Job(
             job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0,
             labels=request.labels, priority=request.priority, time_limit=request.time_limit,
-            webhook=request.webhook,
+            webhook=request.webhook, audio=request.audio,
         )  # fmt: skip
         return job_id
 

@@ -92,9 +92,9 @@ def _leave_the_worker_free(console: Console) -> Iterator[None]:
             httpx.post(f"{console.address}/v1/jobs/{job['id']}/cancel")
 
 
-def submit(console: Console, capture: str, title: str) -> str:
+def submit(console: Console, capture: str, title: str, audio: str = "auto") -> str:
     """Queue a job without the form; returns its id."""
-    body = {"capture": str(console.captures / capture), "title": title}
+    body = {"capture": str(console.captures / capture), "title": title, "audio": audio}
     job: str = httpx.post(f"{console.address}/v1/jobs", json=body).json()["id"]
     return job
 
@@ -173,8 +173,9 @@ def test_what_the_server_refuses_stands_at_its_field(console: Console, page: Pag
 
 def test_a_job_is_cancelled_and_tried_again(console: Console, page: Page) -> None:
     console.let_train("park", 40)
-    page.goto(f"/job/{submit(console, 'park', 'Park')}")
+    page.goto(f"/job/{submit(console, 'park', 'Park', 'none')}")
     page.get_by_text("Training 40 / 400").wait_for()
+    assert "no sound" in page.locator(".page-head").inner_text()
     page.get_by_role("button", name="Cancel").click()
     page.locator(".job-state", has_text="Cancelled").wait_for()
     console.let_train("park")

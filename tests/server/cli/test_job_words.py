@@ -58,6 +58,12 @@ def test_what_there_is_to_say_of_a_job() -> None:
     assert "waits for" not in text
 
 
+@pytest.mark.parametrize(("audio", "shown"), [("", []), ("auto", []), ("camera:cam01", ["sound       camera:cam01"])])
+def test_the_sound_of_a_job_is_shown_if_one_was_chosen(audio: str, shown: list[str]) -> None:
+    lines = job_details(job(audio=audio), now=1600.0).splitlines()
+    assert [line for line in lines if line.startswith("sound")] == shown
+
+
 def test_a_table_of_workers() -> None:
     worker = {"id": "a-1", "host": "a", "device": None, "job": None, "idle_because": "no home", "started": 0.0}
     assert worker_table([worker], now=60.0).splitlines()[1].split() == ["a-1", "a", "-", "-", "1", "min", "no", "home"]

@@ -27,6 +27,7 @@ import {
   describeProgress,
   describeQueue,
   describeRemaining,
+  describeSound,
   titleOf,
 } from "./job_words";
 import { emptyState, isMissing, type Shell, showShell } from "./shell";
@@ -136,6 +137,7 @@ class JobView {
     const about = [
       `From ${captureName(job)}`,
       job.preset ? `preset ${job.preset}` : "",
+      describeSound(job),
       job.attempt > 1 ? `attempt ${job.attempt}` : "",
     ];
     setText(this.#about, about.filter(Boolean).join(" · "));

@@ -37,6 +37,15 @@ export const titleOf = (job: Job): string => job.title || captureName(job) || jo
 
 export const captureName = (job: Job): string => job.capture.split("/").filter(Boolean).at(-1) ?? "";
 
+const CAMERA_SOUND = "camera:";
+
+/** What is heard, where that is not the capture's own sound: "no sound", "sound of cam01", "sound of recorder.wav". */
+export function describeSound({ audio }: Job): string {
+  if (audio === null || audio === "auto") return "";
+  if (audio === "none") return "no sound";
+  return `sound of ${audio.startsWith(CAMERA_SOUND) ? audio.slice(CAMERA_SOUND.length) : audio.split("/").at(-1)}`;
+}
+
 /** "Depth maps" of `depth_maps`. */
 export function spelledOut(name: string): string {
   const words = name.replace(/[_-]+/g, " ").trim();

@@ -34,6 +34,8 @@ export interface Job {
   readonly title: string | null;
   readonly preset: string | null;
   readonly config: Readonly<Record<string, unknown>>;
+  /** What is heard: "auto", "none", "camera:" and a name, or the path of a file; null where that is not known. */
+  readonly audio: string | null;
   readonly stage: string | null;
   readonly progress: JobProgress | null;
   readonly error: string | null;

@@ -20,6 +20,7 @@ const news = (done: number, fields: Partial<Job> = {}): Job => ({
   title: "Studio",
   preset: "preview",
   config: {},
+  audio: null,
   stage: "train",
   progress: { stage: "train", done, total: 1000, figures: { psnr: 20 + done / 100, loss: 0.1 } },
   error: null,

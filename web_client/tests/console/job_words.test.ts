@@ -6,6 +6,7 @@ import {
   describeProgress,
   describeQueue,
   describeRemaining,
+  describeSound,
   stepOf,
   titleOf,
 } from "../../src/console/job_words";
@@ -16,6 +17,7 @@ const job = (fields: Partial<Job>): Job => ({
   state: "running",
   attempt: 1,
   config: {},
+  audio: null,
   capture: "/captures/studio",
   title: "Studio",
   preset: "preview",
@@ -43,6 +45,18 @@ describe("describeProgress", () => {
     ["Cancelled", { state: "cancelled", stage: "train" }],
   ])("says %s", (text, fields) => {
     expect(describeProgress(job(fields))).toBe(text);
+  });
+});
+
+describe("describeSound", () => {
+  it.each<[string, string | null]>([
+    ["", null],
+    ["", "auto"],
+    ["no sound", "none"],
+    ["sound of cam01", "camera:cam01"],
+    ["sound of recorder.wav", "/captures/studio/recorder.wav"],
+  ])("says “%s” of %s", (text, audio) => {
+    expect(describeSound(job({ audio }))).toBe(text);
   });
 });
 
