@@ -6,12 +6,13 @@ import dataclasses
 import gzip
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import accumulate
+from typing import Any, NamedTuple
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.audio import AudioEntry
+from hgs_core.codec.format.audio import AudioEntry, AudioPiece
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES
 from hgs_core.codec.format.json_fields import Field, field_of
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
@@ -64,8 +65,11 @@ class PagedManifest:
         self.pages: tuple[PageEntry, ...] = ()
         self._where = where
         self._read: dict[float, tuple[str, Page]] = {}  # by the start, with their ids
+        self._places: dict[str, int] = {}  # of the pages, by their ids
+        self._parts: list[_Part] = []  # what each of them, or what stands for it, brings
+        self._manifest: Manifest | None = None
         if root["format"].value != INDEX_FORMAT:
-            self.manifest = Manifest.from_json(root.value, where)
+            self._manifest = Manifest.from_json(root.value, where)
             return
         if root["version"].whole(1) != INDEX_VERSION:
             raise root["version"].error(f"is {root['version'].value}, expected {INDEX_VERSION}")
@@ -73,7 +77,14 @@ class PagedManifest:
         if not self.pages:
             raise root["pages"].error("is empty, expected at least one")
         self._header = _header(root["manifest"])
-        self._compose()
+        self._arrange()
+
+    @property
+    def manifest(self) -> Manifest:
+        """The manifest as far as it has come; another object whenever more of it has."""
+        if self._manifest is None:
+            self._manifest = self._composed()
+        return self._manifest
 
     def continued_by(self, later: PagedManifest) -> bool:
         """Return whether another one is a later version of this scene."""
@@ -86,14 +97,15 @@ class PagedManifest:
 
     def become(self, later: PagedManifest) -> None:
         """Go on with a later version of the scene; the pages that have come stay."""
-        self.pages, self.manifest = later.pages, later.manifest
+        self.pages, self._manifest = later.pages, later.manifest
         if self.pages:
             self._header = later._header
-            self._compose()
+            self._arrange()
 
     def lacks(self, name: str) -> bool:
         """Return whether there is such a page, and it has not come."""
-        return any(entry.id == name and self._page(entry) is None for entry in self.pages)
+        place = self._places.get(name)
+        return place is not None and self._page(self.pages[place]) is None
 
     def add(self, name: str, data: bytes) -> None:
         """Take a page that is lacking.
@@ -102,11 +114,13 @@ class PagedManifest:
             InputError: it is damaged, or has not what the index says.
         """
         page = read_page(data, f"{self._where}: page {name}")
-        entry = next(entry for entry in self.pages if entry.id == name)
+        place = self._places[name]
+        entry = self.pages[place]
         if len(page.segments) != entry.segments:
             raise InputError(f"page {name}", f"has {len(page.segments)} segments, the index says {entry.segments}")
         self._read[entry.start] = name, page
-        self._compose()
+        self._parts[place] = self._part(place)
+        self._manifest = None
 
     def listed(self) -> dict[str, list[str]]:
         """Return by page which chunks, and then pieces of sound, it lists in order: of the pages that have come.
@@ -124,29 +138,47 @@ class PagedManifest:
         name, page = self._read.get(entry.start, ("", None))
         return page if name == entry.id else None
 
-    def _compose(self) -> None:
-        header = self._header
+    def _arrange(self) -> None:
+        """Work out where every page stands, and what it brings; a page that comes changes its own part alone."""
+        counts = [entry.segments for entry in self.pages]
+        self._firsts = list(accumulate(counts, initial=0))
+        self._places = {entry.id: place for place, entry in enumerate(self.pages)}
+        self._parts = [self._part(place) for place in range(len(self.pages))]
+        self._manifest = None
+
+    def _part(self, place: int) -> _Part:
+        entry, first = self.pages[place], self._firsts[place]
+        start = entry.start
+        end = self._header.end if place + 1 == len(self.pages) else self.pages[place + 1].start
         segments: list[SegmentEntry] = []
         slices: list[SliceEntry] = []
-        for entry, after in zip(self.pages, (*self.pages[1:], None), strict=True):
-            first, start = len(segments), entry.start
-            end = header.end if after is None else after.start
-            _, page = self._read.get(start, ("", None))
-            if page is not None:
-                segments += page.segments
-                slices += [dataclasses.replace(piece, segment=first + piece.segment) for piece in page.slices]
-                start = slices[-1].end
-            if self._page(entry) is None:
-                lacking = first + entry.segments - len(segments)
-                chunk = ChunkEntry(entry.id, entry.bytes, 0, _NOWHERE)
-                slices.append(SliceEntry(len(segments), start, max(start, end), (chunk,), ()))
-                segments += [SegmentEntry(start, max(start, end))] * lacking
-        audio = header.audio
+        _, page = self._read.get(start, ("", None))
+        if page is not None:
+            segments += page.segments
+            slices += [dataclasses.replace(piece, segment=first + piece.segment) for piece in page.slices]
+            start = slices[-1].end
+        if self._page(entry) is None:
+            lacking = entry.segments - len(segments)
+            chunk = ChunkEntry(entry.id, entry.bytes, 0, _NOWHERE)
+            slices.append(SliceEntry(first + len(segments), start, max(start, end), (chunk,), ()))
+            segments += [SegmentEntry(start, max(start, end))] * lacking
+        return _Part(segments, slices, () if page is None else page.pieces)
+
+    def _composed(self) -> Manifest:
+        header, audio = self._header, self._header.audio
         if audio is not None:
-            found = (self._read[entry.start][1] for entry in self.pages if entry.start in self._read)
-            pieces = tuple(piece for page in found for piece in page.pieces)
-            audio = dataclasses.replace(audio, pieces=pieces)
-        self.manifest = dataclasses.replace(header, segments=tuple(segments), slices=tuple(slices), audio=audio)
+            audio = dataclasses.replace(audio, pieces=tuple(piece for part in self._parts for piece in part.pieces))
+        segments = tuple(segment for part in self._parts for segment in part.segments)
+        slices = tuple(piece for part in self._parts for piece in part.slices)
+        return dataclasses.replace(header, segments=segments, slices=slices, audio=audio)
+
+
+class _Part(NamedTuple):
+    """What a page brings to the manifest, its segments numbered in the whole scene."""
+
+    segments: Sequence[SegmentEntry]
+    slices: Sequence[SliceEntry]
+    pieces: Sequence[AudioPiece]
 
 
 def _entry(field: Field) -> PageEntry:

@@ -33,6 +33,18 @@ def test_all_pages_together_are_the_manifest_in_any_order() -> None:
     assert paged.manifest.to_json() == VECTORS["manifest"]
 
 
+def test_a_page_that_comes_makes_nothing_anew_but_its_own_part() -> None:
+    """An hour has 113 pages: all of them made anew with each was most of what reading them took."""
+    paged = PagedManifest(INDEX)
+    paged.add(SECOND, PAGES[SECOND])
+    before = paged.manifest
+    paged.add(FIRST, PAGES[FIRST])
+    after = paged.manifest
+    assert after is not before
+    assert [a is b for a, b in zip(before.slices[-4:], after.slices[-4:], strict=True)] == [True] * 4
+    assert paged.manifest is after
+
+
 def test_in_place_of_a_page_is_a_slice_that_needs_it() -> None:
     paged = PagedManifest(INDEX)
     paged.add(SECOND, PAGES[SECOND])
