@@ -6,10 +6,9 @@ import hashlib
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.growth import continues, growth_of
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
@@ -111,10 +110,6 @@ class SceneIndex:
         """The size of the whole scene: its chunks and its manifest."""
         return sum(self.stored.values()) - sum(map(len, self.page_bytes.values())) + len(self.document)
 
-    def growth(self, earlier: SceneIndex) -> bytes | None:
-        """Return as JSON what makes this manifest of that of an earlier index; None if it is another scene's."""
-        return _growth(self.document, earlier.document)
-
     def alive(self, time: float) -> list[int]:
         """Return the indices of the slices that are shown at `time`, in seconds."""
         found = []
@@ -123,14 +118,6 @@ class SceneIndex:
             found.append(index)
             index = self.queue.first_shown_after(time, index + 1)
         return found
-
-
-@lru_cache(maxsize=16)  # all who watch a scene ask for the same
-def _growth(later: bytes, earlier: bytes) -> bytes | None:
-    after, before = json.loads(later), json.loads(earlier)
-    if not continues(after, before):
-        return None
-    return json.dumps(growth_of(after, before), separators=(",", ":")).encode()
 
 
 def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) -> SceneIndex:

@@ -33,6 +33,7 @@ from server.protocol import (
     Welcome,
     encode,
 )
+from server.scene_growth import is_later, scene_growth
 from server.scene_index import Chunk, SceneIndex
 from server.send_order import COMPLETE, Mark, SendOrder
 
@@ -138,12 +139,11 @@ class StreamSession:
         published, before = self._published, self._scene
         if scene.manifest_id == published.manifest_id or (self._greeted and not self._follows):
             return
-        growth = scene.growth(published)
-        if growth is None:
-            if published.growth(scene) is not None:  # it was read before this session began
+        if not is_later(scene, published):
+            if is_later(published, scene):  # it was read before this session began
                 return
             raise ProtocolError(4004, "scene-changed", "another scene has taken its place")
-        self._published = scene
+        self._published = later = scene
         self._scene = scene = self._for_client(scene)
         self._playhead.set(self._playhead.at(clock), clock)
         self._playhead.end, self._playhead.grows = scene.end, scene.live is not None
@@ -158,7 +158,7 @@ class StreamSession:
         if self._version > LAST_WITHOUT_PAGES:
             self._outbox.append(encode(Grow(scene.manifest_id, remaining, manifest=scene.manifest)))
             return
-        growth, coding = self._coded(growth)
+        growth, coding = self._coded(scene_growth(later, published))
         self._outbox.append(encode(Grow(scene.manifest_id, remaining, growth=growth, coding=coding)))
 
     def wait(self, clock: float) -> float | None:

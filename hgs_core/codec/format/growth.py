@@ -9,8 +9,9 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.pages import read_page
 
-__all__ = ["apply_growth", "continues", "first_segments", "growth_of", "replaces"]
+__all__ = ["apply_growth", "continues", "first_segments", "growth_of", "index_continues", "replaces"]
 
 Document = Mapping[str, Any]
 
@@ -28,6 +29,25 @@ def continues(later: Document, earlier: Document) -> bool:
     if any(later[name][: len(earlier[name])] != earlier[name] for name in _APPENDED):
         return False
     return all(later.get(name) == earlier.get(name) for name in (later.keys() | earlier.keys()) - _FREE)
+
+
+def index_continues(later: Document, earlier: Document, page: bytes, last: bytes) -> bool:
+    """Return what `continues` says of two manifests in pages, from their indexes, as plain JSON, and two pages alone.
+
+    `last` is the last page of the earlier one, and `page` what the later one has in its place.
+
+    Raises:
+        InputError: a page is damaged.
+    """
+    full = len(earlier["pages"]) - 1  # pages, which no growth changes
+    if later["pages"][:full] != earlier["pages"][:full]:
+        return False
+    elsewhere: Document = {name: [] for name in _APPENDED}
+    if not continues({**later["manifest"], **elsewhere}, {**earlier["manifest"], **elsewhere}):
+        return False
+    before, after = read_page(last), read_page(page)
+    segments, slices = len(before.segments), len(before.slices)
+    return after.segments[:segments] == before.segments and after.slices[:slices] == before.slices
 
 
 def replaces(later: bytes, earlier: bytes) -> bool:

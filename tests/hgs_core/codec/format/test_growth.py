@@ -8,8 +8,19 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.growth import apply_growth, continues, first_segments, growth_of, replaces
+from hgs_core.codec.format.growth import (
+    apply_growth,
+    continues,
+    first_segments,
+    growth_of,
+    index_continues,
+    replaces,
+)
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.paged_manifest import read_index
+from hgs_core.codec.format.paging import paged
+from tests.chunks import dynamic_chunk
+from tests.growing import STATIC, growing_manifest
 
 COMPLETE: dict[str, Any] = json.loads(
     (Path(__file__).resolve().parents[3] / "vectors" / "manifest.json").read_text(encoding="utf-8")
@@ -74,3 +85,40 @@ def test_damaged_manifests_are_no_later_versions() -> None:
     for damaged in (b"", b"[]", b"{}", b'{"live": "1"}', b"\xff"):
         assert not replaces(damaged, first)
         assert not replaces(last, damaged)
+
+
+CHUNKS = [dynamic_chunk(b"%d" % k, (float(k), k + 1.0)) for k in range(7)]
+
+
+def many_segments(count: int) -> dict[str, Any]:
+    """Return the manifest of so many segments with a chunk in each."""
+    return growing_manifest(STATIC, CHUNKS[:count], live=count).to_json()
+
+
+def in_pages(document: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
+    made = paged(Manifest.from_json(document), document, full=3)
+    return read_index(made.index), list(made.pages.values())
+
+
+@pytest.mark.parametrize("before", [1, 2, 3, 4, 6])
+@pytest.mark.parametrize("after", [1, 3, 4, 5, 7])
+@pytest.mark.parametrize("change", [{}, {"extent": 9.0}, {"title": "Another"}])
+def test_indexes_and_two_pages_tell_what_the_manifests_tell(before: int, after: int, change: dict[str, Any]) -> None:
+    earlier, later = many_segments(before), many_segments(after) | change
+    (first, pages), (second, others) = in_pages(earlier), in_pages(later)
+    if len(others) >= len(pages):
+        told = index_continues(second, first, others[len(pages) - 1], pages[-1])
+        assert told == continues(later, earlier)
+
+
+@pytest.mark.parametrize("place", [0, 4])
+def test_another_slice_in_a_page_is_another_scene(place: int) -> None:
+    """In a page that is full, and in the last one of the earlier version."""
+    earlier, later = many_segments(5), many_segments(7)
+    (first, pages), (_, others) = in_pages(earlier), in_pages(later)
+    assert index_continues(in_pages(later)[0], first, others[1], pages[1])
+    later["slices"][place]["chunks"][0]["bytes"] += 1
+    later["totals"]["bytes_dynamic"] += 1
+    second, others = in_pages(later)
+    assert not continues(later, earlier)
+    assert not index_continues(second, first, others[1], pages[1])
