@@ -9,7 +9,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from jobs.byte_sizes import bytes_of
-from jobs.stages import StageBytes, StageSeconds
+from jobs.stages import StageBytes, StageCount, StageSeconds
 
 __all__ = ["Home"]
 
@@ -17,6 +17,9 @@ RUN_STATES = ("home", "store")
 
 SILENCE = StageSeconds(300.0)
 REPORT = StageSeconds(7200.0, (("train", 3600.0), ("publish", 3600.0)))
+PROCESSES = StageCount(256)
+FILES = StageCount(4096)
+FILE_SIZE = StageBytes(100e9)
 
 
 @dataclass(frozen=True)
@@ -34,6 +37,9 @@ class Home:
     stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
     stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
     stage_memory: StageBytes | None = None  # that each of its processes may take; None: any
+    stage_processes: StageCount = PROCESSES  # that it may have; threads in proportion
+    stage_files: StageCount = FILES  # that each of its processes may have open
+    stage_file_size: StageBytes = FILE_SIZE  # bytes of the longest file that it may write
     capture_cache: float = 100e9  # bytes that copies of uploaded captures may take, where runs lie in the store
     run_state: str = "home"  # where the state of runs lies: in the folder, or in the "store"
 
@@ -64,8 +70,8 @@ class Home:
         """Read `HGS_HOME` (default ~/.hgs), `HGS_DATABASE_URL`, `HGS_STORE_URL`, `HGS_PIPELINE`, `HGS_RUN_STATE`,
         `HGS_CAPTURE_CACHE` (bytes) and limits of stages.
 
-        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, and `HGS_STAGE_MEMORY`, in bytes, as
-        `StageSeconds` and `StageBytes` read them.
+        These are `HGS_STAGE_SILENCE` and `HGS_STAGE_REPORT`, in seconds, `HGS_STAGE_MEMORY` and `HGS_STAGE_FILE_SIZE`,
+        in bytes, and `HGS_STAGE_PROCESSES` and `HGS_STAGE_FILES`, as the classes of jobs/stages.py read them.
 
         An empty variable counts as absent. A store given as a plain path becomes a file URL.
 
@@ -79,6 +85,9 @@ class Home:
             store_url = Path(store_url).expanduser().resolve().as_uri()
         silence = environment.get("HGS_STAGE_SILENCE") or str(default.stage_silence)
         report = environment.get("HGS_STAGE_REPORT") or str(default.stage_report)
+        processes = environment.get("HGS_STAGE_PROCESSES") or str(default.stage_processes)
+        files = environment.get("HGS_STAGE_FILES") or str(default.stage_files)
+        file_size = environment.get("HGS_STAGE_FILE_SIZE") or str(default.stage_file_size)
         memory, cache = environment.get("HGS_STAGE_MEMORY"), environment.get("HGS_CAPTURE_CACHE")
         return cls(
             default.folder,
@@ -88,6 +97,9 @@ class Home:
             StageSeconds.parse("HGS_STAGE_SILENCE", silence),
             StageSeconds.parse("HGS_STAGE_REPORT", report),
             StageBytes.parse("HGS_STAGE_MEMORY", memory) if memory else None,
+            StageCount.parse("HGS_STAGE_PROCESSES", processes),
+            StageCount.parse("HGS_STAGE_FILES", files),
+            StageBytes.parse("HGS_STAGE_FILE_SIZE", file_size),
             bytes_of(cache, "HGS_CAPTURE_CACHE") if cache else default.capture_cache,
             environment.get("HGS_RUN_STATE") or default.run_state,
         )
@@ -102,6 +114,9 @@ class Home:
             "HGS_STAGE_SILENCE": str(self.stage_silence),
             "HGS_STAGE_REPORT": str(self.stage_report),
             "HGS_STAGE_MEMORY": str(self.stage_memory or ""),
+            "HGS_STAGE_PROCESSES": str(self.stage_processes),
+            "HGS_STAGE_FILES": str(self.stage_files),
+            "HGS_STAGE_FILE_SIZE": str(self.stage_file_size),
             "HGS_CAPTURE_CACHE": repr(self.capture_cache),
             "HGS_RUN_STATE": self.run_state,
         }

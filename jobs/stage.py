@@ -32,9 +32,11 @@ from typing import IO, Any, NoReturn
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, silent
 from hgs_core.runs.folder import RunFolder
+from jobs.file_limits import limit_files, met_file_limit
 from jobs.home import Home
 from jobs.out_of_memory import limit_memory, out_of_memory
 from jobs.parent_process import when_parent_is_gone
+from jobs.process_tree import ProcessTree, keep_orphans
 from jobs.segments import Exchange, help_with_segment, make_segments
 from jobs.stages import HELP, STAGES
 from jobs.transient_faults import reason_to_wait
@@ -58,10 +60,12 @@ def main(arguments: list[str] | None = None) -> int:
 
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
-    when_parent_is_gone(lambda: os._exit(ORPHANED))
+    keep_orphans()
+    when_parent_is_gone(_end)
     report = _claim_stdout()
     home = Home.from_environment()
     limit_memory(None if home.stage_memory is None else home.stage_memory.of(options.stage))
+    limit_files(int(home.stage_files.of(options.stage)), home.stage_file_size.of(options.stage))
     try:
         with contextlib.ExitStack() as held:
             try:
@@ -79,7 +83,15 @@ def main(arguments: list[str] | None = None) -> int:
         return STOPPED
     except Exception as error:
         return _explain(error, report)
+    finally:
+        ProcessTree(os.getpid()).kill()  # of those that it leaves behind it alone knows all
     return DONE
+
+
+def _end() -> NoReturn:
+    """End without the worker, and leave no process behind that nobody would look after."""
+    ProcessTree(os.getpid()).kill()
+    os._exit(ORPHANED)
 
 
 def _lost(report: IO[str]) -> NoReturn:
@@ -89,8 +101,11 @@ def _lost(report: IO[str]) -> NoReturn:
 
 def _explain(error: Exception, report: IO[str]) -> int:
     """Tell the worker in one line why the stage failed, and return the exit status."""
-    reason = reason_to_wait(error)
-    if reason:
+    limit = met_file_limit(error)  # too many open files: of a worker that passes, but of a stage it would come again
+    reason = "" if limit else reason_to_wait(error)
+    if limit:
+        _send(report, {"error": limit})
+    elif reason:
         _send(report, {"waiting": reason})
     elif isinstance(error, InputError):
         _send(report, {"error": str(error)})

@@ -9,8 +9,8 @@ a library that holds the interpreter's lock for minutes would keep a heartbeat o
 from __future__ import annotations
 
 import math
-import os
-from pathlib import Path
+
+from jobs.process_tree import ProcessTree
 
 __all__ = ["Silence"]
 
@@ -19,24 +19,24 @@ BUSY_SHARE = 0.003  # of one processor; threads that only watch something use le
 
 
 class Silence:
-    """Counts how long a process group has been silent and idle, and how long silent.
+    """Counts how long the processes of a stage have been silent and idle, and how long silent.
 
     Time counts only while somebody looks, so that a machine that slept does not take its stages for hung.
     """
 
-    def __init__(self, group: int, longest: float, longest_busy: float = math.inf) -> None:
-        """Watch process group `group`; `longest` is the silence in seconds after which it counts as hung.
+    def __init__(self, processes: ProcessTree, longest: float, longest_busy: float = math.inf) -> None:
+        """Watch `processes`; `longest` is the silence in seconds after which it counts as hung.
 
         `longest_busy` is the same for one that computes.
         """
         self.interval = longest / LOOKS
         self.over = False
-        self._group = group
+        self._processes = processes
         self._enough = BUSY_SHARE * longest
         self._looks = 0
         self._silent_looks = 0
         self._most_silent_looks = longest_busy / self.interval
-        self._seconds = _cpu_seconds(group)
+        self._seconds = _cpu_seconds(processes)
 
     def broken(self) -> None:
         """Note that the stage has said something."""
@@ -46,7 +46,7 @@ class Silence:
         """Look once; to be called every `interval` seconds."""
         self._silent_looks += 1
         self.over = self.over or self._silent_looks >= self._most_silent_looks
-        seconds = _cpu_seconds(self._group)
+        seconds = _cpu_seconds(self._processes)
         if seconds is None:  # not Linux: nobody can tell, and a busy stage must not be killed
             return
         if self._seconds is None or abs(seconds - self._seconds) > self._enough:
@@ -56,17 +56,7 @@ class Silence:
         self.over = self.over or self._looks >= LOOKS
 
 
-def _cpu_seconds(group: int) -> float | None:
-    """Return the processor time of the living processes of a group, in seconds; None where the system has no /proc."""
-    if not Path("/proc/self/stat").exists():
-        return None
-    ticks = 0
-    for entry in Path("/proc").iterdir():
-        if entry.name.isdigit():
-            try:
-                fields = (entry / "stat").read_text().rpartition(")")[2].split()  # the name before may hold anything
-            except OSError:
-                continue  # it has ended
-            if int(fields[2]) == group:
-                ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")
+def _cpu_seconds(processes: ProcessTree) -> float | None:
+    """Return the processor time of the living processes, in seconds; None where there are none or nobody can tell."""
+    found = processes.look()
+    return sum(process.seconds for process in found) if found else None

@@ -1,4 +1,4 @@
-"""The stages of a job by name, and how settings give each of them a number of seconds or bytes."""
+"""The stages of a job by name, and how settings give each of them a number of seconds, bytes or things."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Self
 from hgs_core.base.errors import InputError
 from jobs.byte_sizes import bytes_of
 
-__all__ = ["HELP", "STAGES", "StageBytes", "StageSeconds"]
+__all__ = ["HELP", "STAGES", "StageBytes", "StageCount", "StageSeconds"]
 
 STAGES = ("initialise", "train", "encode", "publish")
 HELP = "help"  # with a segment of a job that another worker has
@@ -76,3 +76,13 @@ class StageBytes(_StageNumbers):
         if value <= 0:
             raise InputError(name, f"{text!r} is not a positive number of bytes")
         return value
+
+
+class StageCount(_StageNumbers):
+    """The same for whole numbers: `256` or `256,train=1024`."""
+
+    @staticmethod
+    def _number(name: str, text: str) -> float:
+        if not text.strip().isdecimal() or int(text) < 1:
+            raise InputError(name, f"{text!r} is not a positive whole number", "write one such as 256")
+        return int(text)

@@ -9,6 +9,7 @@ import logging
 import os
 import signal
 import sys
+import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +17,7 @@ from pathlib import Path
 from hgs_core.base.progress import Progress
 from jobs.home import Home
 from jobs.out_of_memory import CURE, system_kills
+from jobs.process_tree import ProcessTree, too_many
 from jobs.stage_environment import stage_environment
 from jobs.stage_silence import Silence
 
@@ -23,6 +25,8 @@ __all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]
 
 GRACE = 10.0  # seconds between SIGTERM and SIGKILL: time to write a checkpoint
 LINE_LIMIT = 1 << 20  # bytes of the longest line a stage may print
+LOOK = 1.0  # seconds between two looks at how many processes a stage has
+LOOK_SHARE = 0.02  # of the worker's processor that looking takes at most
 
 log = logging.getLogger(__name__)
 
@@ -44,8 +48,10 @@ class StageOutcome:
 @dataclass
 class _Running:
     process: asyncio.subprocess.Process
+    tree: ProcessTree
     silence: Silence
     lost: bool = False
+    too_many: str = ""  # processes: in one line
 
 
 @dataclass
@@ -79,9 +85,14 @@ class StageRunner:
                 env=stage_environment(self.home, stage, run),
                 limit=LINE_LIMIT,
             )
-        silence = Silence(process.pid, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))
-        running = self._running[workflow] = _Running(process, silence)
-        watch = asyncio.create_task(_end_if_silent(running, stage))
+        tree = ProcessTree(process.pid)
+        silence = Silence(tree, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))
+        running = self._running[workflow] = _Running(process, tree, silence)
+        watches = (
+            asyncio.create_task(_end_with(running)),
+            asyncio.create_task(_end_if_silent(running, stage)),
+            asyncio.create_task(_end_if_too_many(running, stage, int(self.home.stage_processes.of(stage)))),
+        )
         try:
             said = await _relay(running, on_progress)
             status = await process.wait()
@@ -91,13 +102,16 @@ class StageRunner:
                 await asyncio.wait_for(process.wait(), GRACE)
             raise
         finally:
-            watch.cancel()
-            _signal(process, signal.SIGKILL)
+            for watch in watches:
+                watch.cancel()
+            running.tree.kill()
             await process.wait()
             del self._running[workflow]
         await self._unless_stopping()
         if running.lost:
             raise OwnershipLost(workflow)
+        if running.too_many:
+            return StageOutcome(f"{stage}: {running.too_many}")
         return _outcome(stage, status, said, silent=silence.over, killed_before=killed_before)
 
     async def _unless_stopping(self) -> None:
@@ -114,7 +128,7 @@ class StageRunner:
         running = self._running.get(workflow)
         if running is not None:
             running.lost = True
-            _signal(running.process, signal.SIGKILL)
+            running.tree.kill()
 
     def stop(self) -> None:
         """Ask all stages to save and end; their outcomes are not recorded. Poll `workflows` for the end."""
@@ -126,7 +140,7 @@ class StageRunner:
         """Kill all stages at once."""
         self._stopping = True
         for running in list(self._running.values()):
-            _signal(running.process, signal.SIGKILL)
+            running.tree.kill()
 
 
 async def _relay(running: _Running, on_progress: Callable[[Progress], Awaitable[None]]) -> StageOutcome:
@@ -143,13 +157,31 @@ async def _relay(running: _Running, on_progress: Callable[[Progress], Awaitable[
     return said
 
 
+async def _end_with(running: _Running) -> None:
+    """Kill what a stage leaves behind when it ends: its stdout would stay open, too."""
+    await running.process.wait()
+    running.tree.kill()
+
+
 async def _end_if_silent(running: _Running, stage: str) -> None:
     """Kill a stage that hangs; it is then run again as one that another signal ended."""
     while not running.silence.over:
         await asyncio.sleep(running.silence.interval)
         running.silence.look()
     log.warning("%s in process %d hangs: killing it", stage, running.process.pid)
-    _signal(running.process, signal.SIGKILL)
+    running.tree.kill()
+
+
+async def _end_if_too_many(running: _Running, stage: str, most: int) -> None:
+    """Kill a stage that starts ever more processes, before the machine has no place for others."""
+    while True:
+        began = time.perf_counter()
+        running.too_many = too_many(running.tree.look(), most)
+        if running.too_many:
+            break
+        await asyncio.sleep(max(LOOK, (time.perf_counter() - began) / LOOK_SHARE))
+    log.warning("%s in process %d: %s", stage, running.process.pid, running.too_many)
+    running.tree.kill()
 
 
 def _outcome(stage: str, status: int, said: StageOutcome, *, silent: bool, killed_before: int | None) -> StageOutcome:

@@ -17,6 +17,9 @@ from composition import DATABASE, FILE, SECRETS, Composition, substituted
 from postgres_server import PostgresServer
 from s3_server import running_s3_server
 
+from jobs import home
+from jobs.process_tree import THREADS_EACH
+
 Poll = Callable[[Callable[[], bool], str], None]
 
 
@@ -96,6 +99,16 @@ def test_nothing_listens_to_other_machines_unless_that_is_asked_for() -> None:
 def test_logs_do_not_grow_without_end() -> None:
     for service in services().values():
         assert service["logging"] == {"driver": "json-file", "options": {"max-size": "10m", "max-file": "5"}}
+
+
+def test_processes_and_files_of_ours_are_bounded_beyond_what_stages_may_have() -> None:
+    for service in OURS:
+        found = services()[service]
+        assert int(found["pids_limit"]) > home.PROCESSES.of("train") * THREADS_EACH
+        assert found["ulimits"]["nofile"] > home.FILES.of("train")
+        assert found["ulimits"]["core"] == 0
+        assert found["init"] is True  # or those that lost their parent would count for ever
+    assert services(HGS_PIDS="50000")["worker"]["pids_limit"] == 50000
 
 
 def test_a_gpu_is_asked_for_by_its_profile_alone() -> None:

@@ -158,6 +158,27 @@ def test_a_full_disk_is_waited_for(start: Callable[[str, Path], Stage], tmp_path
     assert "Traceback" in errors
 
 
+def test_too_many_open_files_are_not_waited_for(start: Callable[[str, Path], Stage], tmp_path: Path) -> None:
+    status, messages, _ = finish(start("train", make_run(tmp_path, "open")))
+    assert status == 1
+    line = "too many open files: limit 4096; raise HGS_STAGE_FILES (or ulimit -n) if they are meant"
+    assert messages[-1] == {"error": line}
+
+
+def test_when_its_parent_is_gone_it_leaves_no_process(
+    start: Callable[[str, Path], Stage], tmp_path: Path, wait_until: Poll
+) -> None:
+    from counting_pipeline import living_sleepers
+
+    run = make_run(tmp_path, "fork", iterations=2)
+    process = start("train", run)
+    wait_until(lambda: (run / "sleepers").exists(), "processes of the stage")
+    assert process.stdin is not None
+    process.stdin.close()
+    assert process.wait(60) == 70
+    wait_until(lambda: not living_sleepers(run), "the end of them")
+
+
 def test_publish_puts_the_scene_under_the_name_of_the_run(
     start: Callable[[str, Path], Stage], home: Home, run: Path
 ) -> None:

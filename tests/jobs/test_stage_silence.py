@@ -7,14 +7,17 @@ from pathlib import Path
 import pytest
 
 from jobs import stage_silence
+from jobs.process_tree import ProcessTree
 from jobs.stage_silence import LOOKS, Silence
+
+TREE = ProcessTree(1)
 
 
 @pytest.fixture
 def seconds(monkeypatch: pytest.MonkeyPatch) -> list[float | None]:
     """The processor time that a stage is said to have used: the last element."""
     used: list[float | None] = [0.0]
-    monkeypatch.setattr(stage_silence, "_cpu_seconds", lambda group: used[-1])
+    monkeypatch.setattr(stage_silence, "_cpu_seconds", lambda processes: used[-1])
     return used
 
 
@@ -27,12 +30,12 @@ def looks_until_over(silence: Silence) -> int:
 
 
 def test_idle_and_silent_is_over_after_the_longest_silence(seconds: list[float | None]) -> None:
-    silence = Silence(1, 300)
+    silence = Silence(TREE, 300)
     assert silence.interval * looks_until_over(silence) == 300
 
 
 def test_a_word_begins_it_anew(seconds: list[float | None]) -> None:
-    silence = Silence(1, 300)
+    silence = Silence(TREE, 300)
     for _ in range(LOOKS - 1):
         silence.look()
     silence.broken()
@@ -40,7 +43,7 @@ def test_a_word_begins_it_anew(seconds: list[float | None]) -> None:
 
 
 def test_work_begins_it_anew_and_idling_does_not(seconds: list[float | None]) -> None:
-    silence = Silence(1, 300)
+    silence = Silence(TREE, 300)
     for _ in range(3 * LOOKS):  # a hundredth of a processor
         seconds.append((seconds[-1] or 0) + 0.3)
         silence.look()
@@ -53,18 +56,18 @@ def test_work_begins_it_anew_and_idling_does_not(seconds: list[float | None]) ->
 
 def test_where_nobody_can_tell_no_stage_is_taken_for_hung(seconds: list[float | None]) -> None:
     seconds.append(None)
-    assert looks_until_over(Silence(1, 300)) == 0
+    assert looks_until_over(Silence(TREE, 300)) == 0
 
 
 def test_without_a_word_for_very_long_a_busy_stage_is_over_too(seconds: list[float | None]) -> None:
-    silence = Silence(1, 300, 900)
+    silence = Silence(TREE, 300, 900)
     looks = 0
     while not silence.over:
         seconds.append((seconds[-1] or 0) + 30)
         silence.look()
         looks += 1
     assert looks * silence.interval == 900
-    silence = Silence(1, 300, 900)
+    silence = Silence(TREE, 300, 900)
     for _ in range(100):
         seconds.append((seconds[-1] or 0) + 30)
         silence.broken()
@@ -73,7 +76,7 @@ def test_without_a_word_for_very_long_a_busy_stage_is_over_too(seconds: list[flo
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the system has no /proc")
-def test_the_time_of_all_processes_of_the_group_counts() -> None:
+def test_the_time_of_all_processes_of_a_stage_counts() -> None:
     # A little longer than is asked for below: the system counts in ticks of 10 ms.
     busy = "import time\nwhile time.process_time() < 0.35: pass\nprint('done', flush=True); input()"
     parent = f"import subprocess, sys; subprocess.run([sys.executable, '-c', {busy!r}])"
@@ -82,6 +85,6 @@ def test_the_time_of_all_processes_of_the_group_counts() -> None:
     ) as process:
         assert process.stdout is not None
         assert process.stdout.readline() == b"done\n"
-        used = stage_silence._cpu_seconds(process.pid)
+        used = stage_silence._cpu_seconds(ProcessTree(process.pid))
     assert used is not None
     assert used >= 0.3

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from jobs import subprocesses
 from jobs.home import Home
 from jobs.out_of_memory import CURE
 from jobs.stage_silence import LOOKS, Silence
-from jobs.stages import StageSeconds
+from jobs.stages import StageCount, StageSeconds
 from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
 
 
@@ -194,6 +195,50 @@ def test_a_stage_that_computes_without_a_word_is_not(
         assert await stage.task == StageOutcome()
 
     asyncio.run(body())
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the system has no /proc")
+class TestProcesses:
+    def test_a_stage_that_starts_ever_more_is_ended_alone_with_all_of_them(
+        self, home: Home, make_run: Callable[..., Path], tmp_path: Path
+    ) -> None:
+        from counting_pipeline import living_sleepers
+
+        async def body() -> None:
+            other = make_run("compute", 10).rename(tmp_path / "other")
+            beside = Stage(home, other)
+            await beside.first_report.wait()
+            run = make_run("fork", 10)
+            outcome = await Stage(home, run).task
+            assert re.fullmatch(
+                r"train: too many processes: \d+, limit 256; raise HGS_STAGE_PROCESSES if they are meant", outcome.error
+            )
+            assert not outcome.killed  # or it would be started again
+            assert not outcome.waiting
+            if (run / "sleepers").exists():  # it may have been ended while it started them
+                assert living_sleepers(run) == []
+            assert not beside.task.done()
+            (other / "enough").touch()
+            assert await beside.task == StageOutcome()
+
+        asyncio.run(body())
+
+    def test_threads_count_in_proportion(self, home: Home, make_run: Callable[..., Path]) -> None:
+        async def body() -> None:
+            narrow = dataclasses.replace(home, stage_processes=StageCount(1))
+            assert (await Stage(narrow, make_run("threads", 10)).task).error.startswith("train: too many threads: ")
+
+        asyncio.run(body())
+
+    def test_what_a_stage_leaves_behind_ends_with_it(self, home: Home, make_run: Callable[..., Path]) -> None:
+        from counting_pipeline import living_sleepers
+
+        async def body() -> None:
+            run = make_run("leave", 10)
+            assert await Stage(home, run).task == StageOutcome()
+            assert living_sleepers(run) == []
+
+        asyncio.run(body())
 
 
 def test_a_fault_that_passes_is_told_from_a_failure(home: Home, make_run: Callable[..., Path]) -> None:

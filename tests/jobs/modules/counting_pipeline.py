@@ -3,9 +3,11 @@ like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
 SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it at half-time),
-"hog" (takes 16 GiB of it bit by bit at half-time), "full once" (meets a full disk at half-time), "compute" (at
-half-time without a word until there is a file `enough` in the run folder), or "deaf" (ignores SIGTERM and keeps no
-checkpoint).
+"hog" (takes 16 GiB of it bit by bit at half-time), "open" (opens 100,000 files at half-time), "threads" (starts 40 that
+sleep at half-time, and sleeps), "fork" (starts 500 processes that sleep at half-time, of which every second one leaves
+the session, and sleeps), "leave" (starts one at half-time that leaves the session and loses its parent, and goes on),
+"full once" (meets a full disk at half-time), "compute" (at half-time without a word until there is a file `enough` in
+the run folder), or "deaf" (ignores SIGTERM and keeps no checkpoint). `sleepers` in the run folder names the processes.
 Every iteration appends its process id and number to `iterations.log` in the run folder.
 """
 
@@ -15,6 +17,8 @@ import errno
 import json
 import os
 import signal
+import subprocess
+import threading
 import time
 from pathlib import Path
 
@@ -77,6 +81,18 @@ def encode(run: Path, progress: ProgressCallback) -> None:
     progress(Progress("encode", 1, 1))
 
 
+def living_sleepers(run: Path) -> list[str]:
+    """Return which of the processes that "fork" or "leave" started are alive."""
+
+    def is_one(pid: str) -> bool:
+        try:
+            return b"sleep" in Path("/proc", pid, "cmdline").read_bytes()  # nothing, of one that has ended
+        except OSError:
+            return False
+
+    return [pid for pid in (run / "sleepers").read_text().split() if is_one(pid)]
+
+
 def _misbehave(behaviour: str, run: Path) -> None:
     if behaviour == "raise":
         raise RuntimeError("the loss is\nnot a number")
@@ -96,8 +112,29 @@ def _misbehave(behaviour: str, run: Path) -> None:
     if behaviour == "full once" and not (run / "full").exists():
         (run / "full").touch()
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(run / "checkpoint.pt"))
+    if behaviour == "open":
+        opened = [os.open(os.devnull, os.O_RDONLY) for _ in range(100_000)]
+        raise AssertionError(f"{len(opened)} files were opened")
+    if behaviour == "threads":
+        for _ in range(40):
+            threading.Thread(target=time.sleep, args=(1000,), daemon=True).start()
+        time.sleep(1000)
+    if behaviour in ("fork", "leave"):
+        started = [_sleeper(number) for number in range(500)] if behaviour == "fork" else [_orphan()]
+        (run / "sleepers").write_text(" ".join(map(str, started)))
+        while behaviour == "fork":
+            time.sleep(1)
     while behaviour == "compute" and not (run / "enough").exists():
         pass
+
+
+def _sleeper(number: int) -> int:
+    return subprocess.Popen(["sleep", "1000"], start_new_session=number % 2 == 0).pid
+
+
+def _orphan() -> int:
+    command = "setsid sleep 1000 >/dev/null 2>&1 & echo $!"
+    return int(subprocess.check_output(["sh", "-c", command]))
 
 
 def _replace(path: Path, text: str) -> None:

@@ -1,0 +1,126 @@
+"""The processes of a stage, whatever group or session they went to: how many they are, and how all of them are ended.
+
+`RLIMIT_NPROC` would count every process of the user, and does not bind root; a control group of its own needs rights
+that a worker in a container does not have. So the worker looks (Linux: in /proc).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import signal
+from dataclasses import dataclass
+from pathlib import Path
+
+__all__ = ["THREADS_EACH", "Process", "ProcessTree", "keep_orphans", "too_many"]
+
+THREADS_EACH = 32  # threads on average for each process that is allowed: pools of threads grow with the machine
+_LINUX = Path("/proc/self/stat").exists()
+_ROUNDS = 100  # of looking for those that multiply while others are killed
+_SET_CHILD_SUBREAPER = 36  # of prctl
+
+
+@dataclass(frozen=True)
+class Process:
+    """What the system says of a process; one that has ended counts until its parent has taken note of it."""
+
+    pid: int
+    parent: int
+    group: int
+    session: int
+    threads: int
+    seconds: float  # of processor time
+    began: int  # in ticks since the system started: tells it from a later one of the same id
+
+
+class ProcessTree:
+    """One process that leads a session, or the calling one, with all that it started and that those did."""
+
+    def __init__(self, root: int) -> None:
+        self._root = root
+        self._seen: dict[int, int] = {}  # when each began, by id: some lose their parent
+
+    def look(self) -> list[Process]:
+        """Return all of them; none where the system has no /proc.
+
+        Who lost its parent is found if it has not left the session, was seen before, or the root keeps orphans.
+        """
+        everything = _processes()
+        children: dict[int, list[Process]] = {}
+        for process in everything:
+            children.setdefault(process.parent, []).append(process)
+        new = [process for process in everything if self._is_known(process)]
+        found: dict[int, Process] = {}
+        while new:
+            process = new.pop()
+            if process.pid not in found:
+                found[process.pid] = process
+                new += children.get(process.pid, ())
+        self._seen = {process.pid: process.began for process in found.values()}
+        return list(found.values())
+
+    def kill(self) -> None:
+        """Kill all of them; of the calling process all but itself. Those that multiply meanwhile are found, too."""
+        me = os.getpid()
+        if self._root != me:  # the root is stopped and not killed at first, so that it keeps the orphans
+            _send_group(self._root, signal.SIGSTOP)
+        asked: set[int] = {me, self._root}
+        for _ in range(_ROUNDS):
+            new = [process for process in self.look() if process.pid not in asked]
+            if not new:
+                break
+            pids = {process.pid for process in new}
+            for group in {process.group for process in new} & pids:  # a group whose leader is one of them: all at once
+                _send_group(group, signal.SIGKILL)
+            for pid in pids:
+                _send(pid, signal.SIGKILL)
+            asked |= pids
+        if self._root != me:
+            _send_group(self._root, signal.SIGKILL)
+
+    def _is_known(self, process: Process) -> bool:
+        return self._root in (process.pid, process.session) or self._seen.get(process.pid) == process.began
+
+
+def keep_orphans() -> None:
+    """Be the parent of all descendants that lose theirs, so that nothing that this process starts gets lost; Linux."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def too_many(processes: list[Process], most: int) -> str:
+    """Return in one line that these are more than `most`, or have too many threads for so many; else ""."""
+    threads = sum(process.threads for process in processes)
+    if len(processes) > most:
+        return f"too many processes: {len(processes)}, limit {most}; raise HGS_STAGE_PROCESSES if they are meant"
+    if threads > most * THREADS_EACH:
+        limit = f"limit {most * THREADS_EACH}, {THREADS_EACH} for each process of HGS_STAGE_PROCESSES"
+        return f"too many threads: {threads}, {limit}; raise that if they are meant"
+    return ""
+
+
+def _processes() -> list[Process]:
+    ticks = os.sysconf("SC_CLK_TCK")
+    found = []
+    for name in os.listdir("/proc") if _LINUX else ():  # noqa: PTH208 - of thousands, and often
+        if name.isdigit():
+            try:
+                with open(f"/proc/{name}/stat", "rb") as file:  # noqa: PTH123
+                    fields = file.read().rpartition(b")")[2].split()  # the name before may hold anything
+            except OSError:
+                continue  # it has ended
+            parent, group, session = map(int, fields[1:4])
+            seconds = (int(fields[11]) + int(fields[12])) / ticks
+            found.append(Process(int(name), parent, group, session, int(fields[17]), seconds, int(fields[19])))
+    return found
+
+
+def _send_group(group: int, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(group, number)
+
+
+def _send(pid: int, number: signal.Signals) -> None:
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.kill(pid, number)
