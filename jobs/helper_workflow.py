@@ -12,10 +12,11 @@ from dbos import DBOS
 from hgs_core.base.progress import Progress
 from jobs.home import Home
 from jobs.job import JobState
+from jobs.stage_outcome import StageOutcome
 from jobs.stages import HELP
 from jobs.store import JobTable
 from jobs.stored_segments import help_folder
-from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.subprocesses import StageRunner
 from jobs.training_queue import HELP_JOB, helper_name, workflow_id
 from jobs.transient_faults import one_line
 

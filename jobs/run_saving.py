@@ -20,10 +20,10 @@ from pathlib import Path
 from jobs.home import Home
 from jobs.object_store import open_object_store
 from jobs.run_state import QUIET, RunState, run_prefix
+from jobs.stage_outcome import StageOutcome
 from jobs.stored_captures import StoredCaptures, capture_of, is_upload
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
 from jobs.stored_segments import is_of_segment, parts_prefix
-from jobs.subprocesses import StageOutcome
 from jobs.surroundings import Cause
 from jobs.transient_faults import one_line, reason_to_wait
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
+import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
@@ -83,7 +84,8 @@ def make_segments(
             time.sleep(LOOK)
         bring()
         tell()
-    segments.finish(run, lambda step: None)
+    with _alone(run):  # a helper may be about to publish the last segment
+        segments.finish(run, lambda step: None)
 
 
 def help_with_segment(
@@ -101,8 +103,16 @@ def help_with_segment(
         return
     if _make_one(segments, run, segments.segment_count(run), progress, exchange) and exchange is None:
         with _alone(run):
-            if segments.assemble(run):
+            if not _is_complete(run) and segments.assemble(run):
                 publish()
+
+
+def _is_complete(run: Path) -> bool:
+    """Return whether whoever has the job has finished the scene meanwhile."""
+    try:
+        return "live" not in json.loads((run / "scene" / "manifest.json").read_bytes())
+    except FileNotFoundError:
+        return False
 
 
 def _make_one(

@@ -6,7 +6,9 @@ started it by plain means:
 - stdout: JSON lines, `{"stage", "done", "total", "figures"}` at most twice a second; before it fails `{"error"}`, or
   `{"waiting"}` if the fault is one that passes: of the store, a disk or a mount;
 - stderr: when it began and ended, whatever the libraries print, and the traceback of a failure;
-- stdin: nothing is read, but when it closes the worker is gone, and the process ends at once;
+- `{"publish"}` on stdout asks the worker to publish what a training by segments has made so far: the stage may lack the
+  secrets for that. The answer comes on stdin, `{"error", "waiting"}`, both empty if all went well;
+- stdin: when it closes the worker is gone, and the process ends at once;
 - SIGTERM: the stage saves what it can resume from and stops.
 
 Exit status: 0 done, 1 failed, 2 bad input, 69 try again later, 70 the worker is gone, 75 stopped.
@@ -16,10 +18,12 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import functools
 import importlib
 import json
 import logging
 import os
+import queue
 import signal
 import sys
 import threading
@@ -30,7 +34,7 @@ from pathlib import Path
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, silent
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
 from jobs.file_limits import limit_files, met_file_limit
 from jobs.home import Home
@@ -38,7 +42,8 @@ from jobs.out_of_memory import limit_memory, out_of_memory
 from jobs.parent_process import when_parent_is_gone
 from jobs.process_tree import ProcessTree, keep_orphans
 from jobs.segments import Exchange, help_with_segment, make_segments
-from jobs.stages import HELP, STAGES
+from jobs.stage_environment import keep_secrets
+from jobs.stages import HELP, SHOW, STAGES
 from jobs.transient_faults import reason_to_wait
 
 __all__ = ["main"]
@@ -47,13 +52,15 @@ DONE, FAILED, BAD_INPUT, LATER, ORPHANED, STOPPED = 0, 1, 2, 69, 70, 75  # exit 
 REPORT_INTERVAL = 0.5  # seconds between two progress lines
 LOCK_WAIT = 60.0  # seconds to wait for an earlier process of the same run to end
 
+_SENDING = threading.Lock()
+
 log = logging.getLogger("hgs.stage")
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the stage that the command line names and return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m jobs.stage", description="Run one stage of one run.")
-    parser.add_argument("stage", choices=(*STAGES, HELP))
+    parser.add_argument("stage", choices=(*STAGES, HELP, SHOW))
     parser.add_argument("run", type=Path)
     options = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
@@ -61,7 +68,8 @@ def main(arguments: list[str] | None = None) -> int:
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
     keep_orphans()
-    when_parent_is_gone(_end)
+    answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    when_parent_is_gone(_end, answers.put)
     report = _claim_stdout()
     home = Home.from_environment()
     limit_memory(None if home.stage_memory is None else home.stage_memory.of(options.stage))
@@ -69,14 +77,15 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with contextlib.ExitStack() as held:
             try:
-                if options.stage != HELP:  # who helps holds the lock of a segment
+                if options.stage not in (HELP, SHOW):  # these run beside the one that has the lock
                     held.enter_context(RunFolder(options.run).exclusive(LOCK_WAIT, lambda: _lost(report)))
             except InputError as error:  # an earlier process: on another machine, or one that cannot be killed
                 _send(report, {"waiting": str(error)})
                 return LATER
             began = time.monotonic()
             log.info("%s begins", options.stage)
-            _run(options.stage, options.run, home, _throttled(report, stop), lambda: _lost(report))
+            publish = functools.partial(_ask_to_publish, report, answers)
+            _run(options.stage, options.run, home, _throttled(report, stop), publish, lambda: _lost(report))
             log.info("%s is complete after %.1f s", options.stage, time.monotonic() - began)
     except StageStopped:
         log.info("%s was asked to stop, and has saved what it needs to go on", options.stage)
@@ -101,6 +110,9 @@ def _lost(report: IO[str]) -> NoReturn:
 
 def _explain(error: Exception, report: IO[str]) -> int:
     """Tell the worker in one line why the stage failed, and return the exit status."""
+    if isinstance(error, _NotPublishedError):  # it was told to the worker's log already
+        _send(report, error.outcome)
+        return LATER if error.outcome["waiting"] else FAILED
     limit = met_file_limit(error)  # too many open files: of a worker that passes, but of a stage it would come again
     reason = "" if limit else reason_to_wait(error)
     if limit:
@@ -120,14 +132,19 @@ def _explain(error: Exception, report: IO[str]) -> int:
     return LATER if reason else FAILED
 
 
-def _run(stage: str, run: Path, home: Home, progress: ProgressCallback, on_lost: Callable[[], object]) -> None:
-    def publish(report: ProgressCallback = silent) -> None:
+def _run(
+    stage: str,
+    run: Path,
+    home: Home,
+    progress: ProgressCallback,
+    publish: Callable[[], None],
+    on_lost: Callable[[], object],
+) -> None:
+    if stage in ("publish", SHOW):
         from jobs.artifacts import open_store
 
-        open_store(home).put_scene(run / "scene", run.name, report)
-
-    if stage == "publish":
-        publish(progress)
+        keep_secrets()
+        open_store(home).put_scene(run / "scene", run.name, progress)
         return
     pipeline = importlib.import_module(home.pipeline)
     exchange: Exchange | None = None
@@ -148,6 +165,22 @@ def _run(stage: str, run: Path, home: Home, progress: ProgressCallback, on_lost:
             make_segments(segments, run, progress, publish, exchange)
         else:
             getattr(pipeline, stage)(run, progress)
+
+
+class _NotPublishedError(Exception):
+    """The worker could not publish; `outcome` is what it answered."""
+
+    def __init__(self, outcome: dict[str, str]) -> None:
+        super().__init__(outcome["waiting"] or outcome["error"])
+        self.outcome = outcome
+
+
+def _ask_to_publish(report: IO[str], answers: queue.SimpleQueue[bytes]) -> None:
+    """Have the worker publish the scene as far as it is made. One thread at a time may ask."""
+    _send(report, {"publish": True})
+    outcome = json.loads(answers.get())
+    if outcome["waiting"] or outcome["error"]:
+        raise _NotPublishedError(outcome)
 
 
 def _claim_stdout() -> IO[str]:
@@ -176,8 +209,9 @@ def _throttled(report: IO[str], stop: threading.Event) -> ProgressCallback:
 
 
 def _send(report: IO[str], message: dict[str, Any]) -> None:
-    report.write(json.dumps(message) + "\n")
-    report.flush()
+    with _SENDING:  # a thread may publish segments of others meanwhile
+        report.write(json.dumps(message) + "\n")
+        report.flush()
 
 
 if __name__ == "__main__":

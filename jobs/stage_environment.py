@@ -5,21 +5,25 @@ A flaw in a video decoder would otherwise hand the database and the store to who
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from jobs.home import Home
-from jobs.stages import HELP
+from jobs.stages import HELP, SHOW
 
-__all__ = ["stage_environment", "without_secrets"]
+__all__ = ["keep_secrets", "stage_environment", "without_secrets"]
 
 _SECRETS = (
     "AWS_", "AZURE_", "GOOGLE_", "PGPASS",
     "HGS_DATABASE_URL", "HGS_STORE_URL", "HGS_RUN_STATE", "HGS_WEBHOOK_", "HGS_KEY",
 )  # fmt: skip
 """How the names of variables begin that give access to something, or lead to it."""
+
+_SET_DUMPABLE = 4  # of prctl
 
 
 def without_secrets(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
@@ -30,15 +34,22 @@ def without_secrets(environment: Mapping[str, str] = os.environ) -> dict[str, st
 def stage_environment(home: Home, stage: str, run: Path, environment: Mapping[str, str] = os.environ) -> dict[str, str]:
     """Return the environment of a stage of a run.
 
-    Only what publishes has database and store: the stage of this name, and training whose segments are shown as they
-    are made.
+    Only what publishes has database and store; and where the state of runs lies in the store, what makes segments: it
+    claims them and hands them over there.
     """
     whole = {**environment, **home.environment()}
-    return whole if stage in ("publish", HELP) or (stage == "train" and _by_segment(run)) else without_secrets(whole)
+    exchanges = home.runs_in_store and (stage == HELP or (stage == "train" and _by_segment(run)))
+    return whole if stage in ("publish", SHOW) or exchanges else without_secrets(whole)
+
+
+def keep_secrets() -> None:
+    """Let no other process of this user, such as a stage, read the environment and the memory of this one; Linux."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_SET_DUMPABLE, 0, 0, 0, 0)
 
 
 def _by_segment(run: Path) -> bool:
-    """Return whether training may publish: it does not if run.json says so."""
+    """Return whether training may be by segments: it is not if run.json says so."""
     try:
         return json.loads((run / "run.json").read_bytes())["config"]["encode"]["by_segment"] is not False
     except (OSError, ValueError, KeyError, TypeError):

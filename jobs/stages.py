@@ -10,10 +10,11 @@ from typing import Self
 from hgs_core.base.errors import InputError
 from jobs.byte_sizes import bytes_of
 
-__all__ = ["HELP", "STAGES", "StageBytes", "StageCount", "StageSeconds"]
+__all__ = ["HELP", "SHOW", "STAGES", "StageBytes", "StageCount", "StageSeconds"]
 
 STAGES = ("initialise", "train", "encode", "publish")
 HELP = "help"  # with a segment of a job that another worker has
+SHOW = "show"  # what a training by segments has made so far: publish it
 
 
 @dataclass(frozen=True)

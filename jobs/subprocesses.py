@@ -16,12 +16,15 @@ from pathlib import Path
 
 from hgs_core.base.progress import Progress
 from jobs.home import Home
-from jobs.out_of_memory import CURE, system_kills
+from jobs.out_of_memory import system_kills
 from jobs.process_tree import ProcessTree, too_many
 from jobs.stage_environment import stage_environment
+from jobs.stage_outcome import StageOutcome, outcome_of
 from jobs.stage_silence import Silence
+from jobs.stages import SHOW
+from jobs.transient_faults import one_line
 
-__all__ = ["GRACE", "OwnershipLost", "StageOutcome", "StageRunner"]
+__all__ = ["GRACE", "OwnershipLost", "StageRunner"]
 
 GRACE = 10.0  # seconds between SIGTERM and SIGKILL: time to write a checkpoint
 LINE_LIMIT = 1 << 20  # bytes of the longest line a stage may print
@@ -33,16 +36,6 @@ log = logging.getLogger(__name__)
 
 class OwnershipLost(Exception):  # noqa: N818 - not an error of the stage
     """Another worker has taken this workflow over; nothing that happens here counts any more. Never retried."""
-
-
-@dataclass(frozen=True)
-class StageOutcome:
-    """How a stage ended: `error` and `waiting` are one line each, and empty on success."""
-
-    error: str = ""
-    waiting: str = ""  # the fault passes: the stage shall be run again later
-    killed: bool = False  # a signal ended it and not its own code
-    cause: str = ""  # with `waiting`: the `Cause` that this machine found, if it found one
 
 
 @dataclass
@@ -74,11 +67,21 @@ class StageRunner:
             OwnershipLost: `abandon` was called for this workflow.
         """
         await self._unless_stopping()
+        outcome = await self._process(workflow, stage, run, on_progress)
+        await self._unless_stopping()
+        if outcome is None:
+            raise OwnershipLost(workflow)
+        return outcome
+
+    async def _process(
+        self, name: str, stage: str, run: Path, on_progress: Callable[[Progress], Awaitable[None]]
+    ) -> StageOutcome | None:
+        """Run one stage to its end; return None if it was abandoned."""
         killed_before = system_kills()
         with (run / "stage.log").open("ab") as log:
             process = await asyncio.create_subprocess_exec(
                 *(sys.executable, "-m", "jobs.stage", stage, str(run)),
-                stdin=asyncio.subprocess.PIPE,  # never written: it closes when this process ends, however it ends
+                stdin=asyncio.subprocess.PIPE,  # closes when this process ends, however it ends
                 stdout=asyncio.subprocess.PIPE,
                 stderr=log,
                 start_new_session=True,  # a group of its own, so that its children end with it
@@ -87,14 +90,16 @@ class StageRunner:
             )
         tree = ProcessTree(process.pid)
         silence = Silence(tree, self.home.stage_silence.of(stage), self.home.stage_report.of(stage))
-        running = self._running[workflow] = _Running(process, tree, silence)
+        running = self._running[name] = _Running(process, tree, silence)
         watches = (
             asyncio.create_task(_end_with(running)),
             asyncio.create_task(_end_if_silent(running, stage)),
             asyncio.create_task(_end_if_too_many(running, stage, int(self.home.stage_processes.of(stage)))),
         )
+        publishing: list[asyncio.Task[None]] = []
+        publish = lambda: publishing.append(asyncio.create_task(self._publish(_showing(name), running, run)))  # noqa: E731
         try:
-            said = await _relay(running, on_progress)
+            said = await _relay(running, on_progress, publish)
             status = await process.wait()
         except asyncio.CancelledError:
             _signal(process, signal.SIGTERM)
@@ -104,15 +109,34 @@ class StageRunner:
         finally:
             for watch in watches:
                 watch.cancel()
+            self.abandon(_showing(name))  # before the stage: it keeps others from publishing meanwhile
             running.tree.kill()
             await process.wait()
-            del self._running[workflow]
-        await self._unless_stopping()
+            await asyncio.gather(*publishing, return_exceptions=True)
+            del self._running[name]
         if running.lost:
-            raise OwnershipLost(workflow)
+            return None
         if running.too_many:
             return StageOutcome(f"{stage}: {running.too_many}")
-        return _outcome(stage, status, said, silent=silence.over, killed_before=killed_before)
+        return outcome_of(stage, status, said, silent=silence.over, killed_before=killed_before)
+
+    async def _publish(self, name: str, running: _Running, run: Path) -> None:
+        """Publish what a stage has made so far, in a process of its own that may, and tell the stage how that went."""
+
+        async def is_heard(progress: Progress) -> None:
+            running.silence.broken()
+
+        try:
+            outcome = await self._process(name, SHOW, run, is_heard)
+        except OSError as error:  # it could not even be started
+            outcome = StageOutcome(waiting=one_line(error))
+        if outcome is not None and running.process.stdin is not None:
+            answer = {"error": outcome.error, "waiting": outcome.waiting}
+            if outcome.killed:  # the stage is not to blame
+                answer = {"error": "", "waiting": outcome.error}
+            with contextlib.suppress(ConnectionError):
+                running.process.stdin.write(json.dumps(answer).encode() + b"\n")
+                await running.process.stdin.drain()
 
     async def _unless_stopping(self) -> None:
         """Never return once the worker is about to exit: an outcome would be recorded, where another shall resume."""
@@ -143,8 +167,15 @@ class StageRunner:
             running.tree.kill()
 
 
-async def _relay(running: _Running, on_progress: Callable[[Progress], Awaitable[None]]) -> StageOutcome:
-    """Pass on progress until stdout ends; return what the stage said of its failure, if anything."""
+def _showing(name: str) -> str:
+    """Return the name under which runs what publishes for a stage."""
+    return f"{name} {SHOW}"
+
+
+async def _relay(
+    running: _Running, on_progress: Callable[[Progress], Awaitable[None]], publish: Callable[[], object]
+) -> StageOutcome:
+    """Pass on progress and wishes until stdout ends; return what the stage said of its failure, if anything."""
     assert running.process.stdout is not None
     said = StageOutcome()
     async for line in running.process.stdout:
@@ -152,6 +183,8 @@ async def _relay(running: _Running, on_progress: Callable[[Progress], Awaitable[
         message = json.loads(line)
         if "stage" in message:
             await on_progress(Progress(message["stage"], message["done"], message["total"], message["figures"]))
+        elif "publish" in message:
+            publish()
         else:
             said = StageOutcome(message.get("error", ""), message.get("waiting", ""))
     return said
@@ -182,28 +215,6 @@ async def _end_if_too_many(running: _Running, stage: str, most: int) -> None:
         await asyncio.sleep(max(LOOK, (time.perf_counter() - began) / LOOK_SHARE))
     log.warning("%s in process %d: %s", stage, running.process.pid, running.too_many)
     running.tree.kill()
-
-
-def _outcome(stage: str, status: int, said: StageOutcome, *, silent: bool, killed_before: int | None) -> StageOutcome:
-    if status == 0:
-        return StageOutcome()
-    if said.error or said.waiting:
-        return said
-    if silent:
-        return StageOutcome(f"{stage}: hung: nothing was heard of it for too long, and it was killed", killed=True)
-    if status < 0:
-        name = signal.Signals(-status).name
-        if -status != signal.SIGKILL:
-            return StageOutcome(f"{stage}: ended by {name}", killed=True)
-        killed = system_kills()
-        if killed is None or killed_before is None:
-            hint = "(out of memory?)"
-        elif killed > killed_before:
-            return StageOutcome(f"{stage}: out of memory: the system killed it; {CURE}", killed=True)
-        else:
-            hint = "from outside; the system did not run out of memory"
-        return StageOutcome(f"{stage}: ended by {name} {hint}", killed=True)
-    return StageOutcome(f"{stage}: exit status {status}; see stage.log in the run folder", killed=status == 75)
 
 
 def _signal(process: asyncio.subprocess.Process, number: signal.Signals) -> None:

@@ -24,6 +24,7 @@ from jobs.liveness import open_liveness
 from jobs.parent_process import when_parent_is_gone
 from jobs.recovery import Recovery
 from jobs.run_copies import remove_copies
+from jobs.stage_environment import keep_secrets
 from jobs.store import JobTable, metadata
 from jobs.subprocesses import GRACE, StageRunner
 from jobs.surroundings import Surroundings
@@ -64,6 +65,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
     Raises:
         InputError: the home's folder is not the one that its database belongs to.
     """
+    keep_secrets()
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())

@@ -21,10 +21,11 @@ from jobs.job import JobState
 from jobs.job_history import CourseWriter
 from jobs.run_saving import RunSaving
 from jobs.segments import MADE, SEGMENTS
+from jobs.stage_outcome import StageOutcome
 from jobs.stage_pace import StagePace
 from jobs.stages import STAGES
 from jobs.store import JobTable
-from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
+from jobs.subprocesses import OwnershipLost, StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.training_queue import TRAIN_JOB, ask_for_help, enqueue, workflow_id
 from jobs.transient_faults import one_line, reason_to_wait

@@ -87,6 +87,7 @@ def _run(options: argparse.Namespace) -> int:
     from jobs.artifacts import open_store
     from jobs.home import Home
     from jobs.keys import KeyTable
+    from jobs.stage_environment import keep_secrets
     from server.access import Access
     from server.allowed_hosts import AllowedHosts
     from server.app import create_app
@@ -99,6 +100,7 @@ def _run(options: argparse.Namespace) -> int:
     from server.uploads.limits import UploadLimits
     from server.worker_processes import WorkerProcesses
 
+    keep_secrets()
     configure_log()
     if options.access_log:
         configure_access_log()

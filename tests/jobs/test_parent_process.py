@@ -36,6 +36,15 @@ def child() -> Iterator[Child]:
         process.kill()
 
 
+def test_lines_before_that_are_heard() -> None:
+    child = CHILD.format(seconds=600).replace("(70)", "(70), lambda line: print(line, flush=True)")
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", child], stdin=pipe, stdout=pipe) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        assert process.communicate(b"one\ntwo\n")[0].splitlines() == [b"b'one'", b"b'two'"]
+
+
 def test_the_action_comes_when_stdin_closes(child: Child) -> None:
     assert child.stdin is not None
     child.stdin.close()

@@ -18,8 +18,8 @@ from jobs import run_saving
 from jobs.home import Home
 from jobs.run_saving import RunSaving
 from jobs.run_state import RunState
+from jobs.stage_outcome import StageOutcome
 from jobs.stored_run import RunHead, StoredRun
-from jobs.subprocesses import StageOutcome
 from jobs.surroundings import Cause
 
 ATTEMPT = ("a", 1)

@@ -48,6 +48,14 @@ def test_help_waits_for_the_first_and_makes_one_segment_that_nobody_else_makes(r
     assert made(run) == ["0", "2"]
 
 
+def test_help_does_not_take_back_what_is_complete(run: Path) -> None:
+    make_segments(segment_pipeline, run, silent, lambda: None)
+    complete = (run / "scene" / "manifest.json").read_bytes()
+    (run / "segments" / "2").unlink()
+    help_with_segment(segment_pipeline, run, silent, lambda: None)
+    assert (run / "scene" / "manifest.json").read_bytes() == complete
+
+
 def test_whoever_has_the_job_waits_for_segments_of_others(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(segments, "LOOK", 0.01)
     (run / "segments").mkdir()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -12,12 +13,14 @@ import pytest
 
 from hgs_core.base.progress import Progress
 from hgs_core.runs.config import RunConfig
-from jobs import subprocesses
+from jobs import stage_outcome, subprocesses
+from jobs.artifacts import ArtifactStore
 from jobs.home import Home
 from jobs.out_of_memory import CURE
+from jobs.stage_outcome import StageOutcome
 from jobs.stage_silence import LOOKS, Silence
 from jobs.stages import StageCount, StageSeconds
-from jobs.subprocesses import OwnershipLost, StageOutcome, StageRunner
+from jobs.subprocesses import OwnershipLost, StageRunner
 
 
 @pytest.fixture
@@ -85,7 +88,8 @@ def test_a_failure_has_its_reason_and_its_traceback_in_the_log(home: Home, make_
 def test_an_outcome_by_signal_says_so(
     home: Home, make_run: Callable[..., Path], monkeypatch: pytest.MonkeyPatch, kills: list[int | None], said: str
 ) -> None:
-    monkeypatch.setattr(subprocesses, "system_kills", lambda: kills.pop(0))
+    for module in (subprocesses, stage_outcome):
+        monkeypatch.setattr(module, "system_kills", lambda: kills.pop(0))
 
     async def body() -> None:
         assert await Stage(home, make_run("die", 10)).task == StageOutcome(said, killed=True)
@@ -239,6 +243,31 @@ class TestProcesses:
             assert living_sleepers(run) == []
 
         asyncio.run(body())
+
+
+class TestSegments:
+    """A training by segments, whose process is not told where the store is."""
+
+    @pytest.fixture
+    def home(self, home: Home, tmp_path: Path) -> Home:
+        return dataclasses.replace(home, pipeline="segment_pipeline", store_url=(tmp_path / "elsewhere").as_uri())
+
+    def run(self, home: Home, folder: Path) -> StageOutcome:
+        async def body() -> StageOutcome:
+            folder.mkdir()
+            (folder / "run.json").write_text(json.dumps({"segments": 2, "pace": 0, "iterations": 1}))
+            return await Stage(home, folder).task
+
+        return asyncio.run(body())
+
+    def test_the_worker_publishes_it(self, home: Home, tmp_path: Path) -> None:
+        assert self.run(home, tmp_path / "scene") == StageOutcome()
+        manifest = ArtifactStore(home.store_url).manifest("scene")
+        assert manifest is not None
+        assert json.loads(manifest)["live"] == 2
+
+    def test_why_the_worker_could_not_is_the_reason_of_the_stage(self, home: Home, tmp_path: Path) -> None:
+        assert self.run(home, tmp_path / "NO ID").error.startswith("scene id: 'NO ID' is not")
 
 
 def test_a_fault_that_passes_is_told_from_a_failure(home: Home, make_run: Callable[..., Path]) -> None:

@@ -25,8 +25,9 @@ from jobs.home import Home
 from jobs.job import Job, JobState
 from jobs.job_history import read_course
 from jobs.run_saving import RunSaving
+from jobs.stage_outcome import StageOutcome
 from jobs.store import JobTable, metadata
-from jobs.subprocesses import StageOutcome, StageRunner
+from jobs.subprocesses import StageRunner
 from jobs.surroundings import Cause, Missing, Surroundings
 from jobs.workflows import TrainingWorkflow
 
