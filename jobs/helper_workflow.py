@@ -10,6 +10,7 @@ import sqlalchemy as sa
 from dbos import DBOS
 
 from hgs_core.base.progress import Progress
+from jobs.database_faults import DATABASE_FAULTS
 from jobs.home import Home
 from jobs.job import JobState
 from jobs.stage_outcome import StageOutcome
@@ -89,6 +90,6 @@ class HelperWorkflow:
     def _is_running(self, job_id: str, attempt: int) -> bool:
         try:
             job = self._table.get(job_id)
-        except (sa.exc.DBAPIError, sa.exc.TimeoutError):  # nobody knows
+        except DATABASE_FAULTS:  # nobody knows
             return True
         return job is not None and job.state is JobState.RUNNING and job.attempt == attempt

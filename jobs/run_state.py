@@ -7,7 +7,6 @@ then on saves what has changed. What the folder holds of the same epoch is as ne
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import re
 import stat
@@ -16,20 +15,19 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from jobs.capture_places import SPEC, Translation
 from jobs.job_history import COURSE
 from jobs.stored_run import RunHead, RunTakenError, StoredFile, StoredRun
 
-__all__ = ["QUIET", "RunState", "Translation", "bring", "files_of_run", "run_prefix"]
+__all__ = ["QUIET", "RunState", "bring", "files_of_run", "run_prefix"]
 
 QUIET = frozenset({"stage.log", COURSE, "preview.jpg"})
 """Files of a run folder that nothing goes on from: they are saved with the others, and else now and then."""
 
 _LOCKS = re.compile(r"run\.lock|run\.lease\..*|segments/[^/]*\.lock")
-_SPEC = "run.json"
 _THREADS = 8  # files moved at once
 _TRIES = 20  # of what a race with another process may spoil
 
@@ -174,7 +172,7 @@ class RunState:
         def put(name: str) -> StoredFile | None:
             path = self._folder / name
             with contextlib.suppress(FileNotFoundError):
-                if name == _SPEC and self._translate is not None:
+                if name == SPEC and self._translate is not None:
                     spec = self._translate.portable(path.read_bytes())
                     return self._stored.put_bytes(self._epoch, spec, known.get(name))
                 with path.open("rb") as file:
@@ -192,22 +190,6 @@ class RunState:
         return {name: stamp for name, stamp in files_of_run(self._folder) if self._wanted(name)}
 
 
-class Translation:
-    """What run.json says of places that differ from machine to machine."""
-
-    def __init__(self, portable: Callable[[str], str], local: Callable[[str], str]) -> None:
-        """Translate the path of a capture, or of a file in it, from this machine's to everybody's, and back."""
-        self._portable, self._local = portable, local
-
-    def portable(self, spec: bytes) -> bytes:
-        """Return run.json as it is saved."""
-        return _with_places(spec, self._portable)
-
-    def local(self, spec: bytes) -> bytes:
-        """Return run.json as this machine needs it."""
-        return _with_places(spec, self._local)
-
-
 def bring(
     stored: StoredRun, files: Mapping[str, StoredFile], folder: Path, translate: Translation | None = None
 ) -> None:
@@ -216,7 +198,7 @@ def bring(
     def one(item: tuple[str, StoredFile]) -> None:
         name, file = item
         target, part = folder / name, folder / f".{file.sha256}.part"
-        if name == _SPEC and translate is not None:
+        if name == SPEC and translate is not None:
             write_bytes(target, translate.local(stored.read(file)))
             return
         stored.fetch(file, part)
@@ -252,11 +234,3 @@ def files_of_run(folder: Path) -> Iterator[tuple[str, Stamp]]:
                 found = path.lstat()
                 if stat.S_ISREG(found.st_mode):
                     yield relative, (found.st_mtime_ns, found.st_size)
-
-
-def _with_places(spec: bytes, translate: Callable[[str], str]) -> bytes:
-    value: dict[str, Any] = json.loads(spec)
-    for name in ("capture", "audio"):  # a file with sound may lie in the capture
-        if isinstance(value.get(name), str):
-            value[name] = translate(value[name])
-    return json.dumps(value, indent=1).encode()

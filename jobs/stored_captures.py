@@ -21,10 +21,11 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from hgs_core.base.errors import InputError
+from jobs.capture_places import Translation
 from jobs.home import Home
 from jobs.object_store import open_object_store
 from jobs.retention import folder_bytes
-from jobs.run_state import Translation, bring
+from jobs.run_state import bring
 from jobs.stored_run import RunHead, RunTakenError, StoredFile, StoredRun
 
 __all__ = ["StoredCaptures", "capture_of", "is_upload"]

@@ -9,13 +9,14 @@ import logging
 import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient
 
 from hgs_core.base.progress import Progress
 from jobs.artifacts import open_store
+from jobs.database_faults import DATABASE_FAULTS, persist
 from jobs.home import Home
 from jobs.job import JobState
 from jobs.job_history import CourseWriter
@@ -38,11 +39,7 @@ FIRST_WAIT, LONGEST_WAIT = 5.0, 7200.0  # seconds that a job is put off for when
 AWAY = 60.0  # seconds that a worker leaves jobs to others after it has not seen the capture of one
 WELL = 300.0  # seconds of work after which the next wait is again the first
 
-DATABASE_FAULTS = (sa.exc.DBAPIError, sa.exc.TimeoutError)  # the latter: no connection was free for half a minute
-
 log = logging.getLogger(__name__)
-
-Result = TypeVar("Result")
 
 
 class TrainingWorkflow:
@@ -78,7 +75,7 @@ class TrainingWorkflow:
             began = time.monotonic()
             self.attended.add((job_id, attempt))
             try:
-                epoch = await _persist(self._table.start, job_id, attempt)
+                epoch = await persist(self._table.start, job_id, attempt)
                 if not epoch:
                     return
                 self.saving.begin((job_id, attempt), epoch)
@@ -95,11 +92,11 @@ class TrainingWorkflow:
                     outcome = StageOutcome(waiting=f"the job database fails: {reason}")
                 if outcome.waiting:
                     again = 0 if time.monotonic() - began > WELL else waits  # it was well in between
-                    await _persist(self._put_off, job_id, attempt, outcome, again, stage)
+                    await persist(self._put_off, job_id, attempt, outcome, again, stage)
                 elif outcome.error:
-                    await _persist(self._table.fail, job_id, attempt, outcome.error)
+                    await persist(self._table.fail, job_id, attempt, outcome.error)
                 else:
-                    await _persist(self._finish, job_id, attempt)
+                    await persist(self._finish, job_id, attempt)
             finally:
                 self.saving.end((job_id, attempt))
                 self.attended.discard((job_id, attempt))
@@ -146,7 +143,7 @@ class TrainingWorkflow:
             if not asked and free > 1 and progress.figures.get(MADE):  # one is made here
                 asked = True
                 await self.saving.save((job_id, attempt))  # helpers begin with what the first one left
-                await _persist(self._ask_for_help, job_id, attempt, free - 1)
+                await persist(self._ask_for_help, job_id, attempt, free - 1)
             if progress.done > reached.get(progress.stage, 0):
                 reached[progress.stage] = progress.done
                 tries = 1
@@ -157,7 +154,7 @@ class TrainingWorkflow:
         claimed = await self._claim(stage, (job_id, attempt))
         if claimed != StageOutcome():
             return claimed
-        lacking = await _persist(self._lacking, job_id, stage)
+        lacking = await persist(self._lacking, job_id, stage)
         if lacking is not None:  # seen before the stage begins: encoding does with less where there is no capture
             return StageOutcome(waiting=lacking.reason, cause=lacking.cause)
         outcome = StageOutcome()
@@ -171,7 +168,7 @@ class TrainingWorkflow:
                 break
             log.warning("%s, start %d of %d without progress: %s", job_id, tries, STAGE_TRIES, outcome.error)
         if outcome.error or outcome.waiting:
-            lacking = await _persist(self._lacking, job_id, stage)
+            lacking = await persist(self._lacking, job_id, stage)
             if lacking is None and stage == "publish":
                 lacking = await asyncio.to_thread(self._surroundings.store)
             if lacking is not None:
@@ -245,17 +242,3 @@ class TrainingWorkflow:
             if job is not None and job.state is JobState.CANCELLED:
                 # Cancelled between the publication and now: what a cancelled job made is not shown.
                 open_store(self._home).remove_scene(job_id)
-
-
-async def _persist(write: Callable[..., Result], *arguments: Any) -> Result:
-    """Call `write` in a thread, again and again until the database (or the store) takes it."""
-    wait = 1.0
-    while True:
-        try:
-            return await asyncio.to_thread(write, *arguments)
-        except Exception as error:
-            if not isinstance(error, DATABASE_FAULTS) and not reason_to_wait(error):
-                raise
-            log.warning("will try again in %g s: %s", wait, one_line(error))
-        await asyncio.sleep(wait)
-        wait = min(2 * wait, 30.0)

@@ -11,7 +11,8 @@ import pytest
 from obstore.store import MemoryStore, ObjectStore
 
 from hgs_core.base.errors import InputError
-from jobs.run_state import RunState, Translation
+from jobs.capture_places import Translation
+from jobs.run_state import RunState
 from jobs.stored_run import RunTakenError, StoredRun
 
 State = Callable[..., RunState]

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from s3_server import S3Server, missing_program
+from s3_server import S3Server, running_s3_server
 
 from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
@@ -19,18 +19,10 @@ from tests.chunks import static_chunk
 CHUNK = static_chunk(b"a chunk")
 
 
-def new_server() -> S3Server:
-    if missing := missing_program():
-        pytest.skip(missing)
-    return S3Server()
-
-
 @pytest.fixture(scope="module")
 def server() -> Iterator[S3Server]:
-    server = new_server()
-    server.start()
-    yield server
-    server.stop()
+    with running_s3_server() as server:
+        yield server
 
 
 @pytest.fixture
@@ -86,11 +78,10 @@ class TestOutage:
 
     @pytest.fixture
     def server(self, monkeypatch: pytest.MonkeyPatch) -> Iterator[S3Server]:
-        server = new_server()
-        for name, value in server.settings.items():
-            monkeypatch.setenv(name, value)
-        yield server
-        server.stop()
+        with running_s3_server() as server:
+            for name, value in server.settings.items():
+                monkeypatch.setenv(name, value)
+            yield server
 
     @pytest.fixture
     def home(self, tmp_path: Path, pipeline: str, server: S3Server) -> Home:
@@ -104,7 +95,6 @@ class TestOutage:
         worker: Callable[[], subprocess.Popen[bytes]],
         wait_for: Callable[[str, Callable[[Job], bool], str], Job],
     ) -> None:
-        server.start()
         worker()
         job_id = submit(iterations=50)
         wait_for(job_id, lambda job: job.stage == "train", "training")

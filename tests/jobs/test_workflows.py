@@ -353,36 +353,3 @@ class TestFinish:
         workflow._finish("a", 1)
         assert row(table).state is JobState.WAITING
         assert self.scenes(home) == ["a"]
-
-
-class TestPersist:
-    """Writing until the database takes it."""
-
-    @pytest.fixture(autouse=True)
-    def slept(self, monkeypatch: pytest.MonkeyPatch) -> list[float]:
-        seconds: list[float] = []
-
-        async def sleep(wait: float) -> None:
-            seconds.append(wait)
-
-        monkeypatch.setattr(workflows.asyncio, "sleep", sleep)
-        return seconds
-
-    def test_a_fault_of_the_database_is_waited_for_longer_each_time(self, slept: list[float]) -> None:
-        faults: list[Exception] = [sa.exc.OperationalError("", None, Exception("locked")) for _ in range(7)]
-
-        def write(value: int) -> int:
-            if faults:
-                raise faults.pop()
-            return value
-
-        assert asyncio.run(workflows._persist(write, 3)) == 3
-        assert slept == [1, 2, 4, 8, 16, 30, 30]
-
-    def test_any_other_fault_is_raised(self, slept: list[float]) -> None:
-        def write() -> None:
-            raise ValueError("a fault of this program")
-
-        with pytest.raises(ValueError, match="of this program"):
-            asyncio.run(workflows._persist(write))
-        assert slept == []
