@@ -9,9 +9,8 @@ pages, in `scenes/<scene id>/pages.bin`: made of the manifest, from which a serv
 from __future__ import annotations
 
 import contextlib
-import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -20,17 +19,14 @@ from urllib.parse import urlsplit
 from urllib.request import url2pathname
 
 import obstore
-from obstore.exceptions import AlreadyExistsError
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.codec.format.folder import ENCODE_AGAIN, MANIFEST, THUMBNAIL, checked_chunks, load_manifest, stored_sizes
-from hgs_core.codec.format.growth import replaces
-from hgs_core.codec.format.manifest import Manifest
-from hgs_core.codec.format.paging import paged
+from hgs_core.base.progress import ProgressCallback, silent
+from hgs_core.codec.format.folder import MANIFEST, THUMBNAIL
 from jobs.database import connection_url
 from jobs.home import Home
 from jobs.object_store import is_folder, open_object_store
+from jobs.publication import PAGES, Publication
 from jobs.store_lock import FileStoreLock, PostgresStoreLock, StoreLock
 
 if TYPE_CHECKING:
@@ -42,7 +38,6 @@ SCENE_ID = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 """Of a scene, and of the job that makes it: they have the same."""
 
 _TITLE = "title.txt"
-_PAGES = "pages.bin"
 
 _CHUNK_ID = re.compile(r"[0-9a-f]{64}")
 
@@ -107,41 +102,12 @@ class ArtifactStore:
         """
         if not SCENE_ID.fullmatch(scene_id):
             raise InputError("scene id", f"{scene_id!r} is not 1 to 64 of a-z, 0-9, _ and -, beginning with a-z or 0-9")
-        manifest = load_manifest(folder)
-        total = len(stored_sizes(manifest)) + 1
-        waiting = Progress("publish", 0, total)
+        publication = Publication(self._store, folder, scene_id, progress)
         if self._lock is None:
-            self._put_scene(folder, manifest, scene_id, progress, lambda: None)
+            publication.put(self.manifest(scene_id), lambda: None)
             return
-        with self._lock.publishing(lambda: progress(waiting)) as require_lock:
-            self._put_scene(folder, manifest, scene_id, progress, require_lock)
-
-    def _put_scene(
-        self,
-        folder: Path,
-        manifest: Manifest,
-        scene_id: str,
-        progress: ProgressCallback,
-        require_lock: Callable[[], object],
-    ) -> None:
-        text, there = _read(folder / MANIFEST), self.manifest(scene_id)
-        grows = there is not None and replaces(text, there)
-        known = _chunk_names(there) if there is not None and grows else frozenset()
-        total = len(stored_sizes(manifest).keys() - known) + 1
-        for done, (chunk, data) in enumerate(checked_chunks(folder, manifest, known)):
-            progress(Progress("publish", done, total))
-            self._create(f"chunks/{chunk.id}", data)
-        progress(Progress("publish", total - 1, total))
-        if manifest.thumbnail:
-            self._create(f"scenes/{scene_id}/{THUMBNAIL}", _read(folder / THUMBNAIL))
-        require_lock()
-        if (ready := paged(manifest, json.loads(text))).pages:
-            obstore.put(self._store, f"scenes/{scene_id}/{_PAGES}", ready.packed(text))
-        if grows:
-            obstore.put(self._store, f"scenes/{scene_id}/{MANIFEST}", text)
-        else:
-            self._create(f"scenes/{scene_id}/{MANIFEST}", text)
-        progress(Progress("publish", total, total))
+        with self._lock.publishing(publication.waits) as require_lock:
+            publication.put(self.manifest(scene_id), require_lock)
 
     def list_scenes(self) -> list[SceneEntry]:
         """Return the published scenes, newest first."""
@@ -168,7 +134,7 @@ class ArtifactStore:
 
     def pages(self, scene_id: str) -> bytes | None:
         """Return a long scene's manifest in pages, for `PagedScene.unpacked`; it may be another version's."""
-        return self._get(f"scenes/{scene_id}/{_PAGES}") if SCENE_ID.fullmatch(scene_id) else None
+        return self._get(f"scenes/{scene_id}/{PAGES}") if SCENE_ID.fullmatch(scene_id) else None
 
     def thumbnail(self, scene_id: str) -> bytes | None:
         """Return the bytes of a scene's JPEG thumbnail."""
@@ -207,17 +173,11 @@ class ArtifactStore:
     def remove_scene(self, scene_id: str) -> None:
         """Take a scene back; unknown ids are ignored. Its chunks stay, since other scenes may name them too."""
         if SCENE_ID.fullmatch(scene_id):
-            for name in (MANIFEST, THUMBNAIL, _TITLE, _PAGES):
+            for name in (MANIFEST, THUMBNAIL, _TITLE, PAGES):
                 try:
                     obstore.delete(self._store, f"scenes/{scene_id}/{name}")
                 except FileNotFoundError:
                     continue
-
-    def _create(self, path: str, data: bytes) -> None:
-        try:
-            obstore.put(self._store, path, data, mode="create")
-        except AlreadyExistsError:
-            return
 
     def _head(self, path: str) -> ObjectMeta | None:
         try:
@@ -239,10 +199,6 @@ def open_store(home: Home) -> ArtifactStore:
     return ArtifactStore(home.store_url, FileStoreLock(home.folder / "store.lock"))
 
 
-def _chunk_names(manifest: bytes) -> frozenset[str]:
-    return frozenset(stored_sizes(Manifest.from_json(json.loads(manifest))))
-
-
 def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> SceneEntry:
     return SceneEntry(scene_id, manifest["last_modified"], _version(manifest), "" if title is None else _version(title))
 
@@ -250,10 +206,3 @@ def _entry(scene_id: str, manifest: ObjectMeta, title: ObjectMeta | None) -> Sce
 def _version(item: ObjectMeta) -> str:
     # Whole seconds: object stores give fractions in a listing, and none where they are asked for one object.
     return f"{int(item['last_modified'].timestamp())} {item['size']} {item['e_tag']}"
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", ENCODE_AGAIN) from error

@@ -5,11 +5,12 @@ import os
 from pathlib import Path
 
 import numpy as np
+import obstore
 import pytest
 from obstore.exceptions import BaseError
 
 from hgs_core.base.errors import InputError
-from jobs.artifacts import ArtifactStore
+from jobs.object_store import open_object_store
 from jobs.transient_faults import one_line, reason_to_wait
 
 
@@ -54,10 +55,10 @@ def test_a_full_disk_is_seen_behind_what_libraries_raise() -> None:
 
 
 def test_a_store_is_waited_for_in_one_short_line(tmp_path: Path) -> None:
-    store = ArtifactStore(tmp_path.as_uri())
+    store = open_object_store(tmp_path.as_uri())
     (tmp_path / "chunks").touch()
     with pytest.raises(Exception, match="Debug source") as raised:
-        store._create("chunks/a", b"a")
+        obstore.put(store, "chunks/a", b"a", mode="create")
     reason = reason_to_wait(raised.value)
     assert reason.startswith("the store fails: Generic LocalFileSystem error: ")
     assert "Debug source" not in reason
