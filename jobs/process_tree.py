@@ -6,10 +6,12 @@ that a worker in a container does not have. So the worker looks (Linux: in /proc
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import ctypes
 import os
 import signal
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +19,8 @@ __all__ = ["THREADS_EACH", "Process", "ProcessTree", "keep_orphans", "too_many"]
 
 THREADS_EACH = 32  # threads on average for each process that is allowed: pools of threads grow with the machine
 _LINUX = Path("/proc/self/stat").exists()
+_LOOK = 1.0  # seconds between two looks at how many there are
+_LOOK_SHARE = 0.02  # of a processor that looking takes at most
 _ROUNDS = 100  # of looking for those that multiply while others are killed
 _SET_CHILD_SUBREAPER = 36  # of prctl
 
@@ -78,6 +82,14 @@ class ProcessTree:
             asked |= pids
         if self._root != me:
             _send_group(self._root, signal.SIGKILL)
+
+    async def until_too_many(self, most: int) -> str:
+        """Look now and then; return in one line why they are too many, as soon as they are."""
+        while True:
+            began = time.perf_counter()
+            if reason := too_many(self.look(), most):
+                return reason
+            await asyncio.sleep(max(_LOOK, (time.perf_counter() - began) / _LOOK_SHARE))
 
     def _is_known(self, process: Process) -> bool:
         return self._root in (process.pid, process.session) or self._seen.get(process.pid) == process.began

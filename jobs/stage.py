@@ -36,11 +36,12 @@ from typing import IO, Any, NoReturn
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
 from hgs_core.runs.folder import RunFolder
-from jobs.file_limits import limit_files, met_file_limit
+from jobs.file_limits import met_file_limit
 from jobs.home import Home
-from jobs.out_of_memory import limit_memory, out_of_memory
+from jobs.limited import limit_stage
+from jobs.out_of_memory import out_of_memory
 from jobs.parent_process import when_parent_is_gone
-from jobs.process_tree import ProcessTree, keep_orphans
+from jobs.process_tree import ProcessTree
 from jobs.segments import Exchange, help_with_segment, make_segments
 from jobs.stage_environment import keep_secrets
 from jobs.stages import HELP, SHOW, STAGES
@@ -67,13 +68,11 @@ def main(arguments: list[str] | None = None) -> int:
 
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
-    keep_orphans()
     answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     when_parent_is_gone(_end, answers.put)
     report = _claim_stdout()
     home = Home.from_environment()
-    limit_memory(None if home.stage_memory is None else home.stage_memory.of(options.stage))
-    limit_files(int(home.stage_files.of(options.stage)), home.stage_file_size.of(options.stage))
+    limit_stage(home, options.stage)
     try:
         with contextlib.ExitStack() as held:
             try:

@@ -9,7 +9,6 @@ import logging
 import os
 import signal
 import sys
-import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +16,7 @@ from pathlib import Path
 from hgs_core.base.progress import Progress
 from jobs.home import Home
 from jobs.out_of_memory import system_kills
-from jobs.process_tree import ProcessTree, too_many
+from jobs.process_tree import ProcessTree
 from jobs.stage_environment import stage_environment
 from jobs.stage_outcome import StageOutcome, outcome_of
 from jobs.stage_silence import Silence
@@ -28,8 +27,6 @@ __all__ = ["GRACE", "OwnershipLost", "StageRunner"]
 
 GRACE = 10.0  # seconds between SIGTERM and SIGKILL: time to write a checkpoint
 LINE_LIMIT = 1 << 20  # bytes of the longest line a stage may print
-LOOK = 1.0  # seconds between two looks at how many processes a stage has
-LOOK_SHARE = 0.02  # of the worker's processor that looking takes at most
 
 log = logging.getLogger(__name__)
 
@@ -207,12 +204,7 @@ async def _end_if_silent(running: _Running, stage: str) -> None:
 
 async def _end_if_too_many(running: _Running, stage: str, most: int) -> None:
     """Kill a stage that starts ever more processes, before the machine has no place for others."""
-    while True:
-        began = time.perf_counter()
-        running.too_many = too_many(running.tree.look(), most)
-        if running.too_many:
-            break
-        await asyncio.sleep(max(LOOK, (time.perf_counter() - began) / LOOK_SHARE))
+    running.too_many = await running.tree.until_too_many(most)
     log.warning("%s in process %d: %s", stage, running.process.pid, running.too_many)
     running.tree.kill()
 

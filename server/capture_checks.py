@@ -17,11 +17,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from jobs.home import Home
+from jobs.process_tree import ProcessTree
 from jobs.stage_environment import without_secrets
 from server.problems import ProblemError
 
 __all__ = ["CaptureCheckRun", "CaptureChecks"]
 
+_STAGE = "initialise"  # of a job, whose limits a check has
 _LONGEST = 1800.0  # seconds that a check may take
 _MOST_WAITING = 20
 _MOST_KEPT = 200  # captures whose check is remembered
@@ -119,20 +122,27 @@ class CaptureChecks:
         """Run the check and keep what it found; return what failed, if anything."""
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "jobs.limited", _STAGE),
             *self._command(check.capture),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=pipe,
             stderr=pipe,
             env=without_secrets(),
+            start_new_session=True,
         )
+        tree, limit = ProcessTree(process.pid), int(Home.from_environment().stage_processes.of(_STAGE))
+        ended, crowded = asyncio.create_task(process.communicate()), asyncio.create_task(tree.until_too_many(limit))
         try:
-            output, errors = await asyncio.wait_for(process.communicate(), self._longest)
-        except TimeoutError:
-            return f"stopped: it took longer than {self._longest:.0f} s; use hgs check on the server"
+            await asyncio.wait({ended, crowded}, timeout=self._longest, return_when=asyncio.FIRST_COMPLETED)
+            if crowded.done():
+                return f"stopped: {crowded.result()}"
+            if not ended.done():
+                return f"stopped: it took longer than {self._longest:.0f} s; use hgs check on the server"
+            output, errors = ended.result()
         finally:
-            if process.returncode is None:
-                process.kill()
-                await process.wait()
+            crowded.cancel()
+            tree.kill()
+            await asyncio.gather(ended, crowded, return_exceptions=True)
         if output.strip():  # with exit status 2 where it stops: what it found counts
             found = json.loads(output)
             check.found = {name: found[name] for name in _SHOWN}

@@ -60,6 +60,36 @@ def test_what_fails_says_why(program: str, error: str) -> None:
     asyncio.run(scenario())
 
 
+def test_a_check_has_the_limits_of_a_stage(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HGS_STAGE_FILES", "99,initialise=77")
+    tell = "import resource; raise SystemExit(resource.getrlimit(resource.RLIMIT_NOFILE)[1])"
+
+    async def scenario() -> None:
+        assert (await ended(checks(tell).start(Path("/a")))).error == "ended with status 77"
+
+    asyncio.run(scenario())
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="the system has no /proc")
+def test_a_check_with_too_many_processes_is_ended_with_all_of_them(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("HGS_STAGE_PROCESSES", "5")
+    multiply = (
+        "import subprocess, sys, time; from pathlib import Path; path = Path(sys.argv[1])\n"
+        "pids = [subprocess.Popen(['sleep', '600'], start_new_session=True).pid for _ in range(6)]\n"
+        "path.write_text(' '.join(map(str, pids))); time.sleep(600)"
+    )
+
+    async def scenario() -> None:
+        check = await ended(checks(multiply).start(tmp_path / "pids"))
+        assert (check.error or "").startswith("stopped: too many processes: ")
+
+    asyncio.run(scenario())
+    commands = [Path("/proc", pid, "cmdline") for pid in (tmp_path / "pids").read_text().split()]
+    assert not any(command.exists() and b"sleep" in command.read_bytes() for command in commands)
+
+
 def test_a_check_that_takes_too_long_is_ended() -> None:
     async def scenario() -> None:
         check = await ended(checks("import time; time.sleep(600)", longest=0.2).start(Path("/a")))
