@@ -98,7 +98,9 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _end() -> NoReturn:
     """End without the worker, and leave no process behind that nobody would look after."""
-    ProcessTree(os.getpid()).kill()
+    with contextlib.suppress(ChildProcessError):  # without any there is nothing to look for, and not a moment to lose
+        os.waitpid(-1, os.WNOHANG)
+        ProcessTree(os.getpid()).kill()
     os._exit(ORPHANED)
 
 
