@@ -31,7 +31,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.camera import Camera
 
-__all__ = ["Ball", "brightened", "write_event_capture"]
+__all__ = ["Ball", "brightened", "capture_meta", "save_picture", "write_event_capture"]
 
 _SAMPLES = 4  # of a pixel, along either side
 _STRIPES = 8  # around the ball
@@ -111,11 +111,11 @@ def write_event_capture(capture: Capture, out: Path, first: int, last: int, ball
                 picture = capture.frame(index, frame)
                 if first <= frame <= last:
                     picture = brightened(picture) if ball is None else ball.painted(picture, seen[camera.name])
-                _save(there / "ims" / camera.name / f"{frame:06d}.png", picture)
+                save_picture(there / "ims" / camera.name / f"{frame:06d}.png", picture)
                 if ball is not None:
                     covered = np.asarray((seen[camera.name][1] > 0) * 255, np.uint8)
-                    _save(there / "event" / camera.name / f"{frame:04d}.png", covered)
-        (there / "train_meta.json").write_text(json.dumps(_meta(capture)))
+                    save_picture(there / "event" / camera.name / f"{frame:04d}.png", covered)
+        (there / "train_meta.json").write_text(json.dumps(capture_meta(capture)))
         there.rename(out)
 
 
@@ -135,12 +135,13 @@ def _block_means(values: Floats) -> Floats:
     return np.asarray(blocks.mean((1, 3)))
 
 
-def _save(path: Path, picture: Picture) -> None:
+def save_picture(path: Path, picture: Picture) -> None:
+    """Write a picture as a PNG file; its folder is made."""
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(picture).save(path, compress_level=1)
 
 
-def _meta(capture: Capture) -> Mapping[str, Any]:
+def capture_meta(capture: Capture) -> Mapping[str, Any]:
     """Return the contents of train_meta.json."""
     cameras, frames = capture.cameras, range(len(capture.times))
     return {

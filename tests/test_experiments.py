@@ -8,9 +8,11 @@ import torch
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
 from scripts.experiments.near_duplicates import has_duplicate
+from scripts.experiments.one_mover import thawed
 from scripts.experiments.outside_views import degrees_outside
 from scripts.experiments.splat_budgets import taken
 from scripts.experiments.unseen_pixels import times_seen
+from scripts.experiments.useful_dynamics import held_by_the_best, sums_of_cells
 
 
 def camera_at(x: float) -> Camera:
@@ -64,3 +66,19 @@ def test_a_budget_takes_the_useful_evenly_and_nothing_dead() -> None:
     assert len(half) == 50
     assert np.diff(half).max() <= 3
     assert taken(chunks, 200).sum() == 109
+
+
+def test_a_picture_is_the_first_one_but_where_the_object_was_or_is() -> None:
+    first, now = np.full((9, 12, 3), 10, np.uint8), np.full((9, 12, 3), 20, np.uint8)
+    was, is_now = np.zeros((9, 12), bool), np.zeros((9, 12), bool)
+    was[1, 1], is_now[7, 10] = True, True
+    picture = thawed(first, now, was, is_now)
+    expected = np.full((9, 12), 10)
+    expected[:4, :4], expected[5:, 8:] = 20, 20  # and two pixels around
+    assert np.array_equal(picture[..., 1], expected)
+
+
+def test_the_best_hold_their_share_and_cells_at_the_border_count() -> None:
+    assert held_by_the_best(np.array([1.0, 6.0, 2.0, 1.0]), 0.5) == 0.25
+    assert held_by_the_best(np.array([1.0, 6.0, 2.0, 1.0]), 0.75) == 0.5
+    assert np.array_equal(sums_of_cells(np.ones((17, 32))), [[256, 256], [16, 16]])
