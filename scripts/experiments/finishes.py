@@ -51,6 +51,7 @@ class Finish:
 
     length: float = 1.0  # in multiples of the iterations that are left
     held: float | None = None  # all steps stay as they are at the checkpoint, times this; None: they fall
+    statics: float = 1.0  # a further multiple of the statics' steps
     newton: Newton | None = None
 
 
@@ -58,6 +59,7 @@ FINISHES = {
     "as it is": Finish(),
     "steps held": Finish(held=1.0),
     "steps held at 1.5 times": Finish(held=1.5),
+    "steps held, those of statics at three times": Finish(held=1.0, statics=3.0),
     "three times as long": Finish(3.0),
     "Gauss-Newton, 0.003": Finish(0.77, newton=Newton(0.003, 0.1)),
     "Gauss-Newton, 0.01, damped by the mean": Finish(0.77, newton=Newton(0.01, 0.1, damping_by_mean=True)),
@@ -134,8 +136,9 @@ class _Training:
         count = round(how.length * (self.config.train.iterations - first))
         plan = trainer.schedule
         trainer.schedule = _FinishSchedule(
-            plan.config, plan.extent, plan.frames, plan.seconds, first=first, count=count, held=how.held
-        )
+            plan.config, plan.extent, plan.frames, plan.seconds,
+            first=first, count=count, held=how.held, statics=how.statics,
+        )  # fmt: skip
         newton = None if how.newton is None else NewtonSteps(trainer, how.newton)
         means = [_Mean(first + round((1 - share) * count)) for share in _AVERAGES]
         started = time.process_time()
@@ -198,6 +201,10 @@ class _FinishSchedule(Schedule):
     first: int
     count: int
     held: float | None
+    statics: float
+
+    def static_rates(self, iteration: int) -> dict[str, float | Tensor]:
+        return {name: self.statics * rate for name, rate in super().static_rates(iteration).items()}
 
     def settling(self, iteration: int) -> float:
         at, share = self._at(iteration)
