@@ -19,7 +19,7 @@ _RANGES: dict[str, Range] = {
 class PointsConfig:
     """The first points that are asked for."""
 
-    static: int = 6_000  # more of them stand at wrong depths
+    static: int = 30_000
     dynamic: int = 8_000  # of what moves, for every second of the capture
     interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
 

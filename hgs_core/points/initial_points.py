@@ -22,18 +22,22 @@ from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import median_picture, sample_frames
+from hgs_core.native import library
+from hgs_core.points.depth_map import SweptPoints
 from hgs_core.points.labels import label_points
+from hgs_core.points.multi_view_stereo import multi_view_stereo
 from hgs_core.points.neighbours import mean_neighbour_distance, thin
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.same_moment import SameMoment, same_moments
 from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate
-from hgs_core.points.sweep import SweptPoints, depth_ranges, sweep
+from hgs_core.points.sweep import depth_ranges, sweep
 from hgs_core.scene.camera import Camera
 
 __all__ = ["initial_points"]
 
 _STAGE = "points"
+_MOST_COARSE_POINTS = 6_000  # of a coarse sweep: more of them stand at wrong depths
 _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
 _MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
 _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
@@ -127,13 +131,22 @@ def _static_seeds(
     count: int,
     generator: np.random.Generator,
 ) -> PointCloud:
-    """Sweep the pictures' median over time, which nothing that moves disturbs."""
+    """Find the surfaces of the pictures' median over time, which nothing that moves disturbs.
+
+    Without the compiled kernels a coarse sweep has to do, of which no more points are worth having than a few thousand.
+    """
     views = [capture.cameras[index] for index in cameras]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         backgrounds = list(pool.map(lambda index: _still_picture(capture, masks, index), cameras))
     pictures = [picture for picture, _ in backgrounds]
-    swept = sweep(views, pictures, [trusted for _, trusted in backgrounds], ranges, count * _RAYS_PER_POINT)
-    chosen = _choose(swept, count, generator)
+    trusted = [mask for _, mask in backgrounds]
+    if library.available():
+        swept = multi_view_stereo(views, pictures, trusted, ranges)
+        chosen = np.sort(generator.permutation(len(swept.xyz))[:count])
+    else:
+        count = min(count, _MOST_COARSE_POINTS)
+        swept = sweep(views, pictures, trusted, ranges, count * _RAYS_PER_POINT)
+        chosen = _choose(swept, count, generator)
     return _cloud(swept.xyz[chosen], swept.rgb[chosen], float(capture.times[0]), np.zeros(len(chosen), np.float32))
 
 

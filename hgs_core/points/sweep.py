@@ -9,45 +9,27 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
 from hgs_core.points.visibility import nearest_cameras, pixels_inside
 from hgs_core.scene.camera import Camera
 
-__all__ = ["SweptPoints", "depth_ranges", "sweep"]
+__all__ = ["depth_ranges", "sweep"]
 
 _DEPTHS = 64
 _NEIGHBOUR_VIEWS = 4  # views that a picture is compared with, of which one may be blocked
 _BLIND_COST = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
-_DEPTH_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
-_SEES_THROUGH_DEPTH = 1.2  # of the depth: a view that sees something farther than this sees through the point
+_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
+_BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
 _FEW_POINTS = 20  # points below which a camera's depth range is taken from all points
 
 Admit = Callable[[npt.NDArray[np.floating[Any]]], npt.NDArray[np.bool_]]
 """Says which points [P, 3] may exist, [P]."""
-
-
-@dataclass(frozen=True)
-class SweptPoints:
-    """P points, one per grid pixel that found a depth."""
-
-    xyz: npt.NDArray[np.float32]  # [P, 3]
-    rgb: npt.NDArray[np.float32]  # [P, 3] in [0, 1]
-    agreeing: npt.NDArray[np.int64]  # [P] other views whose own depth agrees
-    opposed: npt.NDArray[np.int64]  # [P] other views that see something behind the point, as if it were not there
-
-
-@dataclass(frozen=True)
-class _DepthMap:
-    """Depths on a grid of pixels (top + step i, left + step j) of one picture; 0 where there is none."""
-
-    step: int
-    depths: npt.NDArray[np.float64]  # [h, w]
 
 
 def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:
@@ -86,14 +68,13 @@ def sweep(
     step = max(2, int(np.sqrt(area / max(rays, 1))))
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
-    def one(view: int) -> _DepthMap:
+    def one(view: int) -> DepthMap:
         return _depth_map(view, neighbours[view], cameras, descriptors, wanted[view], ranges[view], step, admit)
 
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         descriptors = list(pool.map(_descriptors, pictures))
         maps = list(pool.map(one, range(len(cameras))))
-    parts = [_points(view, cameras, pictures[view], maps) for view in range(len(cameras))]
-    return SweptPoints(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+    return points_of_maps(cameras, pictures, maps, agreement=_AGREEMENT, beyond=_BEYOND)
 
 
 def _descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
@@ -111,12 +92,12 @@ def _depth_map(
     depth_range: tuple[float, float],
     step: int,
     admit: Admit | None,
-) -> _DepthMap:
+) -> DepthMap:
     camera = cameras[view]
     rows, columns = np.arange(step // 2, camera.height, step), np.arange(step // 2, camera.width, step)
     chosen = wanted[np.ix_(rows, columns)]  # [h, w]
     i, j = np.nonzero(chosen)
-    found = _DepthMap(step, np.zeros(chosen.shape))
+    found = DepthMap(step, np.zeros(chosen.shape))
     if len(i) == 0 or len(neighbours) == 0:
         return found
     near, far = depth_range
@@ -191,25 +172,3 @@ def _refine(
     shift = np.where((inner == best) & np.isfinite(shift), np.clip(shift, -0.5, 0.5), 0.0)
     inverse = 1.0 / near + (best + shift) * (1.0 / far - 1.0 / near) / (cost.shape[1] - 1)
     return np.asarray(1.0 / inverse)
-
-
-def _points(
-    view: int, cameras: Sequence[Camera], picture: npt.NDArray[np.uint8], maps: Sequence[_DepthMap]
-) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Return the points of one view, with what the depths of the other views say to them."""
-    camera, found = cameras[view], maps[view]
-    i, j = np.nonzero(found.depths)
-    row, column = i * found.step + found.step // 2, j * found.step + found.step // 2
-    xyz = camera.position + camera.rays(np.stack([column + 0.5, row + 0.5], 1)) * found.depths[i, j, None]
-    agreeing, opposed = np.zeros((2, len(xyz)), np.int64)
-    for other in range(len(cameras)):
-        if other == view:
-            continue
-        rows, pixels = pixels_inside(cameras[other], xyz)
-        _, depths = cameras[other].project(xyz[rows])
-        cell = np.minimum(pixels // maps[other].step, np.array(maps[other].depths.shape)[::-1] - 1)
-        theirs = maps[other].depths[cell[:, 1], cell[:, 0]]  # 0, which is neither, where there is none
-        agreeing[rows] += np.abs(theirs - depths) < _DEPTH_AGREEMENT * depths
-        opposed[rows] += theirs > _SEES_THROUGH_DEPTH * depths
-    rgb = picture[row, column].astype(np.float32) / np.float32(255)
-    return xyz.astype(np.float32), rgb, agreeing, opposed

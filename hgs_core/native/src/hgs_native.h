@@ -11,7 +11,7 @@
 #define HGS_STATICS_ANEW 0
 #define HGS_STATICS_KEEP 1
 #define HGS_STATICS_REUSE 2
-#define HGS_ABI_VERSION 7
+#define HGS_ABI_VERSION 8
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -175,6 +175,24 @@ HGS_API int32_t hgs_rmsprop(int64_t rows, int64_t width, const int64_t *row_of, 
                             const float *gradients, float *moments, const float *decays, double beta,
                             const float *factors, int64_t values_per_factor, double learning_rate, double correction,
                             double epsilon, int32_t threads);
+
+/* A picture that a plane sweep compares with. */
+typedef struct hgs_sweep_source {
+  const float *grey;     /* [height][width] */
+  int32_t width, height; /* at least 2 */
+  double map[12];        /* [3][4]: (x, y) of the swept picture at depth z is at (u / w, v / w) here, pixels, where
+                            (u, v, w) = map (x z, y z, z, 1) */
+} hgs_sweep_source;
+
+/* The depth at which the windows of 9x9 pixels around every pixel agree best with those of other pictures.
+ *
+ * grey: [height][width] the swept picture, data range 1.
+ * sources: [count] other pictures, of which at every depth the three that fit best count.
+ * depths: [depth_count] that are tried, 3 at least, ascending or descending, evenly in what they move on the screen.
+ * places: out, [height][width] the best place among the depths, 0 to depth_count - 1, between two where that fits better.
+ * costs: out, [height][width] how badly the windows match there: 0 alike, 0.5 unlike or blank, 0.9 seen by no source. */
+HGS_API int32_t hgs_plane_sweep(const float *grey, int32_t width, int32_t height, const hgs_sweep_source *sources,
+                                int32_t count, const double *depths, int32_t depth_count, float *places, float *costs);
 
 #ifdef __cplusplus
 }

@@ -13,6 +13,7 @@ from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import MotionMasks, motion_masks
+from hgs_core.native import library
 from hgs_core.points.initial_points import initial_points
 from hgs_core.points.point_cloud import PointCloud
 
@@ -131,3 +132,16 @@ def test_what_moves_is_taken_from_cameras_that_are_in_step_at_their_own_time(
     points = initial_points(capture, VIEWS, masks, progress=silent, **(TARGETS | {"static_target": 100}))
     times = np.unique(points.times[points.dynamic >= 0.5])
     np.testing.assert_allclose(times, [0.0, 0.5 / 30, 1.0, 1.0 + 0.5 / 30], atol=1e-6)
+
+
+def test_without_kernels_a_coarse_sweep_has_to_do(
+    capture: Capture, masks: MotionMasks, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HGS_NATIVE_ISA", "none")
+    library._loaded.cache_clear()
+    try:
+        points = initial_points(capture, VIEWS, masks, progress=silent, **(TARGETS | {"static_target": 9_000}))
+    finally:
+        monkeypatch.undo()
+        library._loaded.cache_clear()
+    assert 1_000 < (points.dynamic < 0.5).sum() <= 6_500

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.points.sweep import SweptPoints, depth_ranges, sweep
+from hgs_core.points.depth_map import SweptPoints
+from hgs_core.points.sweep import depth_ranges, sweep
 from hgs_core.scene.camera import Camera
 
 WALL = 3.0

@@ -1,0 +1,83 @@
+"""Depths that pictures were found to show, and the points they make, with what the other pictures say to them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from hgs_core.points.visibility import pixels_inside
+from hgs_core.scene.camera import Camera
+
+__all__ = ["DepthMap", "SweptPoints", "points_of_maps"]
+
+
+@dataclass(frozen=True)
+class SweptPoints:
+    """P points, one per grid pixel that found a depth."""
+
+    xyz: npt.NDArray[np.float32]  # [P, 3]
+    rgb: npt.NDArray[np.float32]  # [P, 3] in [0, 1]
+    agreeing: npt.NDArray[np.int64]  # [P] other views whose own depth agrees
+    opposed: npt.NDArray[np.int64]  # [P] other views that see something behind the point, as if it were not there
+    facing: npt.NDArray[np.int64]  # [P] other views whose pictures the point falls in
+
+    def take(self, rows: npt.NDArray[np.int64] | npt.NDArray[np.bool_]) -> SweptPoints:
+        """Return the points of these rows, or of those where a mask is set."""
+        return SweptPoints(self.xyz[rows], self.rgb[rows], self.agreeing[rows], self.opposed[rows], self.facing[rows])
+
+
+@dataclass(frozen=True)
+class DepthMap:
+    """Depths on a grid of pixels (top + step i, left + step j) of one picture; 0 where there is none."""
+
+    step: int
+    depths: npt.NDArray[np.float64]  # [h, w]
+
+
+def points_of_maps(
+    cameras: Sequence[Camera],
+    pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each
+    maps: Sequence[DepthMap],  # one of each picture
+    *,
+    agreement: float,
+    beyond: float,
+) -> SweptPoints:
+    """Return the points of all views, those of the first first.
+
+    Views whose depths differ by less than the share `agreement` of the depth see the same surface; one that sees
+    something farther than `beyond` times the depth of a point sees through it.
+    """
+    parts = [_points(view, cameras, pictures[view], maps, agreement, beyond) for view in range(len(cameras))]
+    return SweptPoints(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _points(
+    view: int,
+    cameras: Sequence[Camera],
+    picture: npt.NDArray[np.uint8],
+    maps: Sequence[DepthMap],
+    agreement: float,
+    beyond: float,
+) -> tuple[npt.NDArray[Any], ...]:
+    """Return the points of one view, with what the depths of the other views say to them."""
+    camera, found = cameras[view], maps[view]
+    i, j = np.nonzero(found.depths)
+    row, column = i * found.step + found.step // 2, j * found.step + found.step // 2
+    xyz = camera.position + camera.rays(np.stack([column + 0.5, row + 0.5], 1)) * found.depths[i, j, None]
+    agreeing, opposed, facing = np.zeros((3, len(xyz)), np.int64)
+    for other in range(len(cameras)):
+        if other == view:
+            continue
+        rows, pixels = pixels_inside(cameras[other], xyz)
+        _, depths = cameras[other].project(xyz[rows])
+        cell = np.minimum(pixels // maps[other].step, np.array(maps[other].depths.shape)[::-1] - 1)
+        theirs = maps[other].depths[cell[:, 1], cell[:, 0]]  # 0, which is neither, where there is none
+        agreeing[rows] += np.abs(theirs - depths) < agreement * depths
+        opposed[rows] += theirs > beyond * depths
+        facing[rows] += 1
+    rgb = picture[row, column].astype(np.float32) / np.float32(255)
+    return xyz.astype(np.float32), rgb, agreeing, opposed, facing
