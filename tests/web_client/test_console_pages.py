@@ -37,8 +37,8 @@ def job(name: str, **fields: Any) -> dict[str, Any]:
     """A job as docs/protocol.md has it."""
     return {
         "id": name, "state": "running", "attempt": 1, "capture": f"/captures/{name}", "title": name,
-        "preset": "preview", "hold_out": [], "config": {}, "stage": None, "progress": None, "error": None,
-        "scene": None, "created": 1.0, "updated": 1.0,
+        "preset": "preview", "hold_out": [], "config": {}, "audio": None, "stage": None, "progress": None,
+        "error": None, "scene": None, "created": 1.0, "updated": 1.0,
     } | fields  # fmt: skip
 
 

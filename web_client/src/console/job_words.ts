@@ -41,7 +41,7 @@ const CAMERA_SOUND = "camera:";
 
 /** What is heard, where that is not the capture's own sound: "no sound", "sound of cam01", "sound of recorder.wav". */
 export function describeSound({ audio }: Job): string {
-  if (audio === null || audio === "auto") return "";
+  if (!audio || audio === "auto") return "";
   if (audio === "none") return "no sound";
   return `sound of ${audio.startsWith(CAMERA_SOUND) ? audio.slice(CAMERA_SOUND.length) : audio.split("/").at(-1)}`;
 }
