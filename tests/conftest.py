@@ -12,6 +12,8 @@ import pytest
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
+    from tests.jobs.modules.s3_server import S3Server
+
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
@@ -32,6 +34,23 @@ def test_data() -> Callable[[str], Path]:
         return path
 
     return find
+
+
+@pytest.fixture(scope="module")
+def s3_server() -> Iterator[S3Server]:
+    """A server that speaks S3, with a bucket named "bucket"."""
+    from tests.jobs.modules.s3_server import running_s3_server
+
+    with running_s3_server() as server:
+        yield server
+
+
+@pytest.fixture
+def s3_url(s3_server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Return a prefix of its bucket that is the test's own; the environment has its address and credentials."""
+    for name, value in s3_server.settings.items():
+        monkeypatch.setenv(name, value)
+    return f"s3://bucket/{tmp_path.name}"
 
 
 @pytest.fixture(scope="module")  # while one is open, Playwright's event loop stands in the way of asyncio.run

@@ -22,6 +22,7 @@ sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import,
 from postgres_server import PostgresServer, missing_program
 
 from hgs_core.runs.config import RunConfig
+from jobs.artifacts import ArtifactStore
 from jobs.client import JobClient
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
@@ -58,6 +59,19 @@ def write_scene() -> Callable[..., list[str]]:
     from scene_folder import write_scene
 
     return write_scene
+
+
+@pytest.fixture
+def scene(tmp_path: Path, write_scene: Callable[..., list[str]]) -> Path:
+    """Return a scene folder with the chunks ONE and TWO of scene_folder."""
+    write_scene(tmp_path / "scene")
+    return tmp_path / "scene"
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> ArtifactStore:
+    """Return an empty store of scenes in a folder."""
+    return ArtifactStore((tmp_path / "store").as_uri())
 
 
 @pytest.fixture

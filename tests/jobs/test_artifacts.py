@@ -1,33 +1,14 @@
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
+from scene_folder import ONE, TWO, name_of
 
 from hgs_core.base.errors import InputError
 from jobs.artifacts import ArtifactStore
-from tests.chunks import static_chunk
-
-ONE, TWO = static_chunk(b"one"), static_chunk(b"two")
-
-
-def name_of(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> ArtifactStore:
-    return ArtifactStore((tmp_path / "store").as_uri())
-
-
-@pytest.fixture
-def scene(tmp_path: Path, write_scene: Callable[..., list[str]]) -> Path:
-    """Return a scene folder with the chunks ONE and TWO."""
-    write_scene(tmp_path / "scene")
-    return tmp_path / "scene"
 
 
 def test_a_published_scene_can_be_read(store: ArtifactStore, scene: Path) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import hashlib
 import json
 import shutil
 from collections.abc import Callable, Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from obstore.store import MemoryStore
+from scene_folder import ONE, TWO, name_of
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
@@ -21,26 +21,7 @@ from hgs_core.codec.format.paging import PagedScene, paged
 from jobs import artifacts
 from jobs.artifacts import ArtifactStore
 from jobs.store_lock import StoreLock
-from tests.chunks import static_chunk
 from tests.growing import MOVING, STATIC, write_growing_scene
-
-ONE, TWO = static_chunk(b"one"), static_chunk(b"two")
-
-
-def name_of(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> ArtifactStore:
-    return ArtifactStore((tmp_path / "store").as_uri())
-
-
-@pytest.fixture
-def scene(tmp_path: Path, write_scene: Callable[..., list[str]]) -> Path:
-    """Return a scene folder with the chunks ONE and TWO."""
-    write_scene(tmp_path / "scene")
-    return tmp_path / "scene"
 
 
 def poked(chunk: bytes) -> bytes:

@@ -19,17 +19,9 @@ from tests.chunks import static_chunk
 CHUNK = static_chunk(b"a chunk")
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[S3Server]:
-    with running_s3_server() as server:
-        yield server
-
-
 @pytest.fixture
-def store(server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ArtifactStore:
-    for name, value in server.settings.items():
-        monkeypatch.setenv(name, value)
-    return ArtifactStore(f"s3://bucket/{tmp_path.name}")
+def store(s3_url: str) -> ArtifactStore:
+    return ArtifactStore(s3_url)
 
 
 def test_a_published_scene_can_be_read_and_removed(

@@ -3,32 +3,19 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
 from pathlib import Path
 
 import obstore
 import pytest
 from obstore.store import MemoryStore, ObjectStore, from_url
-from s3_server import S3Server, running_s3_server
 
 from hgs_core.base.errors import InputError
 from jobs.stored_run import RunHead, RunTakenError, StoredRun
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[S3Server]:
-    with running_s3_server() as server:
-        yield server
-
-
 @pytest.fixture(params=["memory", "s3"])
-def store(request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ObjectStore:
-    if request.param == "memory":
-        return MemoryStore()
-    server: S3Server = request.getfixturevalue("server")
-    for name, value in server.settings.items():
-        monkeypatch.setenv(name, value)
-    return from_url(f"s3://bucket/{tmp_path.name}")
+def store(request: pytest.FixtureRequest) -> ObjectStore:
+    return MemoryStore() if request.param == "memory" else from_url(request.getfixturevalue("s3_url"))
 
 
 @pytest.fixture

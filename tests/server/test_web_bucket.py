@@ -27,26 +27,13 @@ from server.web_bucket import publish_to_bucket
 from tests.conftest import REPOSITORY
 from tests.growing import write_growing_scene
 from tests.jobs.modules.flaky_proxy import FlakyProxy
-from tests.jobs.modules.s3_server import S3Server, running_s3_server
+from tests.jobs.modules.s3_server import S3Server
 from tests.server.conftest import Killed, killed_after
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[S3Server]:
-    with running_s3_server() as server:
-        yield server
-
-
 @pytest.fixture
-def url(server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    for name, value in server.settings.items():
-        monkeypatch.setenv(name, value)
-    return f"s3://bucket/{tmp_path.name}"
-
-
-@pytest.fixture
-def store(url: str) -> ObjectStore:
-    return open_object_store(url)
+def store(s3_url: str) -> ObjectStore:
+    return open_object_store(s3_url)
 
 
 def contents(store: ObjectStore) -> dict[str, bytes]:
@@ -66,10 +53,10 @@ def whole_scene(store: ObjectStore, folder: Path) -> str:
 
 
 def test_files_have_the_headers_that_browsers_and_caches_need(
-    scene_folder: Path, player: Path, url: str, store: ObjectStore
+    scene_folder: Path, player: Path, s3_url: str, store: ObjectStore
 ) -> None:
     (player / "assets" / "zstd-1a2b.js.gz").write_bytes(b"gzip")
-    done = publish_to_bucket(scene_folder, url, player=player)
+    done = publish_to_bucket(scene_folder, s3_url, player=player)
     found = contents(store)
     scene = scene_folder / "scene"
     data = {path.relative_to(scene).as_posix(): path.read_bytes() for path in scene.rglob("*") if path.is_file()}
@@ -97,62 +84,62 @@ def test_files_have_the_headers_that_browsers_and_caches_need(
 
 
 def test_what_is_there_is_not_sent_again(
-    scene_folder: Path, player: Path, url: str, store: ObjectStore, monkeypatch: pytest.MonkeyPatch
+    scene_folder: Path, player: Path, s3_url: str, store: ObjectStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    first = publish_to_bucket(scene_folder, url, player=player)
+    first = publish_to_bucket(scene_folder, s3_url, player=player)
     before = contents(store)
     damaged = next(name for name in before if name.startswith("chunks/"))
     obstore.put(store, damaged, bytes(len(before[damaged])))
-    assert publish_to_bucket(scene_folder, url, player=player) == Transfer(1, len(before[damaged]), first.files - 1)
+    assert publish_to_bucket(scene_folder, s3_url, player=player) == Transfer(1, len(before[damaged]), first.files - 1)
     assert contents(store) == before
 
     def put(*arguments: Any, **options: Any) -> None:
         raise AssertionError(arguments)
 
     monkeypatch.setattr(obstore, "put", put)
-    assert publish_to_bucket(scene_folder, url, player=player) == Transfer(kept=first.files)
+    assert publish_to_bucket(scene_folder, s3_url, player=player) == Transfer(kept=first.files)
 
 
-def test_an_object_whose_etag_is_not_its_md5_is_read(scene_folder: Path, url: str, store: ObjectStore) -> None:
-    first = publish_to_bucket(scene_folder, url, player=None)
+def test_an_object_whose_etag_is_not_its_md5_is_read(scene_folder: Path, s3_url: str, store: ObjectStore) -> None:
+    first = publish_to_bucket(scene_folder, s3_url, player=None)
     obstore.put(store, MANIFEST, (scene_folder / "scene" / MANIFEST).read_bytes(), use_multipart=True)
     assert (obstore.head(store, MANIFEST)["e_tag"] or "").endswith('-1"')
-    assert publish_to_bucket(scene_folder, url, player=None) == Transfer(kept=first.files)
+    assert publish_to_bucket(scene_folder, s3_url, player=None) == Transfer(kept=first.files)
 
 
 @pytest.mark.parametrize("written", [0, 3, 5])
 def test_a_kill_leaves_no_manifest_and_the_next_call_completes_the_scene(
-    scene_folder: Path, url: str, store: ObjectStore, tmp_path: Path, written: int
+    scene_folder: Path, s3_url: str, store: ObjectStore, tmp_path: Path, written: int
 ) -> None:
     with pytest.raises(Killed):
-        publish_to_bucket(scene_folder, url, player=None, progress=killed_after(written))
+        publish_to_bucket(scene_folder, s3_url, player=None, progress=killed_after(written))
     found = contents(store)
     assert len(found) == written
     assert all(name.startswith("chunks/") for name in found)
-    assert publish_to_bucket(scene_folder, url, player=None).kept == written
+    assert publish_to_bucket(scene_folder, s3_url, player=None).kept == written
     assert whole_scene(store, tmp_path / "copy") == "Studio"
 
 
 def test_while_a_scene_is_replaced_the_old_one_is_whole(
-    scene_folder: Path, other_scene: Path, url: str, store: ObjectStore, tmp_path: Path
+    scene_folder: Path, other_scene: Path, s3_url: str, store: ObjectStore, tmp_path: Path
 ) -> None:
-    publish_to_bucket(other_scene, url, player=None)
+    publish_to_bucket(other_scene, s3_url, player=None)
     with pytest.raises(InputError, match="holds another scene; give another prefix, or --replace"):
-        publish_to_bucket(scene_folder, url, player=None)
+        publish_to_bucket(scene_folder, s3_url, player=None)
     with pytest.raises(Killed):
-        publish_to_bucket(scene_folder, url, player=None, replace=True, progress=killed_after(5))
+        publish_to_bucket(scene_folder, s3_url, player=None, replace=True, progress=killed_after(5))
     assert whole_scene(store, tmp_path / "old") == "<Other> & more"
-    publish_to_bucket(scene_folder, url, player=None, replace=True)
+    publish_to_bucket(scene_folder, s3_url, player=None, replace=True)
     assert whole_scene(store, tmp_path / "new") == "Studio"
-    publish_to_bucket(other_scene, url, player=None, replace=True)
+    publish_to_bucket(other_scene, s3_url, player=None, replace=True)
     chunks = {f"chunks/{path.name}" for path in (other_scene / "scene" / "chunks").iterdir()}
     assert contents(store).keys() == chunks | {MANIFEST, "index.hgs"}
 
 
-def test_a_scene_that_has_grown_replaces_what_it_was(url: str, store: ObjectStore, tmp_path: Path) -> None:
+def test_a_scene_that_has_grown_replaces_what_it_was(s3_url: str, store: ObjectStore, tmp_path: Path) -> None:
     for segments in (1, 3):
         manifest = write_growing_scene(tmp_path / "run" / "scene", segments)
-        publish_to_bucket(tmp_path / "run", url, player=None)
+        publish_to_bucket(tmp_path / "run", s3_url, player=None)
         found = contents(store)
         assert found[MANIFEST] == manifest
         paged = PagedManifest(read_index(found["index.hgs"]))
@@ -160,7 +147,7 @@ def test_a_scene_that_has_grown_replaces_what_it_was(url: str, store: ObjectStor
         assert {name for name in found if name.startswith("chunks/")} == {f"chunks/{name}" for name in named}
     write_growing_scene(tmp_path / "run" / "scene", 2)
     with pytest.raises(InputError, match="another scene"):
-        publish_to_bucket(tmp_path / "run", url, player=None)
+        publish_to_bucket(tmp_path / "run", s3_url, player=None)
 
 
 @pytest.mark.parametrize(
@@ -168,24 +155,29 @@ def test_a_scene_that_has_grown_replaces_what_it_was(url: str, store: ObjectStor
     [("dear.jpg", "holds dear.jpg, but no scene"), ("manifest.json", "manifest.json: is not a scene's")],
 )
 def test_a_prefix_of_something_else_is_never_touched(
-    scene_folder: Path, url: str, store: ObjectStore, name: str, problem: str
+    scene_folder: Path, s3_url: str, store: ObjectStore, name: str, problem: str
 ) -> None:
     obstore.put(store, name, b"dear")
-    obstore.put(open_object_store(f"{url}-too"), "neighbour", b"none of this")
+    obstore.put(open_object_store(f"{s3_url}-too"), "neighbour", b"none of this")
     with pytest.raises(InputError, match=rf"{problem}; give a new or an empty prefix"):
-        publish_to_bucket(scene_folder, url, player=None, replace=True)
+        publish_to_bucket(scene_folder, s3_url, player=None, replace=True)
     assert contents(store) == {name: b"dear"}
 
 
-def test_a_folder_that_a_console_has_made_is_empty(server: S3Server, scene_folder: Path, url: str) -> None:
-    urlopen(Request(f"{server.address}/bucket/{url.rpartition('/')[2]}/", method="PUT"), timeout=30).close()
-    assert publish_to_bucket(scene_folder, url, player=None).files
+def test_a_folder_that_a_console_has_made_is_empty(s3_server: S3Server, scene_folder: Path, s3_url: str) -> None:
+    urlopen(Request(f"{s3_server.address}/bucket/{s3_url.rpartition('/')[2]}/", method="PUT"), timeout=30).close()
+    assert publish_to_bucket(scene_folder, s3_url, player=None).files
 
 
 def test_a_fault_that_passes_is_tried_again(
-    server: S3Server, scene_folder: Path, url: str, store: ObjectStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    s3_server: S3Server,
+    scene_folder: Path,
+    s3_url: str,
+    store: ObjectStore,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    proxy = FlakyProxy(int(server.address.rpartition(":")[2]))
+    proxy = FlakyProxy(int(s3_server.address.rpartition(":")[2]))
     monkeypatch.setenv("AWS_ENDPOINT", proxy.address)
 
     def progress(report: Progress) -> None:
@@ -194,16 +186,16 @@ def test_a_fault_that_passes_is_tried_again(
             threading.Timer(0.2, proxy.pass_on).start()
 
     try:
-        publish_to_bucket(scene_folder, url, player=None, progress=progress)
+        publish_to_bucket(scene_folder, s3_url, player=None, progress=progress)
     finally:
         proxy.refuse()
     assert whole_scene(store, tmp_path / "copy") == "Studio"
 
 
-def test_whoever_may_read_the_prefix_reads_the_scene(server: S3Server, scene_folder: Path, url: str) -> None:
+def test_whoever_may_read_the_prefix_reads_the_scene(s3_server: S3Server, scene_folder: Path, s3_url: str) -> None:
     """With the policy of docs/static.md, without credentials, as `Readers` there says."""
-    publish_to_bucket(scene_folder, url, player=None)
-    address = f"{server.address}/bucket/{url.rpartition('/')[2]}"
+    publish_to_bucket(scene_folder, s3_url, player=None)
+    address = f"{s3_server.address}/bucket/{s3_url.rpartition('/')[2]}"
 
     def get(name: str) -> bytes:
         with urlopen(f"{address}/{name}", timeout=30) as answer:
@@ -211,20 +203,20 @@ def test_whoever_may_read_the_prefix_reads_the_scene(server: S3Server, scene_fol
 
     with pytest.raises(HTTPError, match="403"):
         get("index.hgs")
-    let_all_read(server, url)
+    let_all_read(s3_server, s3_url)
     manifest = PagedManifest(read_index(get("index.hgs"))).manifest
     for entry in manifest.chunks:
         assert get(f"chunks/{entry.id}") == chunk_bytes(scene_folder / "scene", entry)
 
 
-def let_all_read(server: S3Server, url: str) -> None:
-    """Give the bucket the policy and the CORS rules of docs/static.md, its prefix being that of `url`."""
+def let_all_read(s3_server: S3Server, s3_url: str) -> None:
+    """Give the bucket the policy and the CORS rules of docs/static.md, its prefix being that of `s3_url`."""
     import boto3
 
     policy, rules = re.findall(r"^```json\n(.+?)^```", (REPOSITORY / "docs" / "static.md").read_text(), re.M | re.S)
-    prefix = url.removeprefix("s3://bucket/")
+    prefix = s3_url.removeprefix("s3://bucket/")
     client = boto3.client(
-        "s3", endpoint_url=server.address, region_name="us-east-1", aws_access_key_id="a", aws_secret_access_key="b"
+        "s3", endpoint_url=s3_server.address, region_name="us-east-1", aws_access_key_id="a", aws_secret_access_key="b"
     )
     client.put_bucket_policy(Bucket="bucket", Policy=policy.replace("BUCKET", "bucket").replace("scene/", f"{prefix}/"))
     client.put_bucket_cors(Bucket="bucket", CORSConfiguration=json.loads(rules))
@@ -248,7 +240,7 @@ def test_a_malformed_address_is_refused(scene_folder: Path, wrong: str) -> None:
         publish_to_bucket(scene_folder, wrong, player=None)
 
 
-def test_a_bucket_that_does_not_exist_is_told(scene_folder: Path, url: str) -> None:
+def test_a_bucket_that_does_not_exist_is_told(scene_folder: Path, s3_url: str) -> None:
     with pytest.raises(InputError, match=r"^s3://nobodys/scene: there is no such bucket; make it, or"):
         publish_to_bucket(scene_folder, "s3://nobodys/scene", player=None)
 
@@ -316,13 +308,13 @@ def test_a_store_that_does_not_answer_is_named(scene_folder: Path, monkeypatch: 
         publish_to_bucket(scene_folder, "s3://bucket/scene", player=None)
 
 
-def test_a_file_of_the_run_that_is_gone_is_named(scene_folder: Path, url: str) -> None:
+def test_a_file_of_the_run_that_is_gone_is_named(scene_folder: Path, s3_url: str) -> None:
     (scene_folder / "scene" / "thumbnail.jpg").unlink()
     with pytest.raises(InputError, match=r"cannot be written \(.*No such file or directory: '.*thumbnail\.jpg'\)"):
-        publish_to_bucket(scene_folder, url, player=None)
+        publish_to_bucket(scene_folder, s3_url, player=None)
 
 
-def test_a_store_without_tls_needs_leave(scene_folder: Path, url: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_store_without_tls_needs_leave(scene_folder: Path, s3_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("AWS_ALLOW_HTTP")
     with pytest.raises(InputError, match=r"the store's address is no https; .*AWS_ALLOW_HTTP=true"):
-        publish_to_bucket(scene_folder, url, player=None)
+        publish_to_bucket(scene_folder, s3_url, player=None)

@@ -12,14 +12,19 @@ from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, S
 from hgs_core.scene.camera import Camera
 from tests.chunks import splats_of, static_chunk
 
+ONE, TWO = static_chunk(b"one"), static_chunk(b"two")
 
-def write_scene(
-    folder: Path, chunks: tuple[bytes, ...] = (static_chunk(b"one"), static_chunk(b"two")), title: str = "Scene"
-) -> list[str]:
+
+def name_of(data: bytes) -> str:
+    """Return the id of a chunk."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def write_scene(folder: Path, chunks: tuple[bytes, ...] = (ONE, TWO), title: str = "Scene") -> list[str]:
     """Write a scene folder of these static chunks and return their ids."""
     (folder / "chunks").mkdir(parents=True, exist_ok=True)
     box = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    entries = [ChunkEntry(hashlib.sha256(data).hexdigest(), len(data), splats_of(data), box) for data in chunks]
+    entries = [ChunkEntry(name_of(data), len(data), splats_of(data), box) for data in chunks]
     for entry, data in zip(entries, chunks, strict=True):
         (folder / "chunks" / entry.id).write_bytes(data)
     (folder / "thumbnail.jpg").write_bytes(b"a picture")
