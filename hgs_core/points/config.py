@@ -22,6 +22,8 @@ class PointsConfig:
     static: int = 30_000
     dynamic: int = 8_000  # of what moves, for every second of the capture
     interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
+    stereo: bool = True  # what stands still has points by multi-view stereo; else by a coarse sweep, and at most 6,000
+    discs: bool = False  # splats of points on surfaces start as discs that lie in these; else all start round
 
     def __post_init__(self) -> None:
         """Check every field.

@@ -31,6 +31,7 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.points.same_moment import SameMoment, same_moments
 from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate
+from hgs_core.points.surface_normals import surface_normals
 from hgs_core.points.sweep import depth_ranges, sweep
 from hgs_core.scene.camera import Camera
 
@@ -57,6 +58,8 @@ def initial_points(
     moments: Sequence[int],  # frames, ascending, that dynamic points are taken from
     static_target: int,
     dynamic_target: int,  # over all moments
+    stereo: bool = True,
+    normals: bool = False,
     seed: int,
     progress: ProgressCallback,
 ) -> PointCloud:
@@ -84,8 +87,9 @@ def initial_points(
     progress(Progress(_STAGE, 1, steps))
 
     missing = max(0, static_target - len(still))
-    still = PointCloud.concatenate([still, _static_seeds(capture, cameras, masks, ranges, missing, generator)])
-    parts = [_spaced(_reduced(still, static_target, generator))]
+    still = PointCloud.concatenate([still, _static_seeds(capture, cameras, masks, ranges, missing, stereo, generator)])
+    still = _spaced(_reduced(still, static_target, generator))
+    parts = [dataclasses.replace(still, normal=surface_normals(still.xyz)) if normals else still]
     progress(Progress(_STAGE, 2, steps))
 
     for number, frame in enumerate(moments):
@@ -129,18 +133,20 @@ def _static_seeds(
     masks: MotionMasks,
     ranges: Sequence[tuple[float, float]],
     count: int,
+    stereo: bool,
     generator: np.random.Generator,
 ) -> PointCloud:
     """Find the surfaces of the pictures' median over time, which nothing that moves disturbs.
 
-    Without the compiled kernels a coarse sweep has to do, of which no more points are worth having than a few thousand.
+    Without the compiled kernels, or without stereo, a coarse sweep has to do, of which no more points are worth having
+    than a few thousand.
     """
     views = [capture.cameras[index] for index in cameras]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         backgrounds = list(pool.map(lambda index: _still_picture(capture, masks, index), cameras))
     pictures = [picture for picture, _ in backgrounds]
     trusted = [mask for _, mask in backgrounds]
-    if library.available():
+    if stereo and library.available():
         swept = multi_view_stereo(views, pictures, trusted, ranges)
         chosen = np.sort(generator.permutation(len(swept.xyz))[:count])
     else:

@@ -17,7 +17,8 @@ from hgs_core.base.errors import InputError
 
 __all__ = ["PointCloud"]
 
-_ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": (), "velocity": (3,)}
+_ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": (), "velocity": (3,), "normal": (3,)}
+_LATER = ("normal",)  # files of earlier versions have none
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,7 @@ class PointCloud:
     dynamic: npt.NDArray[np.float32]  # [P] share of the views that see it whose mask says it moves, 0..1
     spacing: npt.NDArray[np.float32]  # [P] typical distance to the neighbours, world units, positive
     velocity: npt.NDArray[np.float32]  # [P, 3] world units per second; zero where it is not known
+    normal: npt.NDArray[np.float32]  # [P, 3] unit, of the surface it lies on, of either sign; zero where none is known
 
     @staticmethod
     def at_rest(
@@ -39,8 +41,8 @@ class PointCloud:
         dynamic: npt.NDArray[np.float32],
         spacing: npt.NDArray[np.float32],
     ) -> PointCloud:
-        """Return points of whose motion nothing is known."""
-        return PointCloud(xyz, rgb, times, dynamic, spacing, np.zeros_like(xyz))
+        """Return points of whose motion and surfaces nothing is known."""
+        return PointCloud(xyz, rgb, times, dynamic, spacing, np.zeros_like(xyz), np.zeros_like(xyz))
 
     def __len__(self) -> int:
         """Return the number of points."""
@@ -64,14 +66,18 @@ class PointCloud:
 
     @classmethod
     def load(cls, path: Path) -> PointCloud:
-        """Read what `save` wrote.
+        """Read what `save` wrote, also in earlier versions.
 
         Raises:
             InputError: the file is missing, unreadable, or an array is missing, of a wrong shape or not finite.
         """
         try:
             with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                arrays = {name: np.asarray(file[name], np.float32) for name in _ROW}
+                arrays = {
+                    name: np.asarray(file[name], np.float32) for name in _ROW if name in file or name not in _LATER
+                }
+                for name in _LATER:
+                    arrays.setdefault(name, np.zeros((len(arrays["xyz"]), *_ROW[name]), np.float32))
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise InputError(
                 path, f"unreadable as a point cloud ({error})", "run the stage `initialise` again"

@@ -16,6 +16,7 @@ from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 __all__ = ["initial_splats", "scene_extent"]
 
 _DYNAMIC_SHARE = 0.5  # share of a point's views that must see it move
+_THICKNESS = 0.1  # of a splat on a surface, across it, in shares of its size
 _HALF_LIFE = 0.75  # of the gap between initialised frames: opacity halves there, so that neighbours take over
 
 
@@ -36,7 +37,9 @@ def initial_splats(
     opacity: float = 0.1,
     coefficients: int = COEFFICIENTS[0],
 ) -> tuple[StaticSplats[Tensor], DynamicSplats[Tensor]]:
-    """Make one round splat of every point: static, or dynamic around the moment the point was seen.
+    """Make one splat of every point: static, or dynamic around the moment the point was seen.
+
+    Where the point's surface is known it is a disc that lies in it, else it is round.
 
     Args:
         points: labelled points.
@@ -52,15 +55,12 @@ def initial_splats(
     size = np.log(np.maximum(points.spacing, 1e-7)).astype(np.float32)
     logit = float(np.log(opacity / (1 - opacity)))
 
-    def quats(count: int) -> npt.NDArray[np.float32]:
-        return np.tile(np.array([1, 0, 0, 0], np.float32), (count, 1))
-
-    def scales(rows: npt.NDArray[np.bool_]) -> npt.NDArray[np.float32]:
-        return np.repeat(size[rows, None], 3, 1)
-
+    quats = _facing(points.normal)
+    scales = np.repeat(size[:, None], 3, 1)
+    scales[points.normal.any(axis=1), 2] += np.float32(np.log(_THICKNESS))
     still, moved = int((~moving).sum()), int(moving.sum())
     static = StaticSplats(
-        points.xyz[~moving], scales(~moving), quats(still), np.full(still, logit, np.float32), points.rgb[~moving]
+        points.xyz[~moving], scales[~moving], quats[~moving], np.full(still, logit, np.float32), points.rgb[~moving]
     )
     motion = np.zeros((moved, coefficients, 3), np.float32)
     motion[:, 0] = points.xyz[moving]
@@ -69,14 +69,22 @@ def initial_splats(
     centers = np.array([clock.normalised(float(t)) for t in points.times[moving]], np.float32)
     dynamic = DynamicSplats(
         motion,
-        np.stack([quats(moved), np.zeros((moved, 4), np.float32)], 1),
-        scales(moving),
+        np.stack([quats[moving], np.zeros((moved, 4), np.float32)], 1),
+        scales[moving],
         np.full(moved, logit, np.float32),
         np.where(still_points[moving], np.float32(0.5), centers),
         np.log(np.log(2) / half_life**2).astype(np.float32),
         points.rgb[moving],
     )
     return static.map(_parameter), dynamic.map(_parameter)
+
+
+def _facing(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+    """Return quaternions [P, 4] (w first) that turn the z axis to normals [P, 3] or their opposites; 1 for zeros."""
+    upper = np.where(normals[:, 2:] < 0, -normals, normals)  # which never turns by more than a right angle
+    upper[~normals.any(axis=1)] = (0, 0, 1)
+    quats = np.stack([1 + upper[:, 2], -upper[:, 1], upper[:, 0], np.zeros(len(upper), np.float32)], 1)
+    return np.asarray(quats / np.linalg.norm(quats, axis=1, keepdims=True), np.float32)
 
 
 def _parameter(array: npt.NDArray[np.float32]) -> Tensor:

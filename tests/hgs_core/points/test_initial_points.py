@@ -18,7 +18,7 @@ from hgs_core.points.initial_points import initial_points
 from hgs_core.points.point_cloud import PointCloud
 
 VIEWS = (1, 3, 5, 7, 9, 11)
-TARGETS: dict[str, Any] = {"moments": (0, 30), "static_target": 2500, "dynamic_target": 600, "seed": 0}
+TARGETS: dict[str, Any] = {"moments": (0, 30), "static_target": 2500, "dynamic_target": 600, "normals": True, "seed": 0}
 
 
 class OnlyViews(Capture):
@@ -68,6 +68,21 @@ def test_spacing_is_positive_and_of_the_size_of_the_gaps(points: PointCloud) -> 
     assert points.spacing.min() > 0
     assert 0.01 < np.median(points.spacing) < 0.2
     assert points.spacing.max() < 1.0
+
+
+def test_what_stands_still_knows_the_surfaces_it_lies_on(points: PointCloud) -> None:
+    still = points.dynamic < 0.5
+    known = points.normal.any(axis=1)
+    assert 0.5 < known[still].mean() < 1
+    assert not known[~still].any()
+    np.testing.assert_allclose(np.linalg.norm(points.normal[known], axis=1), 1, atol=1e-5)
+
+
+def test_a_coarse_sweep_and_no_surfaces_can_be_asked_for(capture: Capture, masks: MotionMasks) -> None:
+    asked = TARGETS | {"static_target": 9_000, "moments": (0,), "dynamic_target": 50, "normals": False}
+    points = initial_points(capture, VIEWS, masks, progress=silent, stereo=False, **asked)
+    assert 1_000 < (points.dynamic < 0.5).sum() <= 6_500
+    assert not points.normal.any()
 
 
 def test_an_unused_camera_confirms_places_and_colours(points: PointCloud) -> None:

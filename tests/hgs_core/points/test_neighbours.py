@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.points.neighbours import mean_neighbour_distance, thin
+from hgs_core.points.neighbours import mean_neighbour_distance, nearest_neighbours, thin
 
 
 def every_distance(xyz: np.ndarray, count: int = 3) -> np.ndarray:
@@ -21,6 +21,21 @@ def test_distances_are_close_to_the_true_ones(flat: bool) -> None:
     assert ratio.min() > 0.999
     assert np.median(ratio) < 1.02
     assert ratio.mean() < 1.1
+
+
+@pytest.mark.parametrize("points", [61, 3_000])
+def test_sixty_neighbours_are_others_and_nearly_the_nearest(points: int) -> None:
+    xyz = np.random.default_rng(1).normal(size=(points, 3)) * (10, 5, 2)
+    found = nearest_neighbours(xyz, 60)
+    assert found.shape == (points, 60)
+    assert all(len(set(row) - {number}) == 60 for number, row in enumerate(found.tolist()))
+    apart = np.linalg.norm(xyz[found] - xyz[:, None], axis=2).mean(axis=1)
+    assert np.quantile(apart / every_distance(xyz, 60), 0.95) < 1.1
+
+
+def test_too_few_points_have_no_neighbours() -> None:
+    with pytest.raises(ValueError, match="3 points have no 3 neighbours"):
+        nearest_neighbours(np.eye(3), 3)
 
 
 def test_four_points_know_each_other() -> None:

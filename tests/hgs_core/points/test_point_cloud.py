@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from hgs_core.points.point_cloud import PointCloud
 
 def cloud(count: int) -> PointCloud:
     numbers = np.random.default_rng(count)
-    shapes = [(count, 3), (count, 3), (count,), (count,), (count,), (count, 3)]
+    shapes = [(count, 3), (count, 3), (count,), (count,), (count,), (count, 3), (count, 3)]
     return PointCloud(*(numbers.random(shape, np.float32) for shape in shapes))
 
 
@@ -19,9 +20,16 @@ def test_saved_points_come_back(tmp_path: Path) -> None:
     points = cloud(7)
     points.save(tmp_path / "points.npz")
     loaded = PointCloud.load(tmp_path / "points.npz")
-    for name in ("xyz", "rgb", "times", "dynamic", "spacing", "velocity"):
+    for name in ("xyz", "rgb", "times", "dynamic", "spacing", "velocity", "normal"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(points, name))
     assert [path.name for path in tmp_path.iterdir()] == ["points.npz"]
+
+
+def test_files_of_earlier_versions_know_no_surfaces(tmp_path: Path) -> None:
+    plain = dataclasses.asdict(cloud(4))
+    del plain["normal"]
+    np.savez(tmp_path / "points.npz", **plain)
+    np.testing.assert_array_equal(PointCloud.load(tmp_path / "points.npz").normal, np.zeros((4, 3)))
 
 
 def test_concatenation_keeps_the_order() -> None:

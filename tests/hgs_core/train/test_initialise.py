@@ -5,8 +5,9 @@ import pytest
 import torch
 
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.render.projection import rotation_matrices
 from hgs_core.scene import Segment
-from hgs_core.scene.splats import DynamicSplats
+from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.initialise import initial_splats, scene_extent
 
 CLOCK = Segment(1.0, 3.0, DynamicSplats.empty())
@@ -62,6 +63,21 @@ def test_first_splats_are_round_as_large_as_their_points_are_apart_and_faint() -
         np.testing.assert_allclose(np.exp(splats.log_scales.numpy()), cloud.spacing[rows, None].repeat(3, 1), rtol=1e-5)
         torch.testing.assert_close(torch.sigmoid(splats.opacity_logits), torch.full((len(splats),), 0.1))
         np.testing.assert_array_equal(splats.rgb.numpy(), cloud.rgb[rows])
+
+
+@pytest.mark.parametrize("normal", [(0, 0, 1), (0.6, 0, -0.8), (1, 0, 0), (0, -1, 0), (-0.48, 0.6, -0.64)])
+def test_a_point_on_a_surface_becomes_a_disc_in_it(normal: tuple[float, float, float]) -> None:
+    cloud = points()
+    cloud.normal[:250] = normal
+    for splats, rows in zip(initial_splats(cloud, CLOCK, 2), (cloud.dynamic < 0.5, cloud.dynamic >= 0.5), strict=True):
+        quats = splats.quats if isinstance(splats, StaticSplats) else splats.rotation[:, 0]
+        axes = rotation_matrices(quats)  # [N, 3, 3], an axis of the splat in each column
+        sizes = torch.exp(splats.log_scales) / torch.from_numpy(cloud.spacing[rows])[:, None]
+        known = torch.from_numpy(cloud.normal[rows].any(axis=1))
+        torch.testing.assert_close(sizes[known], torch.tensor([1.0, 1.0, 0.1]).expand(int(known.sum()), 3))
+        facing = (axes[known][:, :, 2] @ torch.tensor(normal, dtype=torch.float32)).abs()
+        torch.testing.assert_close(facing, torch.ones_like(facing))
+        torch.testing.assert_close(sizes[~known], torch.ones(int((~known).sum()), 3))
 
 
 def test_motion_is_the_points_velocity_in_normalised_time() -> None:
