@@ -46,6 +46,8 @@ ROWS: Mapping[str, Row] = {
     for row in (
         FULL,
         Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"points.interval": 1e6}),
+        Row("coarse-points", "Does multi-view stereo help, or is a coarse sweep enough?", {"points.stereo": False}),
+        Row("discs", "Do first splats that are discs in their surfaces help?", {"points.discs": True}),
         Row(
             "train-separate", "Can each set learn alone, where the masks say it belongs?",
             {"train.stages": "separate"},
@@ -87,6 +89,10 @@ ROWS: Mapping[str, Row] = {
             {"train.moving_steps": 0.0},
         ),
         Row("no-settling", "Do steps that become small at the end help?", {"train.settled": 1.0}),
+        Row(
+            "no-mean", "Do steps that are held at the end, and the mean of the splats over the last of them, help?",
+            {"train.hold_from": 1.0, "train.average_from": 1.0},
+        ),
         Row("equal-steps", "Do smaller steps of what lives shortly help?", {"train.steps_by_life": False}),
         Row(
             "relocation", "Is copying by opacity better than refining what is pulled at?",

@@ -19,13 +19,14 @@ __all__ = ["PRESETS", "RunConfig"]
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "points.static": 12_000, "points.dynamic": 5_000, "train.iterations": 2_300, "train.coarse_until": 0.4,
-        "train.moving_steps": 1.0, "train.density.max_static": 35_000, "train.density.max_dynamic": 8_000,
+        "points.static": 12_000, "points.dynamic": 5_000, "points.discs": True, "train.iterations": 2_300,
+        "train.coarse_until": 0.4, "train.moving_steps": 1.0, "train.density.max_static": 35_000,
+        "train.density.max_dynamic": 12_000,
     },
     "standard": {},
     "best": {
-        "points.static": 45_000, "points.dynamic": 10_000, "train.iterations": 40_000, "train.coarse_until": 0.15,
-        "train.density.max_static": 120_000, "train.density.max_dynamic": 25_000,
+        "points.static": 45_000, "points.dynamic": 10_000, "train.iterations": 60_000, "train.coarse_until": 0.15,
+        "train.moving_steps": 3.0, "train.density.max_static": 120_000, "train.density.max_dynamic": 25_000,
         "train.density.static_opacity_penalty": 0.025, "train.density.dynamic_opacity_penalty": 0.0025,
     },
 }  # fmt: skip

@@ -79,7 +79,8 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     moments = sorted({frame for segment in segments for frame in segment.sampled(every)})
     points = initial_points(
         capture, cameras, masks, moments=moments, static_target=config.points.static,
-        dynamic_target=config.points.dynamic_in(capture.seconds), seed=config.seed, progress=progress,
+        dynamic_target=config.points.dynamic_in(capture.seconds), stereo=config.points.stereo,
+        normals=config.points.discs, seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import ColourCorrection
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.history import TrainingHistory
+from hgs_core.train.parameter_mean import ParameterMean
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.training_views import TrainingView
 
@@ -42,6 +43,8 @@ class TrainState:
     statistics: ScreenStatistics
     correction: ColourCorrection | None  # None: cameras are not corrected, or agree well enough not to be
     history: TrainingHistory
+    static_mean: ParameterMean[StaticSplats[Tensor]] = field(default_factory=ParameterMean)
+    dynamic_mean: ParameterMean[DynamicSplats[Tensor]] = field(default_factory=ParameterMean)
 
     def to(self, device: torch.device) -> None:
         """Move everything that steps touch to a device."""
@@ -52,11 +55,24 @@ class TrainState:
             self.dynamic_optimiser.to(device),
         )
         self.correction = None if self.correction is None else self.correction.to(device)
+        self.static_mean, self.dynamic_mean = self.static_mean.to(device), self.dynamic_mean.to(device)
 
     def replace(self, static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> None:
-        """Go on with other splats, whose optimisers know; the statistics of the screen begin anew."""
+        """Go on with other splats, whose optimisers know; the statistics of the screen and the means begin anew."""
         self.static, self.dynamic = static, dynamic
+        self.static_mean, self.dynamic_mean = ParameterMean(), ParameterMean()
         self.statistics = ScreenStatistics.zeros(len(static) + len(dynamic))
+
+    def follow_means(self, *, statics: bool) -> None:
+        """Let the mean of the dynamics follow, and that of the statics if they learn."""
+        self.dynamic_mean.follow(self.dynamic)
+        if statics:
+            self.static_mean.follow(self.static)
+
+    def become_means(self) -> None:
+        """Let the splats become their means; a set without one stays as it is."""
+        self.static, self.dynamic = self.static_mean.of(self.static), self.dynamic_mean.of(self.dynamic)
+        self.static_mean, self.dynamic_mean = ParameterMean(), ParameterMean()
 
     def move_static(self, rates: Mapping[str, float | Tensor], seen: ScreenStatistics, opacity_penalty: float) -> None:
         """Step the statics by their gradients, and all of their opacities down; count what was seen.
@@ -110,13 +126,15 @@ def save_state(path: Path, state: TrainState) -> None:
         "statistics": {f.name: torch.from_numpy(getattr(state.statistics, f.name)) for f in fields(ScreenStatistics)},
         "correction": None if state.correction is None else state.correction.state(),
         "history": state.history.state(),
+        "static_mean": state.static_mean.state(),
+        "dynamic_mean": state.dynamic_mean.state(),
     }
     with replacing(path) as file:
         torch.save(value, file)
 
 
 def load_state(path: Path) -> TrainState:
-    """Read a checkpoint.
+    """Read a checkpoint, also of earlier versions, which had no means yet.
 
     Raises:
         InputError: the file is damaged or of another version.
@@ -137,6 +155,8 @@ def load_state(path: Path) -> TrainState:
             statistics=ScreenStatistics(**{name: _owned(t) for name, t in value["statistics"].items()}),
             correction=None if value["correction"] is None else ColourCorrection.restored(value["correction"]),
             history=TrainingHistory.restored(value["history"]),
+            static_mean=_mean(StaticSplats, value.get("static_mean")),
+            dynamic_mean=_mean(DynamicSplats, value.get("dynamic_mean")),
         )
     except (KeyError, TypeError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
         raise InputError(path, f"unreadable checkpoint ({type(error).__name__})", "delete it to start over") from error
@@ -148,6 +168,10 @@ def _plain(splats: StaticSplats[Tensor] | DynamicSplats[Tensor]) -> dict[str, Te
 
 def _optimiser(kind: type[Any], value: dict[str, Any]) -> RmsProp[Any]:
     return RmsProp(kind(**value["moments"]), value["updated"], int(value["steps"]))
+
+
+def _mean(kind: type[Any], value: dict[str, Any] | None) -> ParameterMean[Any]:
+    return ParameterMean() if value is None else ParameterMean.restored(kind, value)
 
 
 def _without_first(value: dict[str, Any]) -> dict[str, Any]:

@@ -115,7 +115,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
 }
 
 _RANGES: dict[str, Range] = {
-    "iterations": (1, 1_000_000),  # 25 times those of `best`: days of a machine
+    "iterations": (1, 1_000_000),  # 17 times those of `best`: days of a machine
     "segment_frames": (2, 1_000_000),  # nine hours at 30 frames per second: never cut
     "elongation": (1.0, 1e6),  # no picture is a million pixels long
     "dssim": _SHARE,
@@ -123,6 +123,9 @@ _RANGES: dict[str, Range] = {
     "moving_steps": (0.0, 100.0),  # a training of moving tiles
     "settle_from": _SHARE,
     "settled": _SHARE,
+    "hold_from": _SHARE,
+    "held_statics": (0.0, 100.0),  # undoes settling to a hundredth
+    "average_from": _SHARE,
     "checkpoint_every": (1, 100_000),  # what a killed worker loses at most: hours
 }
 
@@ -142,7 +145,10 @@ class TrainConfig:
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 1.5  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
-    settled: float = 0.02  # what is left of them at the end
+    settled: float = 0.02  # what is left of them at the end, if nothing holds them before
+    hold_from: float = 0.85  # share of `iterations` after which all steps stay as large as they are; 1: they fall on
+    held_statics: float = 3.0  # the statics' steps then, positions too, in multiples of what they are
+    average_from: float = 0.9  # share of `iterations` whose later splats' mean is the result; 1: the last ones are
     steps_by_life: bool = True  # a dynamic splat's steps are smaller the shorter it lives (docs/training.md)
     checkpoint_every: int = 500  # iterations
     backend: str = "auto"

@@ -13,6 +13,8 @@ from hgs_core.train.config import TrainConfig
 
 __all__ = ["Schedule", "share_alive"]
 
+_AVERAGED_EVERY = 10  # iterations; within so few, splats hardly move
+
 _LEAST_SHARE = 0.05  # of time that a splat counts as alive for: a few visits say too little about the next ones
 
 
@@ -40,10 +42,12 @@ class Schedule:
         return round(initial + (max(final, initial) - initial) * min(1.0, progress))
 
     def static_rates(self, iteration: int) -> dict[str, float | Tensor]:
-        """Return the step size of every field of the static set."""
-        rates, share = self.config.learning_rates, self.settling(iteration)
+        """Return the step size of every field of the static set; held ones are multiplied by `held_statics`."""
+        rates, held = self.config.learning_rates, iteration > self._hold_from
+        multiple = self.config.held_statics if held else 1.0
+        share = multiple * self.settling(iteration)
         return {
-            "means": self.position_rate(iteration),
+            "means": multiple * self.position_rate(iteration),
             "log_scales": share * rates.log_scale,
             "quats": share * rates.rotation,
             "opacity_logits": share * rates.opacity,
@@ -86,20 +90,34 @@ class Schedule:
     def settling(self, iteration: int) -> float:
         """Return the share that is left of all step sizes but the positions': 1 until `settle_from`, then a cosine.
 
-        A step looks at one view at one moment, so that parameters whose steps stay as large never come to rest.
+        A step looks at one view at one moment, so that parameters whose steps stay as large never come to rest; from
+        `hold_from` on the share stays as it is, and their mean comes to rest instead.
         """
-        first, end = self.config.settle_from * self.config.iterations, self.config.iterations
-        if iteration <= first:
+        first, end, at = self.config.settle_from * self.config.iterations, self.config.iterations, self._held(iteration)
+        if at <= first:
             return 1.0
-        fall = 0.5 * (1 - math.cos(math.pi * (iteration - first) / (end - first)))
+        fall = 0.5 * (1 - math.cos(math.pi * (at - first) / (end - first)))
         return 1.0 + (self.config.settled - 1.0) * fall
 
     def position_rate(self, iteration: int) -> float:
-        """Return the step size of positions, world units."""
-        rates, progress = self.config.learning_rates, iteration / self.config.iterations
+        """Return the step size of positions, world units, which stays as it is from `hold_from` on."""
+        rates, progress = self.config.learning_rates, self._held(iteration) / self.config.iterations
         if rates.position <= 0:
             return 0.0
         return self.extent * float(rates.position ** (1 - progress) * max(rates.position_final, 1e-12) ** progress)
+
+    def is_averaged(self, done: int) -> bool:
+        """Return whether the mean takes in the splats after so many iterations; those at the end are taken in."""
+        config = self.config
+        return done > config.average_from * config.iterations and (config.iterations - done) % _AVERAGED_EVERY == 0
+
+    def _held(self, iteration: int) -> float:
+        """Return the iteration whose step sizes are taken."""
+        return min(iteration, self._hold_from)
+
+    @property
+    def _hold_from(self) -> float:
+        return self.config.hold_from * self.config.iterations
 
 
 def share_alive(dynamic: DynamicSplats[Tensor]) -> Tensor:

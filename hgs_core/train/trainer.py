@@ -98,6 +98,7 @@ class Trainer:
                 while state.iteration < self.config.iterations:
                     self._iteration(state.iteration)
                     state.iteration += 1
+                    self._average()
                     state.seconds = before + time.monotonic() - started
                     if state.iteration % self.config.checkpoint_every == 0:
                         save_state(self.checkpoint, state)
@@ -157,6 +158,15 @@ class Trainer:
             if control.due(iteration):
                 with timed(control.name), self._on(_HOST if control.on_host else self.device):
                     control.apply(state, context)
+
+    def _average(self) -> None:
+        """Let the means follow; after the last iteration the splats become them, before anyone else sees them."""
+        state = self.state
+        if self.schedule.is_averaged(state.iteration):
+            state.follow_means(statics=self.statics_learn)
+            if state.iteration == self.config.iterations:
+                state.become_means()
+                self._constrain()  # as reading the checkpoint would: a mean of needles can be a longer one
 
     def _learn(
         self,

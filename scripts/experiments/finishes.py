@@ -6,6 +6,9 @@ A run is trained into OUT up to a share of its iterations, or taken from there i
 checkpoint in several ways. Each is scored, not encoded, on the held-out cameras of `--score` and on pictures that it
 trained on, as it ends and as the mean of its parameters over the last two thirds and the last third of the finish.
 
+Since these were measured, trainings themselves hold their steps and end as the mean (`train.hold_from`,
+`train.average_from`); here both are turned off, so that a finish does what it is called and nothing else.
+
 Gauss-Newton steps are described in `gauss_newton.py`.
 """
 
@@ -43,6 +46,7 @@ from hgs_core.train.segments import cut_into_segments
 from scripts.experiments.gauss_newton import Newton, NewtonSteps
 
 _AVERAGES = (0.67, 0.33)  # last shares of the finish
+_FALLING = {"train.hold_from": 1.0, "train.average_from": 1.0}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,7 +60,7 @@ class Finish:
 
 
 FINISHES = {
-    "as it is": Finish(),
+    "steps fall": Finish(),
     "steps held": Finish(held=1.0),
     "steps held at 1.5 times": Finish(held=1.5),
     "steps held, those of statics at three times": Finish(held=1.0, statics=3.0),
@@ -80,7 +84,8 @@ def main() -> None:
     parser.add_argument("--finish", action="append", choices=FINISHES, help="default: all")
     options = parser.parse_args()
     config = RunConfig.for_preset(options.preset, capture={"hold_out": options.hold_out.split(",")})
-    _train_to(options.out, options.capture, config.changed(json.loads(options.set)), options.share)
+    config = config.changed(json.loads(options.set)).changed(_FALLING)
+    _train_to(options.out, options.capture, config, options.share)
     training = _Training(options.out, options.score.split(","), options.masks)
     print("| | iterations | processor time | PSNR, mapped | moving, mapped | SSIM | moving | training views | moving |")
     print("|---|---|---|---|---|---|---|---|---|", flush=True)
@@ -111,7 +116,8 @@ class _Training:
     def __init__(self, run: Path, scored: list[str], masks: Path | None) -> None:
         self.folder = RunFolder(run)
         spec = self.folder.read_spec()
-        self.config, self.capture = spec.config, spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
+        self.config = spec.config.changed(_FALLING)  # the run may be older than these fields
+        self.capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
         self.points = PointCloud.load(self.folder.points)
         self.cameras = with_near_planes(self.capture.cameras, self.points.xyz)
         self.training = list(self.config.capture.training_cameras(self.capture))

@@ -8,6 +8,8 @@ from hgs_core.ablate.rows import FULL, ROWS, rows_named
 from hgs_core.base.errors import InputError
 from hgs_core.runs.config import PRESETS, RunConfig
 
+AS_THE_PRESET_HAS_IT = {("preview", "discs")}  # the row of this preset is another full run
+
 
 @pytest.mark.parametrize("name", ROWS)
 @pytest.mark.parametrize("preset", PRESETS)
@@ -18,7 +20,7 @@ def test_every_row_changes_one_thing_of_a_valid_config(name: str, preset: str) -
     assert config.capture == base.capture
     assert (config.seed, config.train.iterations) == (3, base.train.iterations)
     changes = [dataclasses.replace(config, seed=base.seed) != base, row.masks is not None, row.statics_at_rest]
-    assert sum(changes) == (row != FULL)
+    assert sum(changes) == (row != FULL and (preset, name) not in AS_THE_PRESET_HAS_IT)
     assert row.asks
 
 

@@ -24,9 +24,14 @@ LATER = {
     "capture.sync",
     "capture.trust_poses",
     "encode.by_segment",
+    "points.discs",
+    "points.stereo",
+    "train.average_from",
     "train.density.dynamic_opacity_penalty",
     "train.density.static_opacity_penalty",
     "train.elongation",
+    "train.held_statics",
+    "train.hold_from",
     "train.moving_steps",
 }
 """Fields that no flat config had."""

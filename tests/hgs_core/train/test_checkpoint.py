@@ -39,6 +39,55 @@ def test_a_state_comes_back_as_it_was(state: TrainState, tmp_path: Path) -> None
     np.testing.assert_array_equal(back.statistics.count, state.statistics.count)
 
 
+def test_means_come_back_as_they_were(state: TrainState, tmp_path: Path) -> None:
+    state.follow_means(statics=True)
+    state.static.rgb.mul_(0.5)
+    state.dynamic.motion.mul_(0.5)
+    state.follow_means(statics=True)
+    save_state(tmp_path / "a.pt", state)
+    back = load_state(tmp_path / "a.pt")
+    for one in (state, back):
+        one.become_means()
+    assert not torch.equal(state.static.rgb, load_state(tmp_path / "a.pt").static.rgb)
+    assert torch.equal(back.static.rgb, state.static.rgb)
+    assert torch.equal(back.dynamic.motion, state.dynamic.motion)
+
+
+def test_a_checkpoint_of_before_there_were_means_is_read(state: TrainState, tmp_path: Path) -> None:
+    save_state(tmp_path / "a.pt", state)
+    value = torch.load(tmp_path / "a.pt", weights_only=True)
+    del value["static_mean"], value["dynamic_mean"]
+    torch.save(value, tmp_path / "a.pt")
+    back = load_state(tmp_path / "a.pt")
+    assert (back.static_mean.count, back.dynamic_mean.count) == (0, 0)
+
+
+def test_splats_become_their_means_once(state: TrainState) -> None:
+    before = state.dynamic.rgb.clone()
+    state.follow_means(statics=True)
+    state.dynamic.rgb.add_(1.0)
+    state.become_means()
+    assert torch.equal(state.dynamic.rgb, before)
+    state.dynamic.rgb.add_(1.0)
+    state.become_means()
+    assert torch.equal(state.dynamic.rgb, before + 1.0)
+
+
+def test_statics_that_do_not_learn_are_no_mean(state: TrainState) -> None:
+    state.follow_means(statics=False)
+    static = state.static
+    state.become_means()
+    assert state.static is static
+
+
+def test_means_move_with_the_splats(state: TrainState) -> None:
+    state.follow_means(statics=True)
+    state.to(torch.device("meta"))
+    for mean in (state.static_mean, state.dynamic_mean):
+        assert mean.sums is not None
+        assert mean.sums.rgb.device.type == "meta"
+
+
 def test_what_was_loaded_can_be_changed_in_place(state: TrainState, tmp_path: Path) -> None:
     save_state(tmp_path / "a.pt", state)
     back = load_state(tmp_path / "a.pt")
@@ -120,6 +169,13 @@ def test_moving_statics_fades_those_that_no_picture_shows_too(state: TrainState)
 def test_other_splats_begin_with_statistics_of_their_own(state: TrainState) -> None:
     state.replace(static_splats(3, dtype=torch.float32), state.dynamic)
     assert state.statistics.count.tolist() == [0] * 7
+
+
+def test_means_of_other_splats_begin_anew(state: TrainState) -> None:
+    state.follow_means(statics=True)
+    state.replace(state.static, dynamic_splats(3, dtype=torch.float32))
+    state.follow_means(statics=True)
+    assert (state.static_mean.count, state.dynamic_mean.count) == (1, 1)
 
 
 def test_without_a_correction_pictures_are_shown_as_they_are(state: TrainState) -> None:

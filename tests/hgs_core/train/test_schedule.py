@@ -15,6 +15,7 @@ CONFIG = TrainConfig(
     learning_rates=LearningRates(position=1e-3, position_final=1e-5),
     iterations=1000,
     coarse_until=0.25,
+    hold_from=1.0,
     density=DensityConfig(start=0.1, end=0.6, every=100, max_static=5000),
 )
 
@@ -88,3 +89,32 @@ def test_steps_of_all_but_positions_settle_to_the_share_that_is_left() -> None:
     first, last = (schedule.dynamic_rates(iteration, lives(4.0)) for iteration in (0, 1000))
     for name in ("rotation", "log_scales", "opacity_logits", "time_centers", "time_log_precisions", "rgb"):
         torch.testing.assert_close(torch.as_tensor(last[name]), 0.1 * torch.as_tensor(first[name]))
+
+
+def test_steps_that_are_held_stay_as_large_and_those_of_statics_become_a_multiple() -> None:
+    falling = Schedule(dataclasses.replace(CONFIG, settle_from=0.5), extent=2.0, frames=50)
+    held = Schedule(
+        dataclasses.replace(CONFIG, settle_from=0.5, hold_from=0.8, held_statics=2.5), extent=2.0, frames=50
+    )
+    then, still = falling.static_rates(800), falling.dynamic_rates(800, lives(4.0))
+    assert held.static_rates(800) == then
+    for iteration in (801, 999):
+        assert held.static_rates(iteration) == pytest.approx({name: 2.5 * rate for name, rate in then.items()})
+        for name, rate in held.dynamic_rates(iteration, lives(4.0)).items():
+            torch.testing.assert_close(rate, still[name], msg=name)
+        assert held.position_rate(iteration) == falling.position_rate(800)
+
+
+def test_steps_of_the_first_iteration_are_whole_even_if_all_are_held() -> None:
+    """Fine-tuning takes these (`hgs_core/fit/fine_tune.py`)."""
+    held = Schedule(dataclasses.replace(CONFIG, hold_from=0.0), extent=2.0, frames=50)
+    assert held.static_rates(0) == Schedule(CONFIG, extent=2.0, frames=50).static_rates(0)
+
+
+@pytest.mark.parametrize(
+    ("iterations", "share", "expected"),
+    [(100, 0.7, [80, 90, 100]), (45, 0.5, [25, 35, 45]), (100, 1.0, []), (3, 0.9, [3])],
+)
+def test_every_tenth_of_the_last_splats_counts_for_the_mean(iterations: int, share: float, expected: list[int]) -> None:
+    schedule = Schedule(dataclasses.replace(CONFIG, iterations=iterations, average_from=share), 1.0, 50)
+    assert [done for done in range(1, iterations + 1) if schedule.is_averaged(done)] == expected

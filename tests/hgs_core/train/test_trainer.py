@@ -38,6 +38,10 @@ def config(**overrides: object) -> TrainConfig:
     return with_fields(TrainConfig(iterations=60, checkpoint_every=20, density=density), overrides, "config.train")
 
 
+AVERAGED = {"average_from": 0.5, "density": {"prune_contribution": 0.0}}
+"""The result is the mean of the splats after 40, 50 and 60 iterations; no round replaces them in between."""
+
+
 def seen(capture: Capture) -> dict[int, Camera]:
     """All cameras but one, which is held out."""
     return {i: camera for i, camera in enumerate(capture.cameras) if camera.name != "2"}
@@ -92,6 +96,17 @@ def test_no_axis_is_longer_than_the_middle_one_times_the_elongation(
         assert longest <= 3.0 + 1e-4 if elongation == 3.0 else longest > 4  # as long as pictures want it
 
 
+def test_a_mean_of_short_needles_is_one(capture_folder: Path, tmp_path: Path) -> None:
+    """What is short along its first axis and what is along its second have a mean that is short along both."""
+    settings = config(**AVERAGED, iterations=1, elongation=3.0)
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
+    for sizes in ([0.0, -10.0, 1.0], [-10.0, 0.0, 1.0]):
+        training.state.static.log_scales[:] = torch.tensor(sizes)
+        training.state.follow_means(statics=True)
+    axes = np.sort(training.run(silent).static.log_scales, axis=1)
+    assert (axes[:, 2] - axes[:, 1]).max() <= np.log(3.0) + 1e-6
+
+
 def test_a_later_segment_leaves_the_needles_of_the_first_alone(capture_folder: Path, tmp_path: Path) -> None:
     first = trainer(capture_folder, tmp_path / "first.pt", config(iterations=1)).state
     first.static.log_scales[:, 0] += 5.0
@@ -113,7 +128,7 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
     ("stop_at", "changes"),
     [
         (10, {}), (30, {}), (50, {}), (30, {"stages": "interleaved"}), (30, {"density": {"method": "relocation"}}),
-        (30, {"motion_order": 5}),
+        (30, {"motion_order": 5}), (50, AVERAGED), (60, AVERAGED),
     ],
 )  # fmt: skip
 def test_a_stopped_training_resumes_to_the_same_bits(
@@ -138,6 +153,33 @@ def test_a_stopped_training_resumes_to_the_same_bits(
     assert same_bits(whole, resumed.run(silent))
     assert whole.segments[0].dynamic.motion.shape[1] == coefficients_of_order(settings.motion_order)
     assert whole.segments[0].dynamic.motion[:, settings.motion_order].any()
+
+
+def test_the_result_is_the_mean_of_the_splats_of_the_last_iterations(capture_folder: Path, tmp_path: Path) -> None:
+    settings = config(**AVERAGED, elongation=1e6)
+    as_they_are = trainer(capture_folder, tmp_path / "last.pt", dataclasses.replace(settings, average_from=1.0))
+    scenes: list[HybridScene[np.ndarray]] = []
+    as_they_are.run(lambda progress: scenes.append(as_they_are.scene()))
+    averaged = trainer(capture_folder, tmp_path / "mean.pt", settings)
+    result = averaged.run(silent)
+    for kind in ("static", "dynamic"):
+        sets = [scene.static if kind == "static" else scene.segments[0].dynamic for scene in (*scenes[3:], result)]
+        for name, array in sets.pop().items():
+            expected = np.mean([getattr(splats, name).astype(np.float64) for splats in sets], axis=0)
+            np.testing.assert_allclose(array, expected, rtol=1e-6, atol=1e-7, err_msg=f"{kind} {name}")
+    assert same_bits(
+        result, trainer(capture_folder, tmp_path / "mean.pt", settings).scene()
+    )  # as the checkpoint has it
+
+
+def test_the_mean_begins_anew_where_splats_are_removed(capture_folder: Path, tmp_path: Path) -> None:
+    """By the pruning after 85 % of the iterations, which is after the 50th: what is left to average is the last one."""
+    settings = config(average_from=0.5, density={"prune_contribution": 0.3})
+    counts: list[float] = []
+    mean = trainer(capture_folder, tmp_path / "mean.pt", settings).run(lambda p: counts.append(p.figures["static"]))
+    last = trainer(capture_folder, tmp_path / "last.pt", dataclasses.replace(settings, average_from=1.0)).run(silent)
+    assert counts[-1] < counts[-2]
+    assert same_bits(mean, last)
 
 
 def test_a_checkpoint_that_counts_cycles_is_resumed(capture_folder: Path, tmp_path: Path) -> None:
@@ -218,7 +260,7 @@ def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, sta
 def test_a_segment_after_the_first_leaves_the_statics_as_they_are(
     capture_folder: Path, tmp_path: Path, stages: str
 ) -> None:
-    first = trainer(capture_folder, tmp_path / "first.pt", config(iterations=30, stages=stages))
+    first = trainer(capture_folder, tmp_path / "first.pt", config(iterations=30, stages=stages, **AVERAGED))
     trained = first.run(silent)
     capture, settings = open_capture(capture_folder), first.config
     start = initial_splats(points(1), first.segment.clock, 2)

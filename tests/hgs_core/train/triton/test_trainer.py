@@ -21,13 +21,12 @@ def trained(folder: Path, backend: str) -> HybridScene[np.ndarray]:
     density = DensityConfig(every=1, start=0.0, max_static=40, max_dynamic=10, prune_contribution=0.0)
     config = TrainConfig(iterations=2, backend=backend, density=density, labels=LabelConfig(adaptive=False))
     r = np.random.default_rng(0)
-    points = PointCloud(
+    points = PointCloud.at_rest(
         xyz=r.uniform(-1, 1, (25, 3)).astype(np.float32),
         rgb=r.uniform(0, 1, (25, 3)).astype(np.float32),
         times=r.choice([0.0, 0.1], 25).astype(np.float32),
         dynamic=(np.arange(25) % 5 == 0).astype(np.float32),
         spacing=np.full(25, 0.1, np.float32),
-        velocity=np.zeros((25, 3), np.float32),
     )
     capture = open_capture(folder)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
