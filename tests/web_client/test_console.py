@@ -138,7 +138,7 @@ def test_a_scene_is_made_from_the_form_and_followed_to_its_end(console: Console,
     console.let_train("studio")
     watch = page.get_by_role("link", name="Watch the scene")
     watch.wait_for()
-    assert page.locator(".job-state").inner_text() == "Done"
+    page.locator(".job-state", has_text="Done").wait_for()  # the scene can be watched a little before
     assert curve.get_attribute("d") != early
     assert page.get_by_role("button", name="PSNR").get_attribute("aria-pressed") == "true"
     page.get_by_role("button", name="Loss").click()
