@@ -7,6 +7,7 @@ import torch
 
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
+from hgs_core.train.colour_correction import CameraColours
 from scripts.experiments.gauss_newton import probed
 from scripts.experiments.near_duplicates import has_duplicate
 from scripts.experiments.one_mover import thawed
@@ -61,18 +62,22 @@ def test_the_distance_is_bhattacharyyas_for_turned_splats() -> None:
 
 
 def test_squares_of_probes_have_the_diagonal_of_weighted_squares_as_their_mean() -> None:
-    """The reference is the whole Jacobian of a linear picture, after its colour map, of float64."""
+    """The reference is the whole Jacobian of a linear picture, with its camera's colours, of float64."""
     random = torch.Generator().manual_seed(3)
     basis = torch.randn((3 * 4 * 5, 6), generator=random, dtype=torch.float64)  # pixels by parameters
     weights = torch.rand((3, 4, 5), generator=random, dtype=torch.float64)
     affine = torch.tensor([[1.0, 2, 0, 0.1], [0, 1, 0, 0], [-1, 0, 3, 0]], dtype=torch.float64)
+    camera = Camera("a", 5, 4, 4.0, 4.0, 2.5, 2.0, np.eye(4))
+    colours = CameraColours(affine, torch.tensor([-0.3, 0.1], dtype=torch.float64))
+    gain = colours.gain(camera)
+    assert gain is not None
     parameters = torch.zeros(6, dtype=torch.float64, requires_grad=True)
-    mapped = torch.einsum("ij,jpk->ipk", affine[:, :3], basis.view(3, 20, 6)).reshape(60, 6)
+    mapped = torch.einsum("ij,jpk->ipk", affine[:, :3], basis.view(3, 20, 6) * gain.view(20, 1)).reshape(60, 6)
     expected = (weights.reshape(60, 1) * mapped.square()).sum(0)
     mean = torch.zeros_like(expected)
     for _ in range(3000):
         parameters.grad = None
-        probed((basis @ parameters).view(3, 4, 5), weights, affine, random)
+        probed((basis @ parameters).view(3, 4, 5), weights, colours, camera, random)
         mean += parameters.grad.square() / 3000
     assert torch.allclose(mean, expected, rtol=0.1)  # a square of a sum of signs spreads by sqrt(2): 2.6 % here
 

@@ -72,6 +72,7 @@ ROWS: Mapping[str, Row] = {
             statics_at_rest=True,
         ),
         Row("no-colour-correction", "Do the cameras' colour maps help?", {"train.colour_correction": False}),
+        Row("no-lens-falloff", "Does learning how lenses darken corners help?", {"train.lens_falloff": False}),
         Row(
             "no-births", "Do splats that are born where moving pixels are wrong help?",
             {"train.density.birth_rounds": 0},

@@ -42,12 +42,14 @@ class _PixelMean:
 class CameraScores:
     """What the frames of one camera scored."""
 
-    def __init__(self, scorer: PictureScorer) -> None:
-        self._scorer = scorer
+    def __init__(self, scorer: PictureScorer, gain: Tensor | None = None) -> None:
+        """Score with `scorer`; `gain` [H, W] is what lenses like the capture's leave of the light of every pixel."""
+        self._scorer, self._gain = scorer, gain
         self._flicker = Flicker()
         self.flicker: float | None = None
         self.flicker_steady: float | None = None
         self.colour_corrected = ColourCorrectedError()
+        self.lens_corrected = None if gain is None else ColourCorrectedError()
         self.frames: dict[str, list[float | None]] = {name: [] for name in _SERIES}
         self.regions = {name: RegionError() for name in REGIONS}
         self.means = {name: _PixelMean() for name in REGION_METRICS}
@@ -66,6 +68,8 @@ class CameraScores:
             self.regions[name].include(error)
         self._flicker.add(image, truth, moving)
         self.colour_corrected.add(image, truth, moving)
+        if self.lens_corrected is not None and self._gain is not None:
+            self.lens_corrected.add(image * self._gain, truth, moving)
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""
@@ -82,7 +86,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
     """Return the scores of all frames of the cameras together.
 
     They are means over frames and cameras, but for those of regions, which are of all their pixels in all frames
-    together, and psnr_colour_corrected, flicker and flicker_steady, which are means over cameras.
+    together, and psnr_colour_corrected, psnr_lens_corrected, flicker and flicker_steady, which are means over cameras.
     """
     scores: Scores = {
         name: _mean([value for camera in cameras for value in camera.frames[name]]) for name in PICTURE_METRICS
@@ -96,16 +100,20 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
         means = [camera.means[name] for camera in cameras]
         pixels = sum(mean.pixels for mean in means)
         scores[name] = _finite(sum(mean.total for mean in means) / pixels) if pixels else None
-    scores["psnr_dynamic_colour_corrected"] = _finite(_pooled_after_colours(cameras))
-    scores["psnr_colour_corrected"] = _mean([_finite(camera.colour_corrected.psnr()) for camera in cameras])
+    for name, errors in (
+        ("colour_corrected", [camera.colour_corrected for camera in cameras]),
+        ("lens_corrected", [camera.lens_corrected for camera in cameras if camera.lens_corrected is not None]),
+    ):
+        scores[f"psnr_dynamic_{name}"] = _finite(_pooled_of_regions(errors))
+        scores[f"psnr_{name}"] = _mean([_finite(error.psnr()) for error in errors])
     scores["flicker"] = _mean([camera.flicker for camera in cameras])
     scores["flicker_steady"] = _mean([camera.flicker_steady for camera in cameras])
     return scores
 
 
-def _pooled_after_colours(cameras: Sequence[CameraScores]) -> float | None:
+def _pooled_of_regions(cameras: Sequence[ColourCorrectedError]) -> float | None:
     """Return the PSNR of what moves in all frames, after each camera's colour map; None if nothing moves."""
-    errors = [camera.colour_corrected.region_error() for camera in cameras]
+    errors = [camera.region_error() for camera in cameras]
     values = sum(count for _, count in errors)
     return decibels(sum(squared for squared, _ in errors) / values) if values else None
 

@@ -19,6 +19,7 @@ from hgs_core.evaluate.camera_scores import CameraScores, combine
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.truth import Truth
 from hgs_core.render.fixed_view import FixedView
+from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.runs.folder import RunFolder
 from hgs_core.scene.splats import HybridScene
@@ -79,7 +80,9 @@ def evaluate_run(
         capture, indices, pictures=truth, masks=masks, downscale=reduced.downscale, reductions=reduced.reductions
     )
     manifest = load_manifest(folder.manifest)
-    scores = {index: CameraScores(scorer) for index in indices}
+    summary = json.loads(folder.train_summary.read_text())
+    gains = _lens_gains(summary.get("lens_falloff"), manifest)
+    scores = {index: CameraScores(scorer, gains.get(capture.cameras[index].name)) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
     _score(decode_scene(folder.scene).map(torch.from_numpy), manifest, capture, source, scores, backend, progress)
     totals = manifest.totals
@@ -93,7 +96,7 @@ def evaluate_run(
         "bytes_dynamic": totals.bytes_dynamic,
         "splats_static": totals.splats_static,
         "splats_dynamic": totals.splats_dynamic,
-        "train_seconds": json.loads(folder.train_summary.read_text())["seconds"],
+        "train_seconds": summary["seconds"],
         "frames": len(capture.times),
         "cameras": list(names.values()),
         "cameras_trained_on": [name for index, name in names.items() if index not in held_out],
@@ -104,6 +107,13 @@ def evaluate_run(
     }
     write_bytes(folder.evaluation, json.dumps(result, indent=1, allow_nan=False).encode())
     return result
+
+
+def _lens_gains(falloff: list[float] | None, manifest: Manifest) -> dict[str, Tensor]:
+    """Return what lenses like those that training saw leave of the light of every pixel, [H, W] by camera."""
+    if falloff is None:
+        return {}
+    return {camera.name: falloff_gain(torch.tensor(falloff), camera) for camera in manifest.cameras}
 
 
 def _score(

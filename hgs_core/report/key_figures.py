@@ -27,6 +27,8 @@ _SCORES = (
     ("psnr_dynamic_colour_corrected", "PSNR where it moves, colours matched", 2, "dB"),
     ("psnr_static", "PSNR where it is still", 2, "dB"),
     ("psnr_colour_corrected", "PSNR, colours matched per camera", 2, "dB"),
+    ("psnr_lens_corrected", "PSNR, lenses and colours matched", 2, "dB"),
+    ("psnr_dynamic_lens_corrected", "PSNR where it moves, lenses and colours matched", 2, "dB"),
 )
 
 

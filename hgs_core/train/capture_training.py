@@ -104,6 +104,7 @@ def train_capture(
     summary = {
         "seconds": sum(state.seconds for state in states),
         "iterations": total,
+        "lens_falloff": _mean_falloff(key.state),
         **key.figures(),
         "dynamic": float(sum(len(state.dynamic) for state in states)),
         "history": key.state.history.curves,
@@ -114,6 +115,12 @@ def train_capture(
         "labels_changed": _summed([state.history.labels_changed for state in states]),
     }
     return scene, summary
+
+
+def _mean_falloff(state: TrainState) -> list[float] | None:
+    correction = state.correction
+    falloff = None if correction is None else correction.falloff
+    return None if falloff is None else falloff.mean(0).tolist()
 
 
 def _summed(tables: Sequence[dict[str, Any]]) -> dict[str, Any]:

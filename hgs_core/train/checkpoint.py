@@ -99,7 +99,7 @@ class TrainState:
 
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""
-        return picture if self.correction is None else self.correction.corrected(picture, view.place)[0].detach()
+        return picture if self.correction is None else self.correction.of(view.place).shown(picture, view.camera)
 
 
 def fresh_state(
@@ -109,7 +109,8 @@ def fresh_state(
     return TrainState(
         0, 0.0, static, dynamic, RmsProp.of(static), RmsProp.of(dynamic),
         ScreenStatistics.zeros(len(static) + len(dynamic)),
-        ColourCorrection(cameras) if config.colour_correction else None, TrainingHistory(),
+        ColourCorrection(cameras, falloff=config.lens_falloff) if config.colour_correction else None,
+        TrainingHistory(),
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""One affine colour map per training camera: cameras of a capture seldom agree on exposure and white balance.
+"""An affine colour map and a lens falloff per training camera, which seldom agree on exposure and white balance.
 
 A scene that must explain such differences does so with splats that only one camera sees, which every other view then
 shows as fog. The maps are training state: scenes, the codec and viewers know nothing of them.
@@ -6,57 +6,102 @@ shows as fog. The maps are training state: scenes, the codec and viewers know no
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import torch
 from torch import Tensor
 
 from hgs_core.render.colour_affine import colour_affine, identity_affine
+from hgs_core.render.lens_falloff import falloff_gain
+from hgs_core.scene.camera import Camera
 from hgs_core.train.rmsprop import rmsprop_update
 
-__all__ = ["ColourCorrection"]
+__all__ = ["CameraColours", "ColourCorrection"]
+
+_STEEPEST = 0.375  # of a coefficient of a falloff, either sign: no corner is darker than a quarter of the middle
+
+
+class CameraColours(NamedTuple):
+    """How one camera changes the colours of what it sees, or the gradient towards that."""
+
+    affine: Tensor  # [3, 4], `[A | b]` of A rgb + b
+    falloff: Tensor | None  # [2], coefficients of the lens falloff (`falloff_gain`); None: none is learned
+
+    def gain(self, camera: Camera) -> Tensor | None:
+        """Return what the lens leaves of the light of every pixel, [H, W]; None: all of it."""
+        return None if self.falloff is None else falloff_gain(self.falloff, camera)
+
+    def shown(self, picture: Tensor, camera: Camera) -> Tensor:
+        """Return a picture [3, H, W] of the scene as that camera, here at the picture's size, would show it."""
+        gain = self.gain(camera)
+        return colour_affine(picture if gain is None else picture * gain, self.affine)
+
+    def gradient(self) -> CameraColours:
+        """Return the gradients of the tensors, which have some."""
+        assert self.affine.grad is not None
+        return CameraColours(self.affine.grad, None if self.falloff is None else self.falloff.grad)
 
 
 class ColourCorrection:
-    """The maps `A rgb + b` of C cameras, their moments, and the number of steps each has taken.
+    """The colours of C cameras, their moments, and the number of steps each has taken.
 
-    The mean of the maps is kept at the identity: the scene has the colours that the cameras show on average.
+    The mean of the maps is kept at the identity: the scene has the colours that the cameras show on average in the
+    middle of their pictures.
     """
 
-    def __init__(self, cameras: int) -> None:
-        """Start from maps that change nothing."""
+    def __init__(self, cameras: int, *, falloff: bool = True) -> None:
+        """Start from maps that change nothing; `falloff`: whether that of lenses is learned."""
         self.affine = identity_affine(cameras)  # [C, 3, 4]
+        self.falloff = torch.zeros(cameras, 2) if falloff else None
         self._identity = identity_affine(cameras)
         self._moments = torch.zeros_like(self.affine)
+        self._falloff_moments = torch.zeros(cameras, 2)
         self._steps = torch.zeros(cameras, dtype=torch.int64)
 
-    def corrected(self, picture: Tensor, camera: int) -> tuple[Tensor, Tensor]:
-        """Return a picture [3, H, W] as that camera would show it, and the map [3, 4] that its gradient reaches."""
-        affine = self.affine[camera].clone().requires_grad_(True)
-        return colour_affine(picture, affine), affine
+    def of(self, place: int) -> CameraColours:
+        """Return the colours of a camera as they are."""
+        return CameraColours(self.affine[place], None if self.falloff is None else self.falloff[place])
 
-    def step(self, camera: int, gradient: Tensor, rate: float) -> None:
-        """Take a step on one camera's map, then centre all maps on the identity."""
-        self._steps[camera] += 1
-        rmsprop_update(self.affine[camera], gradient, self._moments[camera], rate, int(self._steps[camera]))
+    def learning(self, place: int) -> CameraColours:
+        """Return the colours of a camera as new tensors that gradients reach."""
+        affine, falloff = self.of(place)
+        return CameraColours(
+            affine.clone().requires_grad_(True), None if falloff is None else falloff.clone().requires_grad_(True)
+        )
+
+    def step(self, place: int, gradient: CameraColours, rate: float, falloff_rate: float) -> None:
+        """Take a step on one camera's colours, then centre all maps on the identity."""
+        self._steps[place] += 1
+        steps = int(self._steps[place])
+        rmsprop_update(self.affine[place], gradient.affine, self._moments[place], rate, steps)
         self.affine -= (self.affine - self._identity).mean(0)
+        if self.falloff is not None and gradient.falloff is not None:
+            moments = self._falloff_moments[place]
+            rmsprop_update(self.falloff[place], gradient.falloff, moments, falloff_rate, steps)
+            self.falloff[place].clamp_(-_STEEPEST, _STEEPEST)
 
     def to(self, device: torch.device) -> ColourCorrection:
         """Return it with its maps on a device."""
         moved = ColourCorrection(len(self.affine))
         moved.affine, moved._identity = self.affine.to(device), self._identity.to(device)
-        moved._moments = self._moments.to(device)
+        moved.falloff = None if self.falloff is None else self.falloff.to(device)
+        moved._moments, moved._falloff_moments = self._moments.to(device), self._falloff_moments.to(device)
         moved._steps = self._steps
         return moved
 
     def state(self) -> dict[str, Any]:
         """Return plain tensors for a checkpoint."""
-        return {"affine": self.affine, "moments": self._moments, "steps": self._steps}
+        return {
+            "affine": self.affine, "moments": self._moments, "steps": self._steps,
+            "falloff": self.falloff, "falloff_moments": self._falloff_moments,
+        }  # fmt: skip
 
     @classmethod
     def restored(cls, state: dict[str, Any]) -> ColourCorrection:
-        """Return what `state` described, also in earlier versions, whose optimiser had two moments."""
+        """Return what `state` described, also in earlier versions, which had two moments, and no falloff to learn."""
         correction = cls(len(state["affine"]))
         correction.affine, correction._steps = state["affine"], state["steps"]
         correction._moments = state["moments"] if "moments" in state else state["second"]
+        correction.falloff = state.get("falloff")
+        correction._falloff_moments = state.get("falloff_moments", correction._falloff_moments)
         return correction

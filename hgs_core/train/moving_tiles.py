@@ -12,6 +12,8 @@ from hgs_core.base.arrays import Mask
 from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.constants import TILE
 from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
+from hgs_core.scene.camera import Camera
+from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.loss import photometric_loss
 
 __all__ = ["MovingTiles", "loss_gradient", "tiles_of"]
@@ -49,7 +51,14 @@ def tiles_of(moving: Mask) -> MovingTiles | None:
     )
 
 
-def loss_gradient(picture: Tensor, target: Tensor, affine: Tensor | None, moving: MovingTiles, dssim: float) -> Tensor:
+def loss_gradient(
+    picture: Tensor,
+    target: Tensor,
+    colours: CameraColours | None,
+    camera: Camera,
+    moving: MovingTiles,
+    dssim: float,
+) -> Tensor:
     """Return the gradient [3, H, W] of the loss of a picture of which the moving tiles alone were drawn.
 
     It is that of the whole picture's loss, in which all other pixels count as perfect, but that SSIM's windows stand
@@ -58,17 +67,22 @@ def loss_gradient(picture: Tensor, target: Tensor, affine: Tensor | None, moving
     Args:
         picture: [3, H, W] as the scene shows it.
         target: [3, H, W].
-        affine: [3, 4] the camera's colour map, or None.
+        colours: the camera's, or None: as the scene shows them.
+        camera: at the picture's size.
         moving: which tiles were drawn.
         dssim: lambda of the loss.
     """
     drawn, window, truth = moving.drawn().to(picture.device), moving.window(picture), moving.window(target)
-    shown = window if affine is None else colour_affine(window, affine)
+    gain = None if colours is None else colours.gain(camera)
+    lit = window if gain is None else window * moving.window(gain[None])
+    shown = lit if colours is None else colour_affine(lit, colours.affine)
     compared = torch.where(drawn, shown, truth).requires_grad_(True)
     (gradient,) = torch.autograd.grad(photometric_loss(compared, truth, dssim), compared)
     gradient *= drawn * (truth[0].numel() / target[0].numel())
-    if affine is not None:
-        gradient = (affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
+    if colours is not None:
+        gradient = (colours.affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
+    if gain is not None:
+        gradient = gradient * moving.window(gain[None])
     whole = torch.zeros_like(picture)
     moving.window(whole).copy_(gradient)
     return whole

@@ -13,7 +13,7 @@ from hgs_core.render.rasterize import rasterize
 from hgs_core.render.tiles import tiles_to_pixels
 from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.colour_correction import CameraColours, ColourCorrection
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.training_views import TrainingView
@@ -27,7 +27,7 @@ class Step:
 
     picture: Tensor  # [3, H, W] as the scene shows it: without colour correction
     loss: float
-    colour_gradient: Tensor | None  # [3, 4] towards the camera's colour map
+    colour_gradient: CameraColours | None  # towards the camera's colours
 
 
 def take_step(
@@ -52,7 +52,7 @@ def take_step(
         gradients: which sets learn.
         tiles: [ceil(H/16), ceil(W/16)] tiles that are drawn; None: all.
         ignored: [H, W] pixels that count as perfect, as those outside `tiles` do; None: none.
-        correction: the cameras' colour maps, applied to the picture before it is compared.
+        correction: the cameras' colours, which the picture is given before it is compared.
         statistics: what density control counts, added to.
     """
     learning = [s for name, s in (("static", static), ("dynamic", dynamic)) if gradients in (name, "all")]
@@ -63,9 +63,10 @@ def take_step(
         backend=config.backend, gradients=gradients, tile_mask=tiles, statistics=statistics,
         antialiased=config.antialiased,
     ).rgb  # fmt: skip
-    compared, affine = picture, None
+    compared, colours = picture, None
     if correction is not None:
-        compared, affine = correction.corrected(picture, view.place)
+        colours = correction.learning(view.place)
+        compared = colours.shown(picture, view.camera)
     if tiles is not None:
         drawn = torch.from_numpy(tiles_to_pixels(tiles, view.camera.width, view.camera.height)).to(picture.device)
         compared = torch.where(drawn, compared, view.target)
@@ -75,4 +76,4 @@ def take_step(
     loss.backward()  # type: ignore[no-untyped-call]
     for splats in learning:
         splats.map(lambda array: array.requires_grad_(False))
-    return Step(picture.detach(), float(loss.detach()), None if affine is None else affine.grad)
+    return Step(picture.detach(), float(loss.detach()), None if colours is None else colours.gradient())

@@ -201,7 +201,8 @@ class Trainer:
                 state.move_dynamic(dynamic, rows, rates, seen, config.density.dynamic_opacity_penalty)
             if step.colour_gradient is not None and stage != "dynamic" and self.statics_learn:
                 assert state.correction is not None
-                state.correction.step(view.place, step.colour_gradient, config.learning_rates.colour_correction)
+                colour_rates = config.learning_rates.colour_correction, config.learning_rates.lens_falloff
+                state.correction.step(view.place, step.colour_gradient, *colour_rates)
         if tiles is None and iteration % _REPORT_EVERY == 0:
             error = float((step.picture - view.target).square().mean())
             state.history.follow(step.loss, decibels(max(error, 1e-10)))

@@ -33,7 +33,6 @@ from hgs_core.evaluate.truth import Truth
 from hgs_core.metrics.psnr import decibels
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.runs import stages
 from hgs_core.runs.config import RunConfig
@@ -184,7 +183,8 @@ class _Training:
             frames = range(2, len(self.capture.times), max(1, len(self.capture.times) // 5))
             for frame, picture in self._pictures(camera, static, dynamic, frames):
                 if state.correction is not None:
-                    picture = colour_affine(picture, state.correction.affine[self.training.index(camera)])
+                    colours = state.correction.of(self.training.index(camera))
+                    picture = colours.shown(picture, self.cameras[camera])
                 error = (picture.clamp(0, 1) - self.truth.picture(camera, frame)).square().mean(0)
                 whole.append(error.flatten())
                 mask = self.truth.moving(camera, frame)

@@ -16,12 +16,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import Gradients
+from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
+from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.living import living_rows, rows_taken
@@ -55,15 +56,18 @@ class Newton:
     damping: float = 1.0  # multiple of this
 
 
-def probed(picture: Tensor, weights: Tensor, affine: Tensor | None, generator: torch.Generator) -> None:
+def probed(
+    picture: Tensor, weights: Tensor, colours: CameraColours | None, camera: Camera, generator: torch.Generator
+) -> None:
     """Leave J^T v in the `.grad` of what a picture [3, H, W] was drawn from.
 
-    The pixels of v are random signs times the root of `weights` [3, H, W]; J is that of the picture after its colour
-    map [3, 4], if it has one.
+    The pixels of v are random signs times the root of `weights` [3, H, W]; J is that of the picture with its camera's
+    colours, if these are known.
     """
     signs = torch.sign(torch.rand(weights.shape, generator=generator) - 0.5) * weights.sqrt()
-    if affine is not None:
-        signs = (affine[:, :3].T @ signs.flatten(1)).view_as(signs)
+    if colours is not None:
+        gain = colours.gain(camera)
+        signs = (colours.affine[:, :3].T @ signs.flatten(1)).view_as(signs) * (1 if gain is None else gain)
     picture.backward(signs)
 
 
@@ -115,10 +119,10 @@ class NewtonSteps:
     def probe(self, picture: Tensor, view: TrainingView, drawn: Tensor | None) -> None:
         """Leave J^T v of a view in the gradients; `drawn` [H, W] pixels alone count."""
         correction = self._state.correction
-        affine = None if correction is None else correction.affine[view.place]
-        shown = picture.detach() if affine is None else colour_affine(picture.detach(), affine)
+        colours = None if correction is None else correction.of(view.place)
+        shown = picture.detach() if colours is None else colours.shown(picture.detach(), view.camera)
         weights = 0.8 / (shown - view.target).abs().clamp(min=_LEAST_ERROR) / shown.numel()
-        probed(picture, weights if drawn is None else weights * drawn, affine, self._generator)
+        probed(picture, weights if drawn is None else weights * drawn, colours, view.camera, self._generator)
 
 
 class _GaussNewton(RmsProp):

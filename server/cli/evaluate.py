@@ -26,6 +26,8 @@ FIELDS = (
     "lpips_dynamic",
     "psnr_colour_corrected",  # dB, after the best affine colour map of each camera
     "psnr_dynamic_colour_corrected",  # dB, after the same maps
+    "psnr_lens_corrected",  # dB, darkened as the training cameras' lenses do on average, then after such maps
+    "psnr_dynamic_lens_corrected",
     "bytes_total",
     "bytes_static",
     "bytes_dynamic",

@@ -59,8 +59,9 @@ class MovingSteps:
         living.map(lambda array: array.requires_grad_(True))
         seen = ScreenStatistics.zeros(len(state.static) + len(rows))
         picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
-        affine = None if state.correction is None else state.correction.affine[view.place]
-        picture.backward(loss_gradient(picture.detach(), view.target, affine, moving, self.config.dssim))  # type: ignore[no-untyped-call]
+        colours = None if state.correction is None else state.correction.of(view.place)
+        gradient = loss_gradient(picture.detach(), view.target, colours, view.camera, moving, self.config.dssim)
+        picture.backward(gradient)  # type: ignore[no-untyped-call]
         living.map(lambda array: array.requires_grad_(False))
         rates = context.schedule.dynamic_rates(context.iteration, living)
         seen = seen.rows(slice(len(state.static), None))

@@ -31,6 +31,20 @@ def test_the_held_out_cameras_are_scored_and_every_frame_is_kept(finished: Path)
     assert (result["truth"], result["masks"]) == ("capture", "automatic")
 
 
+def test_pictures_are_darkened_as_the_lenses_of_training_do(finished: Path) -> None:
+    plain = evaluate_run(finished, silent)
+    summary = json.loads((finished / "train.json").read_text())
+    darker = []
+    for coefficient in (0.0, -0.3):
+        (finished / "train.json").write_text(json.dumps({**summary, "lens_falloff": [coefficient, 0.0]}))
+        darker.append(evaluate_run(finished, silent))
+    assert plain["psnr_lens_corrected"] is plain["psnr_dynamic_lens_corrected"] is None
+    for name in ("psnr", "psnr_dynamic"):
+        assert darker[0][f"{name}_lens_corrected"] == pytest.approx(plain[f"{name}_colour_corrected"], abs=1e-4)
+        assert darker[1][f"{name}_lens_corrected"] < plain[f"{name}_colour_corrected"] - 1  # nothing darkens the truth
+        assert darker[1][f"{name}_colour_corrected"] == plain[f"{name}_colour_corrected"]
+
+
 def test_a_camera_is_scored_at_the_moments_when_it_took_its_frames(tmp_path: Path) -> None:
     """Camera 2 films half a frame after the others: the true scene, drawn at their times, would differ."""
     write_capture(tmp_path / "late", frames=FRAMES, width=SIZE[1], height=SIZE[0], late={"2": 0.5})

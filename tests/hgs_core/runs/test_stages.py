@@ -110,7 +110,8 @@ def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path)
     assert set(result) == {
         "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "flicker_steady", "psnr_dynamic", "psnr_static",
             "ssim_dynamic", "lpips_dynamic", "psnr_dynamic_colour_corrected",
-        "psnr_colour_corrected", "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
+        "psnr_colour_corrected", "psnr_lens_corrected", "psnr_dynamic_lens_corrected",
+        "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
         "train_seconds", "frames", "cameras",
         "cameras_trained_on", "truth", "masks", "per_camera", "per_frame",
     }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.train.capture_training import train_capture
+from hgs_core.train.checkpoint import load_state
 from hgs_core.train.config import DensityConfig, TrainConfig
 from tests.hgs_core.train.test_trainer import points
 from tests.synthetic import write_capture
@@ -40,6 +42,21 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
     assert summary["dynamic"] == sum(len(segment.dynamic) for segment in scene.segments)
     assert [p.done for p in heard] == list(range(10, 61, 10))
     assert {p.total for p in heard} == {60}
+
+
+@pytest.mark.parametrize("learned", [True, False])
+def test_the_summary_has_the_mean_falloff_of_the_lenses(capture: Capture, tmp_path: Path, learned: bool) -> None:
+    path = tmp_path / "0.pt"
+    config = dataclasses.replace(CONFIG, segment_frames=6, lens_falloff=learned)
+    cameras = dict(enumerate(capture.cameras))
+    _, summary = train_capture(capture, cameras, config, 0, points(), 1, lambda number: path, silent)
+    correction = load_state(path).correction
+    assert correction is not None
+    if learned:
+        assert correction.falloff is not None
+        assert summary["lens_falloff"] == pytest.approx(correction.falloff.mean(0).tolist())
+    else:
+        assert summary["lens_falloff"] is None
 
 
 def test_a_training_stopped_in_its_second_segment_resumes_to_the_same_bits(capture: Capture, tmp_path: Path) -> None:

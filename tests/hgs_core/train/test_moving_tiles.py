@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import torch
 
-from hgs_core.render.colour_affine import colour_affine
+from hgs_core.scene.camera import Camera
+from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.loss import photometric_loss
 from hgs_core.train.moving_tiles import loss_gradient, tiles_of
 from tests.tolerances import assert_close
@@ -43,18 +44,19 @@ def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
     """
     generator = torch.Generator().manual_seed(0)
     picture, target = (torch.rand(3, 50, 75, generator=generator) for _ in range(2))
+    camera = Camera("a", 75, 50, 60.0, 60.0, 37.0, 26.0, np.eye(4))
     affine = torch.eye(3, 4) + 0.1 * torch.randn(3, 4, generator=generator)
     moving = tiles_of(moving_pixels())
     assert moving is not None
     drawn = torch.from_numpy(moving.tiles.repeat(16, 0).repeat(16, 1)[:50, :75].copy())
-    for colours in (None, affine):
+    for colours in (None, CameraColours(affine, None), CameraColours(affine, torch.tensor([-0.3, 0.1]))):
         whole = picture.clone().requires_grad_(True)
-        shown = whole if colours is None else colour_affine(whole, colours)
+        shown = whole if colours is None else colours.shown(whole, camera)
         photometric_loss(torch.where(drawn, shown, target), target, 0.2).backward()  # type: ignore[no-untyped-call]
-        found = loss_gradient(picture, target, colours, moving, 0.2)
+        found = loss_gradient(picture, target, colours, camera, moving, 0.2)
         assert whole.grad is not None
         part = picture.clone().requires_grad_(True)
-        shown = part if colours is None else colour_affine(part, colours)
+        shown = part if colours is None else colours.shown(part, camera)
         inside = moving.window(torch.where(drawn, shown, target)), moving.window(target)
         share = inside[1].numel() / target.numel()
         (share * photometric_loss(*inside, 0.2)).backward()  # type: ignore[no-untyped-call]

@@ -102,17 +102,26 @@ def test_pixels_that_are_ignored_and_tiles_that_are_not_drawn_count_as_perfect(v
 def test_the_camera_s_colours_are_compared_and_the_scene_s_are_returned(view: TrainingView) -> None:
     correction = ColourCorrection(3)
     correction.affine[1] = torch.tensor([[1.1, 0.0, 0.1, 0.02], [0.0, 0.9, 0.0, 0.0], [0.05, 0.0, 1.0, -0.03]])
+    assert correction.falloff is not None
+    correction.falloff[1] = torch.tensor([-0.2, 0.1])
     found = step(synthetic_scene(), view, correction=correction)
     picture = drawn(synthetic_scene(), view.camera)
     torch.testing.assert_close(found.picture.double(), picture, atol=1e-4, rtol=0)
     affine = correction.affine[1].double().requires_grad_()
-    shown = torch.einsum("ij,jhw->ihw", affine[:, :3], picture) + affine[:, 3, None, None]
+    falloff = correction.falloff[1].double().requires_grad_()
+    rows, columns = torch.meshgrid(torch.arange(HEIGHT) + 0.5, torch.arange(WIDTH) + 0.5, indexing="ij")
+    centred = (rows - view.camera.cy).square() + (columns - view.camera.cx).square()
+    squares = 4 * centred.double() / (HEIGHT**2 + WIDTH**2)
+    lit = picture * (1 + falloff[0] * squares + falloff[1] * squares.square())
+    shown = torch.einsum("ij,jhw->ihw", affine[:, :3], lit) + affine[:, 3, None, None]
     loss = (shown - view.target.double()).abs().mean()
     loss.backward()  # type: ignore[no-untyped-call]
     assert found.loss == pytest.approx(float(loss.detach()), rel=1e-4)
     assert found.colour_gradient is not None
-    assert affine.grad is not None
-    torch.testing.assert_close(found.colour_gradient.double(), affine.grad, rtol=1e-3, atol=1e-4)
+    for gradient, expected in zip(found.colour_gradient, (affine.grad, falloff.grad), strict=True):
+        assert gradient is not None
+        assert expected is not None
+        torch.testing.assert_close(gradient.double(), expected, rtol=1e-3, atol=1e-4)
 
 
 def test_without_correction_there_is_no_gradient_of_colours(view: TrainingView) -> None:

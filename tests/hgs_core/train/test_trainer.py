@@ -297,6 +297,17 @@ def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, t
     assert plain.state.correction is None
 
 
+def test_falloffs_are_learned_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
+    wanted, plain = (
+        trainer(capture_folder, tmp_path / str(on), config(iterations=20, lens_falloff=on)) for on in (True, False)
+    )
+    for training in (wanted, plain):
+        training.run(silent)
+        assert training.state.correction is not None
+    assert wanted.state.correction.falloff.abs().min() > 0
+    assert plain.state.correction.falloff is None
+
+
 def test_held_out_cameras_are_never_read(capture_folder: Path, tmp_path: Path) -> None:
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config())
     held_out = open_capture(capture_folder).camera_index("2")

@@ -27,6 +27,8 @@ SCORES: dict[str, Any] = {
     "lpips_dynamic": None,
     "psnr_colour_corrected": 28.5,
     "psnr_dynamic_colour_corrected": 26.25,
+    "psnr_lens_corrected": 28.75,
+    "psnr_dynamic_lens_corrected": None,
     "bytes_total": 300,
     "bytes_static": 200,
     "bytes_dynamic": 90,
