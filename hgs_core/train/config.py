@@ -145,7 +145,7 @@ class TrainConfig:
     lens_falloff: bool = True  # and how its lens darkens the picture towards the corners
     dssim: float = 0.2  # lambda of the loss
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
-    moving_steps: float = 1.5  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
+    moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
     settled: float = 0.02  # what is left of them at the end, if nothing holds them before
     hold_from: float = 0.85  # share of `iterations` after which all steps stay as large as they are; 1: they fall on
