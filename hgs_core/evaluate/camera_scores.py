@@ -42,20 +42,22 @@ class _PixelMean:
 class CameraScores:
     """What the frames of one camera scored."""
 
-    def __init__(self, scorer: PictureScorer, gain: Tensor | None = None) -> None:
-        """Score with `scorer`; `gain` [H, W] is what lenses like the capture's leave of the light of every pixel."""
-        self._scorer, self._gain = scorer, gain
+    def __init__(self, scorer: PictureScorer) -> None:
+        self._scorer = scorer
         self._flicker = Flicker()
         self.flicker: float | None = None
         self.flicker_steady: float | None = None
         self.colour_corrected = ColourCorrectedError()
-        self.lens_corrected = None if gain is None else ColourCorrectedError()
+        self.lens_corrected = ColourCorrectedError()
         self.frames: dict[str, list[float | None]] = {name: [] for name in _SERIES}
         self.regions = {name: RegionError() for name in REGIONS}
         self.means = {name: _PixelMean() for name in REGION_METRICS}
 
-    def add(self, image: Tensor, truth: Tensor, moving: Tensor | None) -> None:
-        """Score the next frame [3, H, W] in [0, 1], with its mask [H, W] bool of what moves, if there is one."""
+    def add(self, image: Tensor, truth: Tensor, moving: Tensor | None, gain: Tensor | None = None) -> None:
+        """Score the next frame [3, H, W] in [0, 1], with its mask [H, W] bool of what moves, if there is one.
+
+        `gain` [H, W] is what a lens like the capture's leaves of the light of every pixel, if that is known.
+        """
         for name, value in self._scorer.score(image, truth, moving).items():
             self.frames[name].append(value)
             if name in self.means and value is not None and moving is not None:
@@ -68,8 +70,8 @@ class CameraScores:
             self.regions[name].include(error)
         self._flicker.add(image, truth, moving)
         self.colour_corrected.add(image, truth, moving)
-        if self.lens_corrected is not None and self._gain is not None:
-            self.lens_corrected.add(image * self._gain, truth, moving)
+        if gain is not None:
+            self.lens_corrected.add(image * gain, truth, moving)
 
     def finish(self) -> None:
         """Compute the flicker after the last frame and free its memory: several pictures' worth."""
@@ -102,7 +104,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
         scores[name] = _finite(sum(mean.total for mean in means) / pixels) if pixels else None
     for name, errors in (
         ("colour_corrected", [camera.colour_corrected for camera in cameras]),
-        ("lens_corrected", [camera.lens_corrected for camera in cameras if camera.lens_corrected is not None]),
+        ("lens_corrected", [camera.lens_corrected for camera in cameras]),
     ):
         scores[f"psnr_dynamic_{name}"] = _finite(_pooled_of_regions(errors))
         scores[f"psnr_{name}"] = _mean([_finite(error.psnr()) for error in errors])

@@ -81,10 +81,11 @@ def evaluate_run(
     )
     manifest = load_manifest(folder.manifest)
     summary = json.loads(folder.train_summary.read_text())
-    gains = _lens_gains(summary.get("lens_falloff"), manifest)
-    scores = {index: CameraScores(scorer, gains.get(capture.cameras[index].name)) for index in indices}
+    falloff = summary.get("lens_falloff")
+    scores = {index: CameraScores(scorer) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
-    _score(decode_scene(folder.scene).map(torch.from_numpy), manifest, capture, source, scores, backend, progress)
+    scene = decode_scene(folder.scene).map(torch.from_numpy)
+    _score(scene, manifest, falloff, capture, source, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
@@ -109,16 +110,10 @@ def evaluate_run(
     return result
 
 
-def _lens_gains(falloff: list[float] | None, manifest: Manifest) -> dict[str, Tensor]:
-    """Return what lenses like those that training saw leave of the light of every pixel, [H, W] by camera."""
-    if falloff is None:
-        return {}
-    return {camera.name: falloff_gain(torch.tensor(falloff), camera) for camera in manifest.cameras}
-
-
 def _score(
     scene: HybridScene[Tensor],
     manifest: Manifest,
+    falloff: list[float] | None,  # mean of the training cameras' lenses
     capture: Capture,
     source: Truth,
     scores: Mapping[int, CameraScores],  # by camera; filled
@@ -131,6 +126,7 @@ def _score(
     with one_torch_thread():
         for index, gathered in scores.items():
             camera = views[capture.cameras[index].name]
+            gain = None if falloff is None else falloff_gain(torch.tensor(falloff), camera)
             view = FixedView(
                 scene.static, camera,
                 background=scene.background, antialiased=scene.antialiased, backend=backend,
@@ -139,7 +135,7 @@ def _score(
                 segment = scene.segment_at(float(seconds))
                 moment = segment.normalised(capture.moment(index, frame))
                 picture = view.frame(segment.dynamic, moment).rgb.clamp(0, 1)
-                gathered.add(picture, source.picture(index, frame), source.moving(index, frame))
+                gathered.add(picture, source.picture(index, frame), source.moving(index, frame), gain)
                 decibels += gathered.frames["psnr"][-1] or 0.0
                 done += 1
                 progress(Progress("evaluate", done, total, {"psnr": decibels / done}))

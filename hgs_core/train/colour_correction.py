@@ -33,8 +33,16 @@ class CameraColours(NamedTuple):
 
     def shown(self, picture: Tensor, camera: Camera) -> Tensor:
         """Return a picture [3, H, W] of the scene as that camera, here at the picture's size, would show it."""
-        gain = self.gain(camera)
+        return self.shown_with(picture, self.gain(camera))
+
+    def shown_with(self, picture: Tensor, gain: Tensor | None) -> Tensor:
+        """Do the same for a part of a picture, of which `gain` is that of the lens."""
         return colour_affine(picture if gain is None else picture * gain, self.affine)
+
+    def pulled_back(self, gradient: Tensor, gain: Tensor | None) -> Tensor:
+        """Return the gradient towards a picture [3, H, W] from that towards what `shown_with` makes of it."""
+        pulled = (self.affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
+        return pulled if gain is None else pulled * gain
 
     def gradient(self) -> CameraColours:
         """Return the gradients of the tensors, which have some."""

@@ -9,7 +9,6 @@ import torch
 from torch import Tensor
 
 from hgs_core.base.arrays import Mask
-from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.constants import TILE
 from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
 from hgs_core.scene.camera import Camera
@@ -74,15 +73,13 @@ def loss_gradient(
     """
     drawn, window, truth = moving.drawn().to(picture.device), moving.window(picture), moving.window(target)
     gain = None if colours is None else colours.gain(camera)
-    lit = window if gain is None else window * moving.window(gain[None])
-    shown = lit if colours is None else colour_affine(lit, colours.affine)
+    gain = None if gain is None else moving.window(gain[None])
+    shown = window if colours is None else colours.shown_with(window, gain)
     compared = torch.where(drawn, shown, truth).requires_grad_(True)
     (gradient,) = torch.autograd.grad(photometric_loss(compared, truth, dssim), compared)
     gradient *= drawn * (truth[0].numel() / target[0].numel())
     if colours is not None:
-        gradient = (colours.affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
-    if gain is not None:
-        gradient = gradient * moving.window(gain[None])
+        gradient = colours.pulled_back(gradient, gain)
     whole = torch.zeros_like(picture)
     moving.window(whole).copy_(gradient)
     return whole

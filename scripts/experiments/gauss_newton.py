@@ -66,8 +66,7 @@ def probed(
     """
     signs = torch.sign(torch.rand(weights.shape, generator=generator) - 0.5) * weights.sqrt()
     if colours is not None:
-        gain = colours.gain(camera)
-        signs = (colours.affine[:, :3].T @ signs.flatten(1)).view_as(signs) * (1 if gain is None else gain)
+        signs = colours.pulled_back(signs, colours.gain(camera))
     picture.backward(signs)
 
 

@@ -286,23 +286,24 @@ def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path, st
     assert {"frames", "optimiser", "density"} | steps <= set(history.profile)
 
 
-def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
-    wanted, plain = (
-        trainer(capture_folder, tmp_path / str(on), config(iterations=20, colour_correction=on)) for on in (True, False)
-    )
-    for training in (wanted, plain):
+def with_and_without(field: str, capture_folder: Path, tmp_path: Path) -> list[Trainer]:
+    """Return two short trainings, the first with what the field turns on."""
+    both = [trainer(capture_folder, tmp_path / str(on), config(iterations=20, **{field: on})) for on in (True, False)]
+    for training in both:
         training.run(silent)
+    return both
+
+
+def test_cameras_are_corrected_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
+    wanted, plain = with_and_without("colour_correction", capture_folder, tmp_path)
     assert wanted.state.correction is not None
     assert float((wanted.state.correction.affine - torch.eye(3, 4)).abs().max()) > 0
     assert plain.state.correction is None
 
 
 def test_falloffs_are_learned_only_where_that_is_wanted(capture_folder: Path, tmp_path: Path) -> None:
-    wanted, plain = (
-        trainer(capture_folder, tmp_path / str(on), config(iterations=20, lens_falloff=on)) for on in (True, False)
-    )
+    wanted, plain = with_and_without("lens_falloff", capture_folder, tmp_path)
     for training in (wanted, plain):
-        training.run(silent)
         assert training.state.correction is not None
     assert wanted.state.correction.falloff.abs().min() > 0
     assert plain.state.correction.falloff is None
