@@ -15,12 +15,11 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.atomic import write_bytes
 from hgs_core.codec.encoder.captured_space import find_captured_space
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
-from hgs_core.codec.encoder.encode_dynamic import SegmentTime, encode_dynamic_chunk
+from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
 from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
-from hgs_core.codec.encoder.prepare import Prepared, prepare_dynamic, prepare_static
+from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
 from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.shown import Shown, frame_interval, shown_segments
-from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.codec.format.audio import CodedAudio
@@ -160,51 +159,39 @@ def _segment_chunks(
     )
     seconds, limits = slice_limits(time, shown.until, settings)
     count = len(limits) - 1
-    chunks: list[list[_Coded]] = [[] for _ in range(count)]
+    chunks: list[list[tuple[float, _Coded]]] = [[] for _ in range(count)]
     needs: list[list[str]] = [[] for _ in range(count)]
-    for first, last, chunk in _dynamic_chunks(splats, time, limits, settings, index):
-        chunks[first].append(chunk)
+    for number, layer in enumerate(dynamic_layers(splats, time, limits, settings)):
+        data, decoded = encode_dynamic_chunk(splats.take(layer.index), time, settings, index + number)
+        chunk = _coded(data, decoded)
+        first, last = _slices_lived_in(decoded, limits)
+        chunks[first].append((layer.utility, chunk))
         for later in range(first + 1, last + 1):
             needs[later].append(chunk.entry.id)
+    ordered = [[chunk for _, chunk in sorted(piece, key=lambda one: -one[0])] for piece in chunks]
     slices = [
         SliceEntry(
             shown.number,
             float(seconds[i]),
             float(seconds[i + 1]),
-            tuple(chunk.entry for chunk in chunks[i]),
+            tuple(chunk.entry for chunk in ordered[i]),
             tuple(needs[i]),
         )
         for i in range(count)
     ]
-    return slices, [chunk for piece in chunks for chunk in piece]
+    return slices, [chunk for piece in ordered for chunk in piece]
 
 
-def _dynamic_chunks(
-    splats: Prepared, time: SegmentTime, limits: Doubles, settings: EncodeSettings, index: int
-) -> list[tuple[int, int, _Coded]]:
-    """Encode chunks, each with the first and the last slice in which splats of it live as they decode.
+def _slices_lived_in(chunk: DecodedChunk, limits: Doubles) -> tuple[int, int]:
+    """Return the first and the last slice in which splats of a chunk live as they decode.
 
-    Where nearly all splats of a chunk are opaque its steps are coarser than their grades foresee. If one of them lives
-    before its slice for that reason, it goes to an earlier one, and all are cut anew.
+    The first can precede the one that the chunk was cut for: where nearly all splats of a chunk are opaque, its steps
+    are coarser and some lives longer than `SegmentTime.life` foresees.
     """
-    seen_from = np.full(len(splats), np.inf)
-    while True:
-        found: list[tuple[int, int, _Coded]] = []
-        complete = True
-        for layer in dynamic_layers(splats, time, limits, settings, seen_from):
-            members = splats.take(layer.index)
-            data, decoded = encode_dynamic_chunk(members, time, settings, index + len(found))
-            start, end = lifetime(decoded.dynamic())
-            last = min(int(np.searchsorted(limits, float(end.max()), side="right")) - 1, len(limits) - 2)
-            found.append((layer.slice, last, _coded(data, decoded)))
-            if max(float(start.min()), 0.0) < limits[layer.slice]:
-                earliest, _ = time.life(members, settings, Steps.of(members, settings).opacity)
-                if earliest.min() >= limits[layer.slice]:
-                    raise RuntimeError(f"a splat of slice {layer.slice} lives from {start.min():.6g}, before the slice")
-                seen_from[layer.index] = np.minimum(seen_from[layer.index], earliest)
-                complete = False
-        if complete:
-            return found
+    start, end = lifetime(chunk.dynamic())
+    moments = np.array([start.min(), end.max()], np.float64)
+    first, last = np.clip(np.searchsorted(limits, moments, side="right") - 1, 0, len(limits) - 2)
+    return int(first), int(last)
 
 
 def _coded(data: bytes, decoded: DecodedChunk) -> _Coded:

@@ -33,7 +33,6 @@ PRECISION_STEP = 5.0
 CENTER_STEP = 1.2
 LARGEST_PRECISION_STEP = 0.5
 LARGEST_CENTER_STEP = 0.1
-STEEPEST_EASING = 1.5  # change of an opacity against that of the number it is coded as, at most (`eased`)
 LARGEST_ROUNDING = 1.5 + 1e-3  # steps by which a number may be off its value
 LEAST_OFF = 1e-5
 
@@ -46,16 +45,14 @@ class SegmentTime:
     end: float  # seconds
     shown_until: float  # normalised time at which the next segment takes over
 
-    def life(self, splats: Prepared, settings: EncodeSettings, coarsest: float = 0.0) -> tuple[Doubles, Doubles]:
+    def life(self, splats: Prepared, settings: EncodeSettings) -> tuple[Doubles, Doubles]:
         """Return the first and last normalised time ([N], [N]) at which a splat can be seen, as it will be coded.
 
         Every attribute is taken at the end of its error interval that makes the life longest, in a chunk with the step
-        that a splat of its grade and of medium opacity has, or with the opacity step `coarsest` if that is coarser;
-        then the life is cut to when the segment is shown.
+        that a splat of its grade and of medium opacity has; then the life is cut to when the segment is shown.
         """
         width = settings.coarseness * np.exp2(-grades(splats.values["utility"][:, 0]).astype(np.float64))
         step = np.minimum(settings.opacity_step * width, settings.largest_opacity_step)
-        step = np.maximum(step, STEEPEST_EASING * coarsest)
         opacity = np.minimum(1.0, splats.values["opacity"][:, 0] + LARGEST_ROUNDING * np.maximum(step, LEAST_OFF))
         precision = splats.values["time_log_precision"][:, 0]
         precision = precision - LARGEST_ROUNDING * np.minimum(PRECISION_STEP * step, LARGEST_PRECISION_STEP)

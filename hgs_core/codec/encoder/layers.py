@@ -49,24 +49,16 @@ def slice_limits(time: SegmentTime, until: float, settings: EncodeSettings) -> t
     return np.linspace(time.start, until, count + 1), np.linspace(0.0, time.shown_until, count + 1)
 
 
-def dynamic_layers(
-    splats: Prepared,
-    time: SegmentTime,
-    limits: Doubles,
-    settings: EncodeSettings,
-    seen_from: Doubles | float = np.inf,
-) -> list[Layer]:
+def dynamic_layers(splats: Prepared, time: SegmentTime, limits: Doubles, settings: EncodeSettings) -> list[Layer]:
     """Cut the splats of a segment into chunks by the first slice in which they live, by the last, and by grade.
 
-    `limits` [S + 1] are the slices' limits in normalised time, `seen_from` [N] moments from which splats are seen for
-    other reasons than their own grade's. Chunks of splats that die together let a seek leave
-    out what is already dead; a chunk is not made smaller than `LONG_LIVED_SPLATS` for that. Within a slice those that
-    show most come first.
+    `limits` [S + 1] are the slices' limits in normalised time. Chunks of splats that die together let a seek leave out
+    what is already dead; a chunk is not made smaller than `LONG_LIVED_SPLATS` for that. Within a slice those that show
+    most come first.
     """
     if len(splats) == 0:
         return []
     start, end = time.life(splats, settings)
-    start = np.minimum(start, seen_from)
     last_slice = len(limits) - 2
     first = np.clip(np.searchsorted(limits, start, side="right") - 1, 0, last_slice)
     last = np.clip(np.searchsorted(limits, end, side="right") - 1, 0, last_slice)

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,20 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
     for mine, other in zip(quantised.segments, decoded.segments, strict=True):
         assert (mine.start, mine.end) == (other.start, other.end)
         np.testing.assert_array_equal(rows(mine.dynamic), rows(other.dynamic))
+
+
+def test_splats_that_decode_to_live_longer_are_cut_as_they_are_encoded(tmp_path: Path, cameras: list[Camera]) -> None:
+    brief = np.random.default_rng(0).normal(5, 1, 3000).astype(np.float32)
+    logits = np.full(3000, 7.0, np.float32)
+    opaque = dataclasses.replace(dynamics(3000, 0), opacity_logits=logits, time_log_precisions=brief)
+    given = HybridScene(statics(20, 0), (Segment(0.0, 29 / 30, opaque),))
+    rng = np.random.default_rng(0)
+    utility = Utility(measured(rng, 20), (measured(rng, 3000),))
+    settings = EncodeSettings(slice_seconds=0.1)
+    encode_scene(given, tmp_path, cameras=cameras, times=TIMES[:30], title="", settings=settings, utility=utility)
+    decoded = decode_scene(tmp_path).segments[0].dynamic
+    quantised = quantised_scene(given, cameras, TIMES[:30], utility, settings).decoded.segments[0].dynamic
+    np.testing.assert_array_equal(rows(quantised), rows(decoded))
 
 
 def test_the_splats_before_quantisation_are_those_given_in_the_order_of_the_decoded(cameras: list[Camera]) -> None:
