@@ -11,7 +11,6 @@ from torch import Tensor
 from hgs_core.base.arrays import Mask
 from hgs_core.render.constants import TILE
 from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
-from hgs_core.scene.camera import Camera
 from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.loss import photometric_loss
 
@@ -53,10 +52,11 @@ def tiles_of(moving: Mask) -> MovingTiles | None:
 def loss_gradient(
     picture: Tensor,
     target: Tensor,
-    colours: CameraColours | None,
-    camera: Camera,
     moving: MovingTiles,
     dssim: float,
+    *,
+    colours: CameraColours | None = None,
+    gain: Tensor | None = None,
 ) -> Tensor:
     """Return the gradient [3, H, W] of the loss of a picture of which the moving tiles alone were drawn.
 
@@ -66,13 +66,12 @@ def loss_gradient(
     Args:
         picture: [3, H, W] as the scene shows it.
         target: [3, H, W].
-        colours: the camera's, or None: as the scene shows them.
-        camera: at the picture's size.
         moving: which tiles were drawn.
         dssim: lambda of the loss.
+        colours: the camera's, or None: as the scene shows them.
+        gain: [H, W] that of the camera's lens, `colours.gain`; None: its lens darkens nothing.
     """
     drawn, window, truth = moving.drawn().to(picture.device), moving.window(picture), moving.window(target)
-    gain = None if colours is None else colours.gain(camera)
     gain = None if gain is None else moving.window(gain[None])
     shown = window if colours is None else colours.shown_with(window, gain)
     compared = torch.where(drawn, shown, truth).requires_grad_(True)

@@ -16,14 +16,13 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.types import Gradients
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.colour_correction import CameraColours
-from hgs_core.train.control.moving_steps import MovingSteps
+from hgs_core.train.control.moving_steps import FixedCamera, MovingSteps
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.moving_tiles import MovingTiles
@@ -196,15 +195,15 @@ class _ProbedMovingSteps(MovingSteps):
     newton: NewtonSteps
 
     def _step(
-        self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
+        self, state: TrainState, context: RoundContext, camera: FixedCamera, view: TrainingView, moving: MovingTiles
     ) -> None:
         rows = living_rows(state.dynamic, view.moment)
         if len(rows) and self.newton.due():
             living = rows_taken(state.dynamic, rows)
             living.map(lambda array: array.requires_grad_(True))
-            picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles).rgb
+            picture = camera.view.differentiable_frame(living, view.moment, tile_mask=moving.tiles).rgb
             drawn = torch.zeros(picture.shape[1:])
             moving.window(drawn[None])[0].copy_(moving.drawn())
             self.newton.probe(picture, view, drawn)
             self.newton.dynamic.learn(living, rows)
-        super()._step(state, context, fixed, view, moving)
+        super()._step(state, context, camera, view, moving)

@@ -53,7 +53,8 @@ def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
         whole = picture.clone().requires_grad_(True)
         shown = whole if colours is None else colours.shown(whole, camera)
         photometric_loss(torch.where(drawn, shown, target), target, 0.2).backward()  # type: ignore[no-untyped-call]
-        found = loss_gradient(picture, target, colours, camera, moving, 0.2)
+        gain = None if colours is None else colours.gain(camera)
+        found = loss_gradient(picture, target, moving, 0.2, colours=colours, gain=gain)
         assert whole.grad is not None
         part = picture.clone().requires_grad_(True)
         shown = part if colours is None else colours.shown(part, camera)
