@@ -47,6 +47,14 @@ def scene(static: int = 200, dynamic: int = 150, coefficients: int = 4) -> Hybri
     return HybridScene(statics(static, 0), (Segment(0.0, 29 / 30, first), Segment(1.0, 59 / 30, second)))
 
 
+def opaque_and_brief() -> HybridScene:
+    """One second of splats that decode to live longer than their grades foresee: their chunks have coarser steps."""
+    brief = np.random.default_rng(0).normal(5, 1, 3000).astype(np.float32)
+    logits = np.full(3000, 7.0, np.float32)
+    opaque = dataclasses.replace(dynamics(3000, 0), opacity_logits=logits, time_log_precisions=brief)
+    return HybridScene(statics(20, 0), (Segment(0.0, 29 / 30, opaque),))
+
+
 def encode(given: HybridScene, out: Path, cameras: list[Camera], **more: Any):
     return encode_scene(given, out, cameras=cameras, title="test", **({"times": TIMES, "settings": SETTINGS} | more))
 

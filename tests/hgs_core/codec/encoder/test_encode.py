@@ -13,7 +13,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, encode_scene, load_manifest, read_chunk
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, evaluate, lifetime
 from hgs_core.scene.camera import Camera
-from tests.hgs_core.codec.scenes import SETTINGS, TIMES, dynamics, encode, important, scene, sigmoid, statics
+from tests.hgs_core.codec.scenes import SETTINGS, TIMES, encode, important, opaque_and_brief, scene, sigmoid, statics
 
 
 def test_a_still_scene_has_one_slice_and_no_dynamic_chunk(tmp_path: Path, cameras: list[Camera]) -> None:
@@ -48,11 +48,7 @@ def test_every_living_splat_is_in_the_chunks_and_needs_of_its_slice(tmp_path: Pa
 def test_opaque_splats_that_decode_to_live_longer_are_in_an_earlier_slice(
     tmp_path: Path, cameras: list[Camera], known: bool
 ) -> None:
-    """Steps of a chunk of opaque splats are coarser than their grades say: lives grow by more than was foreseen."""
-    brief = np.random.default_rng(0).normal(5, 1, 3000).astype(np.float32)
-    logits = np.full(3000, 7.0, np.float32)
-    opaque = dataclasses.replace(dynamics(3000, 0), opacity_logits=logits, time_log_precisions=brief)
-    given = HybridScene(statics(20, 0), (Segment(0.0, 29 / 30, opaque),))
+    given = opaque_and_brief()
     settings = dataclasses.replace(SETTINGS, slice_seconds=0.1, dynamic_chunk_splats=4096)
     utility = important(given) if known else None
     manifest = encode(given, tmp_path, cameras, times=TIMES[:30], utility=utility, settings=settings)

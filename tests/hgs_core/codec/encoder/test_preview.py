@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,7 @@ from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, en
 from hgs_core.codec.encoder.preview import quantised_scene
 from hgs_core.scene import HybridScene, Segment
 from hgs_core.scene.camera import Camera
-from tests.hgs_core.codec.scenes import dynamics, statics
+from tests.hgs_core.codec.scenes import dynamics, opaque_and_brief, statics
 
 TIMES = np.arange(60) / 30
 
@@ -44,10 +43,7 @@ def test_it_is_what_encoding_and_decoding_give(tmp_path: Path, cameras: list[Cam
 
 
 def test_splats_that_decode_to_live_longer_are_cut_as_they_are_encoded(tmp_path: Path, cameras: list[Camera]) -> None:
-    brief = np.random.default_rng(0).normal(5, 1, 3000).astype(np.float32)
-    logits = np.full(3000, 7.0, np.float32)
-    opaque = dataclasses.replace(dynamics(3000, 0), opacity_logits=logits, time_log_precisions=brief)
-    given = HybridScene(statics(20, 0), (Segment(0.0, 29 / 30, opaque),))
+    given = opaque_and_brief()
     rng = np.random.default_rng(0)
     utility = Utility(measured(rng, 20), (measured(rng, 3000),))
     settings = EncodeSettings(slice_seconds=0.1)
