@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import torch
 from torch import Tensor
 
+from hgs_core.render.camera_colours import camera_colours
 from hgs_core.render.colour_affine import colour_affine, identity_affine
 from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.scene.camera import Camera
@@ -33,7 +34,7 @@ class CameraColours(NamedTuple):
 
     def shown(self, picture: Tensor, camera: Camera) -> Tensor:
         """Return a picture [3, H, W] of the scene as that camera, here at the picture's size, would show it."""
-        return self.shown_with(picture, self.gain(camera))
+        return camera_colours(picture, self.affine, self.falloff, camera)
 
     def shown_with(self, picture: Tensor, gain: Tensor | None) -> Tensor:
         """Do the same for a part of a picture, of which `gain` is that of the lens."""

@@ -11,7 +11,7 @@
 #define HGS_STATICS_ANEW 0
 #define HGS_STATICS_KEEP 1
 #define HGS_STATICS_REUSE 2
-#define HGS_ABI_VERSION 8
+#define HGS_ABI_VERSION 9
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -162,6 +162,27 @@ HGS_API int32_t hgs_ssim(const float *image, const float *target, int32_t width,
  * gradient: out, [3][height][width], dL / d image; must not overlap the inputs. */
 HGS_API int32_t hgs_l1_dssim(const float *image, const float *target, int32_t width, int32_t height,
                              float dssim_weight, int32_t threads, double *loss, float *gradient);
+
+/* What a camera makes of colours: A (gain rgb) + b, where its lens leaves the gain 1 + f r^2 + g r^4 of the light at the
+ * distance r from the principal point (cx, cy). */
+typedef struct hgs_camera_colours {
+  float affine[12];     /* [3][4] rows of [A | b] */
+  float falloff[2];     /* f, g; 0, 0: nothing is darkened */
+  double cx, cy;        /* pixels */
+  double half_diagonal; /* of the picture, pixels: the unit of r */
+} hgs_camera_colours;
+
+/* picture: [3][height][width] as a scene shows it.  shown: out, as the camera does; must not overlap the picture. */
+HGS_API int32_t hgs_camera_shown(const hgs_camera_colours *colours, const float *picture, int32_t width, int32_t height,
+                                 int32_t threads, float *shown);
+
+/* Differentiate hgs_camera_shown of a picture.
+ *
+ * gradient: [3][height][width] dL / d shown.  pulled: out, dL / d picture; must not overlap the inputs.
+ * affine, falloff: out, [3][4] and [2], the gradients towards the fields of that name. */
+HGS_API int32_t hgs_camera_shown_backward(const hgs_camera_colours *colours, const float *picture, const float *gradient,
+                                          int32_t width, int32_t height, int32_t threads, float *pulled, float *affine,
+                                          float *falloff);
 
 /* One step of RMSprop (Tieleman and Hinton 2012) on rows of `width` values, in place.
  *

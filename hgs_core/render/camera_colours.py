@@ -1,0 +1,62 @@
+"""What a camera makes of the colours of a picture: its lens darkens corners, its sensor has a white balance of its own.
+
+Training only: both belong to one camera of the capture. Scenes, the codec and viewers know nothing of them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from hgs_core.base.errors import InputError
+from hgs_core.native import library
+from hgs_core.native.camera_colours import camera_shown, camera_shown_backward
+from hgs_core.render.colour_affine import colour_affine
+from hgs_core.render.lens_falloff import falloff_gain
+from hgs_core.scene.camera import Camera
+
+__all__ = ["camera_colours"]
+
+
+def camera_colours(picture: Tensor, affine: Tensor, falloff: Tensor | None, camera: Camera) -> Tensor:
+    """Return `A (gain rgb) + b` of every pixel, differentiable towards all tensors.
+
+    Float32 pictures on the CPU use the compiled kernel where there is one.
+
+    Args:
+        picture: [3, H, W] display-referred sRGB.
+        affine: [3, 4], `[A | b]` (`colour_affine`).
+        falloff: [2], coefficients of the lens's gain (`falloff_gain`); None: it darkens nothing.
+        camera: at the size of the picture.
+
+    Raises:
+        InputError: arrays of other shapes.
+    """
+    expected = {"picture": (picture, (3, camera.height, camera.width)), "affine": (affine, (3, 4))}
+    if falloff is not None:
+        expected["falloff"] = (falloff, (2,))
+    for name, (array, shape) in expected.items():
+        if array.shape != shape:
+            raise InputError(name, f"shape {tuple(array.shape)}", f"give one of {shape}")
+    if picture.device.type == "cpu" and picture.dtype == torch.float32 and library.available():
+        return _NativeColours.apply(picture, affine, falloff, camera)  # type: ignore[no-any-return,no-untyped-call]
+    return colour_affine(picture if falloff is None else picture * falloff_gain(falloff, camera), affine)
+
+
+class _NativeColours(torch.autograd.Function):
+    """The compiled kernel and its derivative."""
+
+    @staticmethod
+    def forward(ctx: Any, picture: Tensor, affine: Tensor, falloff: Tensor | None, camera: Camera) -> Tensor:
+        coefficients = torch.zeros(2) if falloff is None else falloff
+        arguments = [array.detach().contiguous().numpy() for array in (picture, affine, coefficients)]
+        ctx.arguments, ctx.has_falloff = (*arguments, camera), falloff is not None
+        return torch.from_numpy(camera_shown(*ctx.arguments))
+
+    @staticmethod
+    def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, Tensor, Tensor | None, None]:
+        found = camera_shown_backward(gradient.contiguous().numpy(), *ctx.arguments)
+        picture, affine, falloff = (torch.from_numpy(array) for array in found)
+        return picture, affine, falloff if ctx.has_falloff else None, None
