@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import ctypes
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from hgs_core.native.arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
-from hgs_core.scene.camera import Camera
 
-__all__ = ["ColourGradients", "camera_shown", "camera_shown_backward"]
+__all__ = ["ColourGradients", "LensAxis", "camera_shown", "camera_shown_backward"]
+
+
+class LensAxis(NamedTuple):
+    """Where the falloff of a lens is centred, and what its radius is measured in; all in pixels."""
+
+    x: float  # from the left edge of the picture; outside, if that is a part of the camera's
+    y: float
+    half_diagonal: float  # of the camera's whole picture
 
 
 class ColourGradients(NamedTuple):
@@ -36,7 +42,7 @@ class _CCameraColours(ctypes.Structure):
 
 
 def camera_shown(
-    picture: Floats, affine: Floats, falloff: Floats, camera: Camera, *, threads: int | None = None
+    picture: Floats, affine: Floats, falloff: Floats, lens: LensAxis, *, threads: int | None = None
 ) -> Floats:
     """Return `A (gain rgb) + b` of every pixel, with the falloff of the lens as gain (`render/camera_colours.py`).
 
@@ -44,7 +50,7 @@ def camera_shown(
         picture: [3, H, W] planes, contiguous.
         affine: [3, 4] float32, `[A | b]`.
         falloff: [2] float32, coefficients of the gain.
-        camera: at the size of the picture.
+        lens: where it looks.
         threads: default `thread_count()`.
 
     Raises:
@@ -54,7 +60,7 @@ def camera_shown(
     height, width = planes_size(picture)
     shown = np.empty_like(picture)
     status = load().hgs_camera_shown(
-        ctypes.byref(_struct(affine, falloff, camera)), ctypes.c_void_p(address("picture", picture, picture.shape)),
+        ctypes.byref(_struct(affine, falloff, lens)), ctypes.c_void_p(address("picture", picture, picture.shape)),
         width, height, threads or thread_count(), ctypes.c_void_p(address("shown", shown, picture.shape)),
     )  # fmt: skip
     check(status)
@@ -62,7 +68,7 @@ def camera_shown(
 
 
 def camera_shown_backward(
-    gradient: Floats, picture: Floats, affine: Floats, falloff: Floats, camera: Camera, *, threads: int | None = None
+    gradient: Floats, picture: Floats, affine: Floats, falloff: Floats, lens: LensAxis, *, threads: int | None = None
 ) -> ColourGradients:
     """Return the gradients of a loss, of which `gradient` is that towards what `camera_shown` returned.
 
@@ -71,7 +77,7 @@ def camera_shown_backward(
         picture: as `camera_shown` was given it, and all that follow.
         affine: [3, 4].
         falloff: [2].
-        camera: at the size of the picture.
+        lens: where it looks.
         threads: default `thread_count()`.
 
     Raises:
@@ -81,7 +87,7 @@ def camera_shown_backward(
     height, width = planes_size(picture)
     found = ColourGradients(np.empty_like(picture), np.empty((3, 4), np.float32), np.empty(2, np.float32))
     status = load().hgs_camera_shown_backward(
-        ctypes.byref(_struct(affine, falloff, camera)), ctypes.c_void_p(address("picture", picture, picture.shape)),
+        ctypes.byref(_struct(affine, falloff, lens)), ctypes.c_void_p(address("picture", picture, picture.shape)),
         ctypes.c_void_p(address("gradient", gradient, picture.shape)), width, height, threads or thread_count(),
         *(ctypes.c_void_p(address(name, array, array.shape)) for name, array in found._asdict().items()),
     )  # fmt: skip
@@ -89,10 +95,7 @@ def camera_shown_backward(
     return found
 
 
-def _struct(affine: Floats, falloff: Floats, camera: Camera) -> _CCameraColours:
+def _struct(affine: Floats, falloff: Floats, lens: LensAxis) -> _CCameraColours:
     address("affine", affine, (3, 4))
     address("falloff", falloff, (2,))
-    return _CCameraColours(
-        (ctypes.c_float * 12)(*affine.ravel()), (ctypes.c_float * 2)(*falloff), camera.cx, camera.cy,
-        math.hypot(camera.width, camera.height) / 2,
-    )  # fmt: skip
+    return _CCameraColours((ctypes.c_float * 12)(*affine.ravel()), (ctypes.c_float * 2)(*falloff), *lens)

@@ -5,6 +5,7 @@ Training only: both belong to one camera of the capture. Scenes, the codec and v
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import torch
@@ -12,47 +13,53 @@ from torch import Tensor
 
 from hgs_core.base.errors import InputError
 from hgs_core.native import library
-from hgs_core.native.camera_colours import camera_shown, camera_shown_backward
+from hgs_core.native.camera_colours import LensAxis, camera_shown, camera_shown_backward
 from hgs_core.render.colour_affine import colour_affine
 from hgs_core.render.lens_falloff import falloff_gain
+from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 
 __all__ = ["camera_colours"]
 
 
-def camera_colours(picture: Tensor, affine: Tensor, falloff: Tensor | None, camera: Camera) -> Tensor:
-    """Return `A (gain rgb) + b` of every pixel, differentiable towards all tensors.
+def camera_colours(
+    picture: Tensor, affine: Tensor, falloff: Tensor | None, camera: Camera, window: Window = WHOLE
+) -> Tensor:
+    """Return `A (gain rgb) + b` of every pixel of a picture or of a window of it, differentiable towards all tensors.
 
     Float32 pictures on the CPU use the compiled kernel where there is one.
 
     Args:
-        picture: [3, H, W] display-referred sRGB.
+        picture: [3, h, w] display-referred sRGB, the window.
         affine: [3, 4], `[A | b]` (`colour_affine`).
         falloff: [2], coefficients of the lens's gain (`falloff_gain`); None: it darkens nothing.
-        camera: at the size of the picture.
+        camera: at the size of the whole picture.
+        window: which part of it there is.
 
     Raises:
         InputError: arrays of other shapes.
     """
-    expected = {"picture": (picture, (3, camera.height, camera.width)), "affine": (affine, (3, 4))}
+    rows, columns = (range(side)[part] for side, part in zip((camera.height, camera.width), window, strict=True))
+    expected = {"picture": (picture, (3, len(rows), len(columns))), "affine": (affine, (3, 4))}
     if falloff is not None:
         expected["falloff"] = (falloff, (2,))
     for name, (array, shape) in expected.items():
         if array.shape != shape:
             raise InputError(name, f"shape {tuple(array.shape)}", f"give one of {shape}")
     if picture.device.type == "cpu" and picture.dtype == torch.float32 and library.available():
-        return _NativeColours.apply(picture, affine, falloff, camera)  # type: ignore[no-any-return,no-untyped-call]
-    return colour_affine(picture if falloff is None else picture * falloff_gain(falloff, camera), affine)
+        lens = LensAxis(camera.cx - columns.start, camera.cy - rows.start, math.hypot(camera.width, camera.height) / 2)
+        return _NativeColours.apply(picture, affine, falloff, lens)  # type: ignore[no-any-return,no-untyped-call]
+    return colour_affine(picture if falloff is None else picture * falloff_gain(falloff, camera)[window], affine)
 
 
 class _NativeColours(torch.autograd.Function):
     """The compiled kernel and its derivative."""
 
     @staticmethod
-    def forward(ctx: Any, picture: Tensor, affine: Tensor, falloff: Tensor | None, camera: Camera) -> Tensor:
+    def forward(ctx: Any, picture: Tensor, affine: Tensor, falloff: Tensor | None, lens: LensAxis) -> Tensor:
         coefficients = torch.zeros(2) if falloff is None else falloff
         arguments = [array.detach().contiguous().numpy() for array in (picture, affine, coefficients)]
-        ctx.arguments, ctx.has_falloff = (*arguments, camera), falloff is not None
+        ctx.arguments, ctx.has_falloff = (*arguments, lens), falloff is not None
         return torch.from_numpy(camera_shown(*ctx.arguments))
 
     @staticmethod

@@ -14,9 +14,14 @@ from hgs_core.base.errors import InputError
 from hgs_core.render.constants import TILE
 from hgs_core.scene.camera import Camera
 
-__all__ = ["Contributions", "Gradients", "Render", "ScreenStatistics", "View"]
+__all__ = ["WHOLE", "Contributions", "Gradients", "Render", "ScreenStatistics", "View", "Window"]
 
 Gradients = Literal["all", "static", "dynamic", "none"]
+
+Window = tuple[slice, slice]
+"""Rows and columns of a picture, from a first one to before a last one."""
+
+WHOLE: Window = (slice(None), slice(None))
 
 
 class Render(NamedTuple):

@@ -12,8 +12,8 @@ import torch
 from torch import Tensor
 
 from hgs_core.render.camera_colours import camera_colours
-from hgs_core.render.colour_affine import colour_affine, identity_affine
-from hgs_core.render.lens_falloff import falloff_gain
+from hgs_core.render.colour_affine import identity_affine
+from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 from hgs_core.train.rmsprop import rmsprop_update
 
@@ -28,22 +28,9 @@ class CameraColours(NamedTuple):
     affine: Tensor  # [3, 4], `[A | b]` of A rgb + b
     falloff: Tensor | None  # [2], coefficients of the lens falloff (`falloff_gain`); None: none is learned
 
-    def gain(self, camera: Camera) -> Tensor | None:
-        """Return what the lens leaves of the light of every pixel, [H, W]; None: all of it."""
-        return None if self.falloff is None else falloff_gain(self.falloff, camera)
-
-    def shown(self, picture: Tensor, camera: Camera) -> Tensor:
-        """Return a picture [3, H, W] of the scene as that camera, here at the picture's size, would show it."""
-        return camera_colours(picture, self.affine, self.falloff, camera)
-
-    def shown_with(self, picture: Tensor, gain: Tensor | None) -> Tensor:
-        """Do the same for a part of a picture, of which `gain` is that of the lens."""
-        return colour_affine(picture if gain is None else picture * gain, self.affine)
-
-    def pulled_back(self, gradient: Tensor, gain: Tensor | None) -> Tensor:
-        """Return the gradient towards a picture [3, H, W] from that towards what `shown_with` makes of it."""
-        pulled = (self.affine[:, :3].T @ gradient.flatten(1)).view_as(gradient)
-        return pulled if gain is None else pulled * gain
+    def shown(self, picture: Tensor, camera: Camera, window: Window = WHOLE) -> Tensor:
+        """Return a window [3, h, w] of a picture of the scene as that camera, at the picture's size, would show it."""
+        return camera_colours(picture, self.affine, self.falloff, camera, window)
 
     def gradient(self) -> CameraColours:
         """Return the gradients of the tensors, which have some."""

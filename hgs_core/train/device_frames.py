@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.capture.capture import Capture
+from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 from hgs_core.train.targets import as_target, target_picture
 
@@ -26,10 +27,10 @@ class DeviceFrames:
         self._capture, self._device, self._room = capture, device, memory
         self._kept: OrderedDict[tuple[int, int], Tensor] = OrderedDict()  # [H, W, 3] uint8, used last at the end
 
-    def target(self, camera: int, frame: int, size: Camera) -> Tensor:
-        """Return a frame as `target_picture` does, on the device."""
+    def target(self, camera: int, frame: int, size: Camera, window: Window = WHOLE) -> Tensor:
+        """Return a frame, or a window of it, as `target_picture` does, on the device."""
         if self._device.type == "cpu":
-            return target_picture(self._capture, camera, frame, size)
+            return target_picture(self._capture, camera, frame, size, window)
         pixels = self._kept.pop((camera, frame), None)
         if pixels is None:
             pixels = torch.tensor(self._capture.frame(camera, frame)).pin_memory().to(self._device, non_blocking=True)
@@ -37,4 +38,4 @@ class DeviceFrames:
         self._kept[camera, frame] = pixels
         while self._room < 0:
             self._room += self._kept.popitem(last=False)[1].numel()
-        return as_target(pixels, size)
+        return as_target(pixels, size, window)

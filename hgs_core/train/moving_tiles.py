@@ -11,6 +11,8 @@ from torch import Tensor
 from hgs_core.base.arrays import Mask
 from hgs_core.render.constants import TILE
 from hgs_core.render.tiles import pixels_to_tiles, tiles_to_pixels
+from hgs_core.render.types import Window
+from hgs_core.scene.camera import Camera
 from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.loss import photometric_loss
 
@@ -22,17 +24,16 @@ class MovingTiles:
     """The tiles in which something moves, and the smallest window of whole tiles around them."""
 
     tiles: Mask  # [ceil(H/16), ceil(W/16)]
-    rows: slice  # of the window, pixels
-    columns: slice
+    window: Window  # pixels
 
-    def window(self, picture: Tensor) -> Tensor:
+    def cut(self, picture: Tensor) -> Tensor:
         """Return the window of a picture [3, H, W]."""
-        return picture[:, self.rows, self.columns]
+        return picture[:, self.window[0], self.window[1]]
 
     def drawn(self) -> Tensor:
         """Return which pixels of the window lie in one of the tiles."""
-        height, width = self.rows.stop, self.columns.stop
-        return torch.from_numpy(tiles_to_pixels(self.tiles, width, height)[self.rows, self.columns])
+        rows, columns = self.window
+        return torch.from_numpy(tiles_to_pixels(self.tiles, columns.stop, rows.stop)[self.window])
 
 
 def tiles_of(moving: Mask) -> MovingTiles | None:
@@ -42,21 +43,18 @@ def tiles_of(moving: Mask) -> MovingTiles | None:
     if not tiles.any():
         return None
     down, across = np.flatnonzero(tiles.any(1)), np.flatnonzero(tiles.any(0))
-    return MovingTiles(
-        tiles,
-        slice(int(down[0]) * TILE, min(height, (int(down[-1]) + 1) * TILE)),
-        slice(int(across[0]) * TILE, min(width, (int(across[-1]) + 1) * TILE)),
-    )
+    rows = slice(int(down[0]) * TILE, min(height, (int(down[-1]) + 1) * TILE))
+    columns = slice(int(across[0]) * TILE, min(width, (int(across[-1]) + 1) * TILE))
+    return MovingTiles(tiles, (rows, columns))
 
 
 def loss_gradient(
     picture: Tensor,
     target: Tensor,
+    camera: Camera,
     moving: MovingTiles,
     dssim: float,
-    *,
     colours: CameraColours | None = None,
-    gain: Tensor | None = None,
 ) -> Tensor:
     """Return the gradient [3, H, W] of the loss of a picture of which the moving tiles alone were drawn.
 
@@ -65,20 +63,17 @@ def loss_gradient(
 
     Args:
         picture: [3, H, W] as the scene shows it.
-        target: [3, H, W].
+        target: [3, h, w], the window of it.
+        camera: at the size of the picture.
         moving: which tiles were drawn.
         dssim: lambda of the loss.
         colours: the camera's, or None: as the scene shows them.
-        gain: [H, W] that of the camera's lens, `colours.gain`; None: its lens darkens nothing.
     """
-    drawn, window, truth = moving.drawn().to(picture.device), moving.window(picture), moving.window(target)
-    gain = None if gain is None else moving.window(gain[None])
-    shown = window if colours is None else colours.shown_with(window, gain)
-    compared = torch.where(drawn, shown, truth).requires_grad_(True)
-    (gradient,) = torch.autograd.grad(photometric_loss(compared, truth, dssim), compared)
-    gradient *= drawn * (truth[0].numel() / target[0].numel())
-    if colours is not None:
-        gradient = colours.pulled_back(gradient, gain)
+    drawn = moving.drawn().to(picture.device)
+    window = moving.cut(picture).clone().requires_grad_(True)
+    shown = window if colours is None else colours.shown(window, camera, moving.window)
+    loss = photometric_loss(torch.where(drawn, shown, target), target, dssim)
+    (gradient,) = torch.autograd.grad(loss, window)
     whole = torch.zeros_like(picture)
-    moving.window(whole).copy_(gradient)
+    moving.cut(whole).copy_(gradient.mul_(target[0].numel() / picture[0].numel()))
     return whole

@@ -72,14 +72,15 @@ class Schedule:
             visits = share_alive(dynamic).sqrt()
         rows, polynomials = visits[:, None], visits[:, None, None]
         life = torch.exp(-0.5 * dynamic.time_log_precisions).clamp(1 / max(1, self.frames - 1), 1.0)  # [M]
-        inverse = (1 / life)[:, None]
         order, coefficients = self.config.motion_order, dynamic.motion.shape[1]
-        powers = torch.arange(float(coefficients), device=life.device)
+        inverse = torch.ones(len(life), coefficients, device=life.device)  # powers of 1 / life, from the 0th
+        inverse[:, 1:] = (1 / life)[:, None]
+        inverse = inverse.cumprod(1)
         factors = torch.tensor([1.0] + [rates.motion] * order + [0.0] * (coefficients - 1 - order), device=life.device)
         turning = torch.tensor([rates.rotation, rates.turning], device=life.device)
         return {
-            "motion": polynomials * (position * factors * inverse**powers)[:, :, None],
-            "rotation": polynomials * (share * turning * inverse ** powers[:2])[:, :, None],
+            "motion": polynomials * (position * factors * inverse)[:, :, None],
+            "rotation": polynomials * (share * turning * inverse[:, :2])[:, :, None],
             "log_scales": rows * (share * rates.log_scale),
             "opacity_logits": visits * (share * rates.opacity),
             "time_centers": visits * (share * rates.time_center),

@@ -2,29 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TypeVar
+
 import numpy as np
+import numpy.typing as npt
 import torch
 from torch import Tensor
 from torch.nn.functional import interpolate
 
 from hgs_core.capture.capture import Capture
+from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 
 __all__ = ["as_target", "target_picture"]
 
-
-def target_picture(capture: Capture, camera: int, frame: int, size: Camera) -> Tensor:
-    """Return a frame as [3, H, W] float32 in [0, 1], area-averaged to the size of the camera `size`."""
-    planes = np.ascontiguousarray(capture.frame(camera, frame).transpose(2, 0, 1), dtype=np.float32)
-    return _resized(torch.from_numpy(planes).div_(255), size)
+Pixels = TypeVar("Pixels", npt.NDArray[np.uint8], Tensor)
 
 
-def as_target(pixels: Tensor, size: Camera) -> Tensor:
+def target_picture(capture: Capture, camera: int, frame: int, size: Camera, window: Window = WHOLE) -> Tensor:
+    """Return a frame, or a window of it, as [3, H, W] float32 in [0, 1], area-averaged to the size of `size`."""
+    return _sized(capture.frame(camera, frame), _planes_of_array, size, window)
+
+
+def as_target(pixels: Tensor, size: Camera, window: Window = WHOLE) -> Tensor:
     """Return the same of a frame [H, W, 3] uint8, on the device where it lies."""
-    return _resized(pixels.permute(2, 0, 1).to(torch.float32, memory_format=torch.contiguous_format).div_(255), size)
+    return _sized(pixels, _planes_of_tensor, size, window)
 
 
-def _resized(picture: Tensor, size: Camera) -> Tensor:
-    if picture.shape[1:] == (size.height, size.width):
-        return picture
-    return interpolate(picture[None], (size.height, size.width), mode="area")[0]
+def _sized(pixels: Pixels, planes: Callable[[Pixels], Tensor], size: Camera, window: Window) -> Tensor:
+    """Resize a frame and cut it; one that has its size is cut before anything is computed of it."""
+    if pixels.shape[:2] == (size.height, size.width):
+        return planes(pixels[window]).div_(255)
+    resized = interpolate(planes(pixels).div_(255)[None], (size.height, size.width), mode="area")[0]
+    return resized[:, window[0], window[1]]
+
+
+def _planes_of_array(pixels: npt.NDArray[np.uint8]) -> Tensor:
+    return torch.from_numpy(np.ascontiguousarray(pixels.transpose(2, 0, 1), dtype=np.float32))
+
+
+def _planes_of_tensor(pixels: Tensor) -> Tensor:
+    return pixels.permute(2, 0, 1).to(torch.float32, memory_format=torch.contiguous_format)

@@ -15,6 +15,7 @@ from hgs_core.capture.picture import reduced_mask
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.temporal import sample_frames
 from hgs_core.points.same_moment import same_moments
+from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
@@ -35,7 +36,7 @@ class TrainingView:
     place: int  # of the camera among the training cameras
     camera: Camera  # at the size that is drawn
     moment: float  # normalised time
-    target: Tensor  # [3, H, W]
+    target: Tensor  # [3, H, W]; of a step where it moves its window alone
     moving: Tensor | None = None  # [H, W] pixels that move; None unless requested
 
 
@@ -92,14 +93,14 @@ class TrainingViews:
         return self._view(self._frames, index, frame, size, masked=self._config.stages == "separate")
 
     def where_it_moves(self, iteration: int, count: int, size: float) -> Iterator[tuple[TrainingView, MovingTiles]]:
-        """Yield views in which something moves, resized by the factor `size`; there must be masks.
+        """Yield views in which something moves, resized by the factor `size`, with the targets of its windows alone.
 
-        `count` views are drawn; those in which nothing moves are left out.
+        `count` views are drawn; those in which nothing moves are left out. There must be masks.
         """
         for index, frame in self.order.more_views(iteration, count):
             tiles = self._moving_tiles(index, frame, size)
             if tiles is not None:
-                yield self._view(self._frames, index, frame, size), tiles
+                yield self._view(self._frames, index, frame, size, window=tiles.window), tiles
 
     def _moving_tiles(self, index: int, frame: int, size: float) -> MovingTiles | None:
         key = index, frame, size
@@ -144,10 +145,12 @@ class TrainingViews:
             moment = self._segment.clock.normalised(group.seconds)
             yield Instant(group.seconds, moment, places, pictures, moving)
 
-    def _view(self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False) -> TrainingView:
+    def _view(
+        self, frames: DeviceFrames, index: int, frame: int, size: float, masked: bool = False, window: Window = WHOLE
+    ) -> TrainingView:
         frame += self._segment.first
         camera = self._all[index] if size == 1.0 else self._all[index].scaled(size)
-        target = frames.target(index, frame, camera)
+        target = frames.target(index, frame, camera, window)
         moment = self._segment.clock.normalised(self._capture.moment(index, frame))
         moving = None
         if masked:

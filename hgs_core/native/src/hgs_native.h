@@ -168,8 +168,8 @@ HGS_API int32_t hgs_l1_dssim(const float *image, const float *target, int32_t wi
 typedef struct hgs_camera_colours {
   float affine[12];     /* [3][4] rows of [A | b] */
   float falloff[2];     /* f, g; 0, 0: nothing is darkened */
-  double cx, cy;        /* pixels */
-  double half_diagonal; /* of the picture, pixels: the unit of r */
+  double cx, cy;        /* pixels; outside the picture if that is a part of the camera's */
+  double half_diagonal; /* of the camera's whole picture, pixels: the unit of r */
 } hgs_camera_colours;
 
 /* picture: [3][height][width] as a scene shows it.  shown: out, as the camera does; must not overlap the picture. */

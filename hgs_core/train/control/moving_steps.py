@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from torch import Tensor
-
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.checkpoint import TrainState
@@ -32,8 +30,7 @@ class FixedCamera:
     """What stays as it is between the steps that look from one camera."""
 
     view: FixedView
-    colours: CameraColours | None = None
-    gain: Tensor | None = None  # [H, W] of its lens
+    colours: CameraColours | None
 
 
 @dataclass(frozen=True)
@@ -62,10 +59,7 @@ class MovingSteps:
     def _fixed_camera(self, state: TrainState, view: TrainingView) -> FixedCamera:
         config = self.config
         fixed = FixedView(state.static, view.camera, antialiased=config.antialiased, backend=config.backend)
-        if state.correction is None:
-            return FixedCamera(fixed)
-        colours = state.correction.of(view.place)
-        return FixedCamera(fixed, colours, colours.gain(view.camera))
+        return FixedCamera(fixed, None if state.correction is None else state.correction.of(view.place))
 
     def _step(
         self, state: TrainState, context: RoundContext, camera: FixedCamera, view: TrainingView, moving: MovingTiles
@@ -77,9 +71,7 @@ class MovingSteps:
         living.map(lambda array: array.requires_grad_(True))
         seen = ScreenStatistics.zeros(len(state.static) + len(rows))
         picture = camera.view.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
-        gradient = loss_gradient(
-            picture.detach(), view.target, moving, self.config.dssim, colours=camera.colours, gain=camera.gain
-        )
+        gradient = loss_gradient(picture.detach(), view.target, view.camera, moving, self.config.dssim, camera.colours)
         picture.backward(gradient)  # type: ignore[no-untyped-call]
         living.map(lambda array: array.requires_grad_(False))
         rates = context.schedule.dynamic_rates(context.iteration, living)

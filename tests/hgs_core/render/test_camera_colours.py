@@ -23,7 +23,7 @@ def random(*shape: int) -> Tensor:
 def found(kind: torch.dtype, *, falloff: bool) -> list[Tensor]:
     """Return the picture and all gradients, computed in numbers of a kind."""
     arrays = [random(3, 14, 21), random(3, 4), *([FALLOFF] if falloff else [])]
-    arguments = [array.to(kind).requires_grad_() for array in arrays]
+    arguments = [array.to(kind).clone().requires_grad_() for array in arrays]
     shown = camera_colours(arguments[0], arguments[1], arguments[2] if falloff else None, CAMERA)
     (shown * random(3, 14, 21).to(kind)).sum().backward()  # type: ignore[no-untyped-call]
     return [shown.detach(), *(argument.grad for argument in arguments if argument.grad is not None)]
@@ -49,6 +49,14 @@ def test_a_picture_that_lies_otherwise_in_memory_is_read_right() -> None:
     affine, falloff = random(3, 4).float(), FALLOFF.float()
     expected = camera_colours(picture.contiguous(), affine, falloff, CAMERA)
     assert torch.equal(camera_colours(picture, affine, falloff, CAMERA), expected)
+
+
+@pytest.mark.parametrize("kind", [torch.float32, torch.float64])
+def test_a_window_is_a_part_of_the_picture(kind: torch.dtype) -> None:
+    picture, affine, falloff = random(3, 14, 21).to(kind), random(3, 4).to(kind), FALLOFF.to(kind)
+    window = slice(3, 12), slice(5, 18)
+    part = camera_colours(picture[:, 3:12, 5:18], affine, falloff, CAMERA, window)
+    assert_close(part.numpy(), camera_colours(picture, affine, falloff, CAMERA)[:, 3:12, 5:18].numpy())
 
 
 @pytest.mark.parametrize("kind", [torch.float32, torch.float64])

@@ -25,7 +25,7 @@ def test_a_tile_moves_if_any_of_its_pixels_does() -> None:
     assert found is not None
     assert np.argwhere(found.tiles).tolist() == [[1, 2], [3, 4]]
     assert found.tiles.shape == (4, 5)
-    assert (found.rows, found.columns) == (slice(16, 50), slice(32, 75))
+    assert found.window == (slice(16, 50), slice(32, 75))
     drawn = found.drawn()
     assert drawn.shape == (34, 43)
     assert int(drawn.sum()) == 16 * 16 + 2 * 11
@@ -53,12 +53,11 @@ def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
         whole = picture.clone().requires_grad_(True)
         shown = whole if colours is None else colours.shown(whole, camera)
         photometric_loss(torch.where(drawn, shown, target), target, 0.2).backward()  # type: ignore[no-untyped-call]
-        gain = None if colours is None else colours.gain(camera)
-        found = loss_gradient(picture, target, moving, 0.2, colours=colours, gain=gain)
+        found = loss_gradient(picture, moving.cut(target), camera, moving, 0.2, colours)
         assert whole.grad is not None
         part = picture.clone().requires_grad_(True)
         shown = part if colours is None else colours.shown(part, camera)
-        inside = moving.window(torch.where(drawn, shown, target)), moving.window(target)
+        inside = moving.cut(torch.where(drawn, shown, target)), moving.cut(target)
         share = inside[1].numel() / target.numel()
         (share * photometric_loss(*inside, 0.2)).backward()  # type: ignore[no-untyped-call]
         assert part.grad is not None

@@ -3,6 +3,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 import torch
 
 from hgs_core.capture.capture import Capture
@@ -30,3 +31,14 @@ def test_pixels_on_a_device_give_the_same_bits(capture: Capture) -> None:
     for size in (camera, replace(camera, width=20, height=15)):
         made = as_target(torch.tensor(capture.frame(0, 3)), size)
         assert torch.equal(made, target_picture(capture, 0, 3, size))
+
+
+@pytest.mark.parametrize("reduced", [False, True])
+def test_a_window_is_a_part_of_the_picture(capture: Capture, reduced: bool) -> None:
+    camera = capture.cameras[0]
+    size = replace(camera, width=20, height=15) if reduced else camera
+    window = slice(3, 12), slice(5, 18)
+    part = target_picture(capture, 0, 3, size)[:, 3:12, 5:18]
+    assert part.shape == (3, 9, 13)
+    assert torch.equal(target_picture(capture, 0, 3, size, window), part)
+    assert torch.equal(as_target(torch.tensor(capture.frame(0, 3)), size, window), part)

@@ -10,7 +10,6 @@ import pytest
 import torch
 
 from hgs_core.render import rasterize
-from hgs_core.render.tiles import tiles_to_pixels
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.training_views import TrainingViews
@@ -33,8 +32,7 @@ def moving_error(state: TrainState, views: TrainingViews) -> float:
     total = []
     for view, moving in views.where_it_moves(7, 20, 1.0):
         picture = rasterize(state.static, state.dynamic, view.camera, view.moment, antialiased=True).rgb
-        drawn = tiles_to_pixels(moving.tiles, view.camera.width, view.camera.height)
-        total.append(float((picture - view.target)[:, torch.from_numpy(drawn.copy())].square().mean()))
+        total.append(float((moving.cut(picture) - view.target)[:, moving.drawn()].square().mean()))
     return float(np.mean(total))
 
 
