@@ -116,7 +116,7 @@ _CHOICES: dict[str, tuple[Any, ...]] = {
 }
 
 _RANGES: dict[str, Range] = {
-    "iterations": (1, 1_000_000),  # 17 times those of `best`: days of a machine
+    "iterations": (1, 1_000_000),  # 50 times those of `standard`: days of a machine
     "segment_frames": (2, 1_000_000),  # nine hours at 30 frames per second: never cut
     "elongation": (1.0, 1e6),  # no picture is a million pixels long
     "dssim": _SHARE,
