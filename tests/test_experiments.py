@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import torch
 
+from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.scene import StaticSplats
 from hgs_core.scene.camera import Camera
 from hgs_core.train.colour_correction import CameraColours
@@ -68,11 +69,11 @@ def test_squares_of_probes_have_the_diagonal_of_weighted_squares_as_their_mean()
     weights = torch.rand((3, 4, 5), generator=random, dtype=torch.float64)
     affine = torch.tensor([[1.0, 2, 0, 0.1], [0, 1, 0, 0], [-1, 0, 3, 0]], dtype=torch.float64)
     camera = Camera("a", 5, 4, 4.0, 4.0, 2.5, 2.0, np.eye(4))
-    colours = CameraColours(affine, torch.tensor([-0.3, 0.1], dtype=torch.float64))
-    gain = colours.gain(camera)
-    assert gain is not None
+    falloff = torch.tensor([-0.3, 0.1], dtype=torch.float64)
+    colours = CameraColours(affine, falloff)
+    gain = falloff_gain(falloff, camera).view(20, 1)
     parameters = torch.zeros(6, dtype=torch.float64, requires_grad=True)
-    mapped = torch.einsum("ij,jpk->ipk", affine[:, :3], basis.view(3, 20, 6) * gain.view(20, 1)).reshape(60, 6)
+    mapped = torch.einsum("ij,jpk->ipk", affine[:, :3], basis.view(3, 20, 6) * gain).reshape(60, 6)
     expected = (weights.reshape(60, 1) * mapped.square()).sum(0)
     mean = torch.zeros_like(expected)
     for _ in range(3000):

@@ -64,9 +64,8 @@ def probed(
     colours, if these are known.
     """
     signs = torch.sign(torch.rand(weights.shape, generator=generator) - 0.5) * weights.sqrt()
-    if colours is not None:
-        signs = colours.pulled_back(signs, colours.gain(camera))
-    picture.backward(signs)
+    shown = picture if colours is None else colours.shown(picture, camera)
+    shown.backward(signs)
 
 
 class NewtonSteps:
@@ -203,7 +202,7 @@ class _ProbedMovingSteps(MovingSteps):
             living.map(lambda array: array.requires_grad_(True))
             picture = camera.view.differentiable_frame(living, view.moment, tile_mask=moving.tiles).rgb
             drawn = torch.zeros(picture.shape[1:])
-            moving.window(drawn[None])[0].copy_(moving.drawn())
+            moving.cut(drawn[None])[0].copy_(moving.drawn())
             self.newton.probe(picture, view, drawn)
             self.newton.dynamic.learn(living, rows)
         super()._step(state, context, camera, view, moving)
