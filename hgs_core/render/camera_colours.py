@@ -59,11 +59,11 @@ class _NativeColours(torch.autograd.Function):
     def forward(ctx: Any, picture: Tensor, affine: Tensor, falloff: Tensor | None, lens: LensAxis) -> Tensor:
         coefficients = torch.zeros(2) if falloff is None else falloff
         arguments = [array.detach().contiguous().numpy() for array in (picture, affine, coefficients)]
-        ctx.arguments, ctx.has_falloff = (*arguments, lens), falloff is not None
+        ctx.arguments = (*arguments, lens)
         return torch.from_numpy(camera_shown(*ctx.arguments))
 
     @staticmethod
     def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, Tensor, Tensor | None, None]:
         found = camera_shown_backward(gradient.contiguous().numpy(), *ctx.arguments)
         picture, affine, falloff = (torch.from_numpy(array) for array in found)
-        return picture, affine, falloff if ctx.has_falloff else None, None
+        return picture, affine, falloff if ctx.needs_input_grad[2] else None, None

@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.old_names import with_new_names
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.colour_correction import ColourCorrection
+from hgs_core.train.colour_correction import CameraColours, ColourCorrection
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.history import TrainingHistory
 from hgs_core.train.parameter_mean import ParameterMean
@@ -97,9 +97,14 @@ class TrainState:
         self.dynamic_optimiser.step(self.dynamic, rates, living, rows)
         self.dynamic.opacity_logits[rows] -= opacity_penalty * rates["opacity_logits"]
 
+    def colours(self, view: TrainingView) -> CameraColours | None:
+        """Return the colours of the view's camera as they are; None: it shows those of the scene."""
+        return None if self.correction is None else self.correction.of(view.place)
+
     def shown(self, picture: Tensor, view: TrainingView) -> Tensor:
         """Return a picture [3, H, W] with the colours that the view's camera gives it."""
-        return picture if self.correction is None else self.correction.of(view.place).shown(picture, view.camera)
+        colours = self.colours(view)
+        return picture if colours is None else colours.shown(picture, view.camera)
 
 
 def fresh_state(

@@ -16,13 +16,14 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.rasterize import rasterize
-from hgs_core.render.types import Gradients
+from hgs_core.render.types import WHOLE, Gradients, Window
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.colour_correction import CameraColours
-from hgs_core.train.control.moving_steps import FixedCamera, MovingSteps
+from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.moving_tiles import MovingTiles
@@ -56,15 +57,20 @@ class Newton:
 
 
 def probed(
-    picture: Tensor, weights: Tensor, colours: CameraColours | None, camera: Camera, generator: torch.Generator
+    picture: Tensor,
+    weights: Tensor,
+    colours: CameraColours | None,
+    camera: Camera,
+    generator: torch.Generator,
+    window: Window = WHOLE,
 ) -> None:
-    """Leave J^T v in the `.grad` of what a picture [3, H, W] was drawn from.
+    """Leave J^T v in the `.grad` of what a window [3, H, W] of a picture was drawn from.
 
     The pixels of v are random signs times the root of `weights` [3, H, W]; J is that of the picture with its camera's
     colours, if these are known.
     """
     signs = torch.sign(torch.rand(weights.shape, generator=generator) - 0.5) * weights.sqrt()
-    shown = picture if colours is None else colours.shown(picture, camera)
+    shown = picture if colours is None else colours.shown(picture, camera, window)
     shown.backward(signs)
 
 
@@ -113,13 +119,14 @@ class NewtonSteps:
             static.map(lambda array: array.requires_grad_(False))
         self._learn(stage, iteration, view, **rest)
 
-    def probe(self, picture: Tensor, view: TrainingView, drawn: Tensor | None) -> None:
-        """Leave J^T v of a view in the gradients; `drawn` [H, W] pixels alone count."""
-        correction = self._state.correction
-        colours = None if correction is None else correction.of(view.place)
-        shown = picture.detach() if colours is None else colours.shown(picture.detach(), view.camera)
-        weights = 0.8 / (shown - view.target).abs().clamp(min=_LEAST_ERROR) / shown.numel()
-        probed(picture, weights if drawn is None else weights * drawn, colours, view.camera, self._generator)
+    def probe(self, picture: Tensor, view: TrainingView, moving: MovingTiles | None) -> None:
+        """Leave J^T v of a view in the gradients; the pixels of `moving`, of which it has the target, alone count."""
+        colours, window = self._state.colours(view), WHOLE if moving is None else moving.window
+        part = picture if moving is None else moving.cut(picture)
+        shown = part.detach() if colours is None else colours.shown(part.detach(), view.camera, window)
+        weights = 0.8 / (shown - view.target).abs().clamp(min=_LEAST_ERROR) / picture.numel()
+        weights = weights if moving is None else weights * moving.drawn()
+        probed(part, weights, colours, view.camera, self._generator, window)
 
 
 class _GaussNewton(RmsProp):
@@ -194,15 +201,13 @@ class _ProbedMovingSteps(MovingSteps):
     newton: NewtonSteps
 
     def _step(
-        self, state: TrainState, context: RoundContext, camera: FixedCamera, view: TrainingView, moving: MovingTiles
+        self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
     ) -> None:
         rows = living_rows(state.dynamic, view.moment)
         if len(rows) and self.newton.due():
             living = rows_taken(state.dynamic, rows)
             living.map(lambda array: array.requires_grad_(True))
-            picture = camera.view.differentiable_frame(living, view.moment, tile_mask=moving.tiles).rgb
-            drawn = torch.zeros(picture.shape[1:])
-            moving.cut(drawn[None])[0].copy_(moving.drawn())
-            self.newton.probe(picture, view, drawn)
+            picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles).rgb
+            self.newton.probe(picture, view, moving)
             self.newton.dynamic.learn(living, rows)
-        super()._step(state, context, camera, view, moving)
+        super()._step(state, context, fixed, view, moving)

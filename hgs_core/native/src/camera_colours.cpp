@@ -10,8 +10,8 @@
 namespace hgs {
 namespace {
 
-constexpr int kMapped = 9, kAdded = 12, kSums = 14;  // dL / dA up to kMapped, then dL / db, then dL / d falloff
-constexpr int64_t kWorthAThread = 32;                // rows: fewer take less time than to wake a thread for them
+constexpr int kFalloff = 12, kSums = 14;  // dL / d affine [3][4] up to kFalloff, then dL / d falloff
+constexpr int64_t kWorthAThread = 32;     // rows: fewer take less time than to wake a thread for them
 
 struct Row {
   const hgs_camera_colours &colours;
@@ -65,17 +65,17 @@ void pull_row_back(const hgs_camera_colours &colours, const float *picture, cons
     Vec by_shown[3], by_gain{};
     for (int c = 0; c < 3; ++c) {
       by_shown[c] = load_lanes(gradient + c * plane + pixel, lanes);  // zero beyond the row, and so is all that follows
-      totals[kMapped + c] += by_shown[c];
+      totals[4 * c + 3] += by_shown[c];
     }
     for (int c = 0; c < 3; ++c) {
       const Vec colour = load_lanes(picture + c * plane + pixel, lanes), lit = gain * colour;
-      for (int i = 0; i < 3; ++i) totals[3 * i + c] += by_shown[i] * lit;
+      for (int i = 0; i < 3; ++i) totals[4 * i + c] += by_shown[i] * lit;
       const Vec by_lit = a[c] * by_shown[0] + a[4 + c] * by_shown[1] + a[8 + c] * by_shown[2];
       by_gain += colour * by_lit;
       store_lanes(pulled + c * plane + pixel, gain * by_lit, lanes);
     }
-    totals[kAdded] += by_gain * squared;
-    totals[kAdded + 1] += by_gain * squared * squared;
+    totals[kFalloff] += by_gain * squared;
+    totals[kFalloff + 1] += by_gain * squared * squared;
   });
   for (int i = 0; i < kSums; ++i) sums[i] = sum(totals[i]);
 }
@@ -106,11 +106,8 @@ extern "C" int32_t hgs_camera_shown_backward(const hgs_camera_colours *colours, 
     });
     double totals[kSums] = {};
     for (size_t i = 0; i < sums.size(); ++i) totals[i % kSums] += sums[i];
-    for (int c = 0; c < 3; ++c) {
-      for (int i = 0; i < 3; ++i) affine[4 * c + i] = static_cast<float>(totals[3 * c + i]);
-      affine[4 * c + 3] = static_cast<float>(totals[kMapped + c]);
-    }
-    for (int i = 0; i < 2; ++i) falloff[i] = static_cast<float>(totals[kAdded + i]);
+    for (int i = 0; i < kFalloff; ++i) affine[i] = static_cast<float>(totals[i]);
+    for (int i = kFalloff; i < kSums; ++i) falloff[i - kFalloff] = static_cast<float>(totals[i]);
     return HGS_OK;
   });
 }

@@ -12,25 +12,16 @@ from typing import ClassVar
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.round import RoundContext
 from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.moving_tiles import MovingTiles, loss_gradient
 from hgs_core.train.training_views import TrainingView
 
-__all__ = ["FixedCamera", "MovingSteps"]
+__all__ = ["MovingSteps"]
 
 _FROM = 0.3  # share of the iterations that pass before them: first the room behind is there, and births begin
 _EVERY = 100  # iterations, after which as many times `train.moving_steps` are taken with the statics as they are
-
-
-@dataclass(frozen=True)
-class FixedCamera:
-    """What stays as it is between the steps that look from one camera."""
-
-    view: FixedView
-    colours: CameraColours | None
 
 
 @dataclass(frozen=True)
@@ -50,19 +41,16 @@ class MovingSteps:
         """Change the state in place."""
         size = context.schedule.resolution(context.iteration)
         count = round(_EVERY * self.config.moving_steps)
-        cameras: dict[int, FixedCamera] = {}
+        cameras: dict[int, FixedView] = {}
         for view, moving in context.views.where_it_moves(context.iteration, count, size):
             if view.place not in cameras:
-                cameras[view.place] = self._fixed_camera(state, view)
+                cameras[view.place] = FixedView(
+                    state.static, view.camera, antialiased=self.config.antialiased, backend=self.config.backend
+                )
             self._step(state, context, cameras[view.place], view, moving)
 
-    def _fixed_camera(self, state: TrainState, view: TrainingView) -> FixedCamera:
-        config = self.config
-        fixed = FixedView(state.static, view.camera, antialiased=config.antialiased, backend=config.backend)
-        return FixedCamera(fixed, None if state.correction is None else state.correction.of(view.place))
-
     def _step(
-        self, state: TrainState, context: RoundContext, camera: FixedCamera, view: TrainingView, moving: MovingTiles
+        self, state: TrainState, context: RoundContext, fixed: FixedView, view: TrainingView, moving: MovingTiles
     ) -> None:
         rows = living_rows(state.dynamic, view.moment)
         if not len(rows):
@@ -70,8 +58,9 @@ class MovingSteps:
         living = rows_taken(state.dynamic, rows)
         living.map(lambda array: array.requires_grad_(True))
         seen = ScreenStatistics.zeros(len(state.static) + len(rows))
-        picture = camera.view.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
-        gradient = loss_gradient(picture.detach(), view.target, view.camera, moving, self.config.dssim, camera.colours)
+        picture = fixed.differentiable_frame(living, view.moment, tile_mask=moving.tiles, statistics=seen).rgb
+        colours = state.colours(view)
+        gradient = loss_gradient(picture.detach(), view.target, view.camera, moving, self.config.dssim, colours)
         picture.backward(gradient)  # type: ignore[no-untyped-call]
         living.map(lambda array: array.requires_grad_(False))
         rates = context.schedule.dynamic_rates(context.iteration, living)
