@@ -14,9 +14,10 @@ export class JobCourse {
     return this.#points;
   }
 
-  /** Begin with what the server kept; what came in meanwhile follows. */
+  /** Begin, or begin again, with what the server kept; what came in after its last report follows. */
   start(kept: readonly JobPoint[]): void {
-    const since = this.#points;
+    const last = kept.at(-1)?.time ?? Number.NEGATIVE_INFINITY;
+    const since = this.#points.filter((point) => point.time > last);
     this.#points = [...kept];
     for (const point of since) this.#add(point);
   }

@@ -115,6 +115,12 @@ class JobView {
     this.#show(this.job);
     this.#stop();
     this.#stop = isFinal(this.job) ? () => {} : followJob(this.job.id, (news) => this.#show(news));
+    this.#readCourse();
+    void this.#look();
+  }
+
+  /** Take up what the server kept of the job's course. */
+  #readCourse(): void {
     getJobHistory(this.job.id, this.signal).then(
       (points) => {
         this.#course.start(points);
@@ -122,7 +128,6 @@ class JobView {
       },
       (error: unknown) => this.signal.aborted || this.shell.problem(error),
     );
-    void this.#look();
   }
 
   #show(job: Job): void {
@@ -153,7 +158,9 @@ class JobView {
     this.#retry.hidden = !isRetriable(job);
     this.#chart.show(this.#course);
     this.#log.follow(!isFinal(job));
-    if (ended) void this.#look();
+    if (!ended) return;
+    this.#readCourse(); // news are thinned out: the last report of a stage may have been left out
+    void this.#look();
   }
 
   /** Look at what no event tells, and again later while the job goes on. */

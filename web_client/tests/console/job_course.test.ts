@@ -51,6 +51,20 @@ describe("JobCourse", () => {
     ]);
   });
 
+  it("begins again with what the server kept, when that tells more than the news did", () => {
+    const prepared = point(1, { stage: "prepare", total: 1, time: 0 });
+    const made = course(prepared, point(100));
+    made.follow(news(900));
+    made.start([prepared, point(100), point(900), point(1000), point(1, { stage: "encode", total: 1, time: 101 })]);
+    expect(made.points.map(({ stage, done }) => [stage, done])).toEqual([
+      ["prepare", 1],
+      ["train", 100],
+      ["train", 900],
+      ["train", 1000],
+      ["encode", 1],
+    ]);
+  });
+
   it("takes back what a stage reports again after a checkpoint", () => {
     const made = course(point(100), point(200), point(300));
     made.follow(news(200, { attempt: 2 }));
