@@ -1,8 +1,8 @@
-"""Cameras of PanopticSports captures: train_meta.json, which names its pictures, too.
+"""Cameras of PanopticSports captures: train_meta.json and test_meta.json, which name their pictures, too.
 
-The file of the data released with Dynamic 3D Gaussians (Luiten et al., 3DV 2024) holds `w`, `h`, and per frame and
+The files of the data released with Dynamic 3D Gaussians (Luiten et al., 3DV 2024) hold `w`, `h`, and per frame and
 camera the intrinsics `k` [3, 3], the OpenCV world-to-camera `w2c` [4, 4], the picture `fn` under ims/ and the camera's
-number `cam_id`.
+number `cam_id`. Published figures are those of the cameras of test_meta.json; not every copy of the data has them.
 """
 
 from __future__ import annotations
@@ -18,24 +18,41 @@ from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
 from hgs_core.capture.unreadable import unreadable
 
-__all__ = ["META_FILE", "PANOPTIC_SPORTS"]
+__all__ = ["PANOPTIC_SPORTS"]
 
-META_FILE = "train_meta.json"
+_TRAIN_FILE, _TEST_FILE = "train_meta.json", "test_meta.json"
 _FRAME_RATE = 30.0  # pictures per second of the Panoptic Studio's HD cameras; the layout does not store it
 _FIELDS = ("k", "w2c", "fn", "cam_id")
 
 
 def _read(capture: Path, file: Path) -> Rig:
+    cameras, test_file = _cameras(file), capture / _TEST_FILE
+    if not test_file.is_file():
+        return Rig((file,), cameras, _FRAME_RATE)
+    tested = _cameras(test_file)
+    names = [camera.names[0] for camera in tested]
+    for camera in cameras:
+        if camera.names[0] in names:
+            problem = f"camera {camera.names[0]} is in {file.name}, too"
+            raise InputError(test_file, problem, "list every camera in one of the files")
+    if not any(picture.is_file() for camera in tested for picture in camera.pictures):
+        return Rig((file,), cameras, _FRAME_RATE, (f"{_TEST_FILE} is left aside: its pictures are not there",))
+    listed = ",".join(names)
+    note = f"the cameras of {_TEST_FILE} belong to the capture; --hold-out {listed} keeps them for scores"
+    return Rig((file, test_file), [*cameras, *tested], _FRAME_RATE, (note,))
+
+
+def _cameras(file: Path) -> list[CalibratedCamera]:
     meta = _read_meta(file)
     for row in meta["fn"]:
         for name in row:
             if not isinstance(name, str) or Path(name).is_absolute() or ".." in Path(name).parts:
                 raise InputError(file, f"fn names {name!r}, outside ims/", "give paths below ims/")
-    return Rig((file,), [_camera(file, meta, column) for column in range(len(meta["cam_id"][0]))], _FRAME_RATE)
+    return [_camera(file, meta, column) for column in range(len(meta["cam_id"][0]))]
 
 
 def _read_meta(path: Path) -> dict[str, Any]:
-    """Read train_meta.json and check its shape: every frame lists the same cameras in every field."""
+    """Read one of the files and check its shape: every frame lists the same cameras in every field."""
     try:
         meta: Any = json.loads(path.read_text("utf-8"))
     except (OSError, ValueError) as error:
@@ -104,7 +121,7 @@ def _camera(path: Path, meta: dict[str, Any], column: int) -> CalibratedCamera:
 
 
 def _find(capture: Path) -> Path | None:
-    return file if (file := capture / META_FILE).is_file() else None
+    return file if (file := capture / _TRAIN_FILE).is_file() else None
 
 
-PANOPTIC_SPORTS = CameraFormat("PanopticSports", META_FILE, _find, _read)
+PANOPTIC_SPORTS = CameraFormat("PanopticSports", _TRAIN_FILE, _find, _read)

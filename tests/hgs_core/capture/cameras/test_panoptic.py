@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,46 @@ def test_pictures_masks_and_cameras(panoptic: Path) -> None:
 def test_intrinsics_keep_pixel_centres_at_a_half(panoptic: Path) -> None:
     pixel, _ = open_capture(panoptic).cameras[0].project(np.array([[0.0, 0.0, 2.0]]))
     np.testing.assert_allclose(pixel[0], [32.5, 23.5])
+
+
+def test_cameras_that_others_score_with_belong_to_the_capture(panoptic: Path) -> None:
+    move_to_test_meta(panoptic, 1)
+    capture = open_capture(panoptic)
+    assert [camera.name for camera in capture.cameras] == ["3", "17"]
+    assert round(float(capture.frame(1, 2).mean())) == 100
+    assert capture.notes[0].endswith("--hold-out 17 keeps them for scores")
+
+
+def test_test_meta_without_its_pictures_is_left_aside(panoptic: Path) -> None:
+    move_to_test_meta(panoptic, 1)
+    shutil.rmtree(panoptic / "ims" / "17")
+    capture = open_capture(panoptic)
+    assert [camera.name for camera in capture.cameras] == ["3"]
+    assert "test_meta.json is left aside: its pictures are not there" in capture.notes
+
+
+def test_missing_picture_of_test_meta_is_named(panoptic: Path) -> None:
+    move_to_test_meta(panoptic, 1)
+    (panoptic / "ims" / "17" / "000004.jpg").unlink()
+    with pytest.raises(InputError, match=r"000004\.jpg: camera 17 has no picture for frame 4"):
+        open_capture(panoptic)
+
+
+def test_camera_in_both_files(panoptic: Path) -> None:
+    shutil.copy(panoptic / "train_meta.json", panoptic / "test_meta.json")
+    with pytest.raises(InputError, match=r"test_meta\.json: camera 3 is in train_meta\.json, too"):
+        open_capture(panoptic)
+
+
+def move_to_test_meta(panoptic: Path, column: int) -> None:
+    """Take a camera out of train_meta.json and give it to a test_meta.json of its own."""
+    train = json.loads((panoptic / "train_meta.json").read_text())
+    test = dict(train)
+    for field in ("k", "w2c", "fn", "cam_id"):
+        test[field] = [row[column : column + 1] for row in train[field]]
+        train[field] = [row[:column] + row[column + 1 :] for row in train[field]]
+    (panoptic / "train_meta.json").write_text(json.dumps(train))
+    (panoptic / "test_meta.json").write_text(json.dumps(test))
 
 
 def test_real_capture_reprojects_a_known_point(test_data: Callable[[str], Path]) -> None:
