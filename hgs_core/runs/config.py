@@ -26,7 +26,8 @@ PRESETS: dict[str, dict[str, Any]] = {
     "standard": {},
     "best": {
         "points.static": 45_000, "points.dynamic": 10_000, "train.moving_steps": 9.0,
-        "train.density.max_dynamic": 25_000,
+        "train.density.max_static": 120_000, "train.density.max_dynamic": 25_000,
+        "train.density.static_opacity_penalty": 0.025,
     },
 }  # fmt: skip
 """What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
