@@ -17,7 +17,7 @@ const LEAST_CAMERAS = 2; // that training needs
 const PRESETS = [
   { value: "preview", title: "Preview", note: "A first look, soonest" },
   { value: "standard", title: "Standard", note: "A finished scene" },
-  { value: "best", title: "Best", note: "The finest picture, for up to twice the wait" },
+  { value: "best", title: "Best", note: "The finest picture, for two to three times the wait" },
 ];
 
 export function showSubmitPage(root: HTMLElement): void {
