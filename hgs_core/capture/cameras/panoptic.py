@@ -7,6 +7,7 @@ number `cam_id`. Published figures are those of the cameras of test_meta.json; n
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from pathlib import Path
 from typing import Any
@@ -26,20 +27,21 @@ _FIELDS = ("k", "w2c", "fn", "cam_id")
 
 
 def _read(capture: Path, file: Path) -> Rig:
-    cameras, test_file = _cameras(file), capture / _TEST_FILE
-    if not test_file.is_file():
-        return Rig((file,), cameras, _FRAME_RATE)
-    tested = _cameras(test_file)
-    names = [camera.names[0] for camera in tested]
-    for camera in cameras:
+    rig, test_file = Rig((file,), _cameras(file), _FRAME_RATE), capture / _TEST_FILE
+    return _with_test_cameras(rig, test_file) if test_file.is_file() else rig
+
+
+def _with_test_cameras(rig: Rig, file: Path) -> Rig:
+    cameras = _cameras(file)
+    names = [camera.names[0] for camera in cameras]
+    for camera in rig.cameras:
         if camera.names[0] in names:
-            problem = f"camera {camera.names[0]} is in {file.name}, too"
-            raise InputError(test_file, problem, "list every camera in one of the files")
-    if not any(picture.is_file() for camera in tested for picture in camera.pictures):
-        return Rig((file,), cameras, _FRAME_RATE, (f"{_TEST_FILE} is left aside: its pictures are not there",))
-    listed = ",".join(names)
-    note = f"the cameras of {_TEST_FILE} belong to the capture; --hold-out {listed} keeps them for scores"
-    return Rig((file, test_file), [*cameras, *tested], _FRAME_RATE, (note,))
+            problem = f"camera {camera.names[0]} is in {_TRAIN_FILE}, too"
+            raise InputError(file, problem, "list every camera in one of the files")
+    if not any(picture.is_file() for camera in cameras for picture in camera.pictures):
+        return dataclasses.replace(rig, notes=(f"{_TEST_FILE} is left aside: its pictures are not there",))
+    note = f"the cameras of {_TEST_FILE} belong to the capture; --hold-out {','.join(names)} keeps them for scores"
+    return dataclasses.replace(rig, files=(*rig.files, file), cameras=[*rig.cameras, *cameras], notes=(note,))
 
 
 def _cameras(file: Path) -> list[CalibratedCamera]:
