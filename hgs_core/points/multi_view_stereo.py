@@ -2,7 +2,8 @@
 
 Walls that are blank but for a few dots have depths, too: what a blank pixel cannot say its neighbours tell it, as far
 as there are no edges (`hgs_core.native.plane_sweep`). What several pictures find at the same place is a surface. The
-rest is completed from there, and again only that counts in which several pictures agree.
+rest is completed from there, and again only that counts in which several pictures agree. Where one camera looks alone,
+its surfaces go on as they were completed: without any points there, training makes fog that other cameras would see.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ def multi_view_stereo(
     """Return the points of surfaces that the wanted pixels show; the same bits for any number of threads.
 
     A third of the other views in whose pictures a point falls agree on it, and two at least, or the only other one; few
-    see through it. A single picture shows none.
+    see through it. Where a point falls in no other picture, the surfaces that were found so are continued. A single
+    picture shows none.
 
     Raises:
         RuntimeError: no compiled kernels (`hgs_core.native.library.available`).
@@ -72,7 +74,7 @@ def multi_view_stereo(
         surfaces = _masks(maps, _is_surface(_points(smaller, small, maps)))
         maps = list(pool.map(complete, maps, left_out, surfaces))
     points = _points(smaller, small, maps)
-    return points.take(_is_surface(points))
+    return points.take(_is_surface(points) | (points.facing == 0))
 
 
 def _depth_count(camera: Camera, others: Sequence[Camera], near: float, far: float) -> int:

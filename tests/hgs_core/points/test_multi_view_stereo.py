@@ -47,14 +47,24 @@ def points() -> SweptPoints:
 
 
 def test_the_wall_is_found_also_where_it_is_blank(points: SweptPoints) -> None:
+    points = points.take(points.facing > 0)
     assert len(points.xyz) > 0.85 * len(CAMERAS) * WIDTH * HEIGHT
     assert (np.abs(points.xyz[:, 2] / WALL - 1) < 0.02).mean() > 0.97
 
 
 def test_only_what_other_views_confirm_counts(points: SweptPoints) -> None:
+    points = points.take(points.facing > 0)
     assert points.agreeing.min() >= 1
     assert (points.agreeing >= points.facing / 3).all()
     assert (points.opposed * 3 <= points.agreeing).all()
+
+
+def test_surfaces_go_on_where_one_camera_looks_alone(points: SweptPoints) -> None:
+    """The outer corner of each picture, 12x12 pixels, is seen by no other camera."""
+    alone = points.take(points.facing == 0)
+    assert len(CAMERAS) * 100 < len(alone.xyz) <= len(CAMERAS) * 144
+    assert (np.abs(alone.xyz[:, :2]) > (1.3, 0.9)).all()
+    assert np.median(np.abs(alone.xyz[:, 2] / WALL - 1)) < 0.02
 
 
 def test_unwanted_pixels_have_no_points() -> None:

@@ -26,11 +26,32 @@ def test_a_tile_moves_if_any_of_its_pixels_does() -> None:
     assert np.argwhere(found.tiles).tolist() == [[1, 2], [3, 4]]
     assert found.tiles.shape == (4, 5)
     assert found.window == (slice(16, 50), slice(32, 75))
-    drawn = found.drawn()
-    assert drawn.shape == (34, 43)
-    assert int(drawn.sum()) == 16 * 16 + 2 * 11
-    assert drawn[:16, :16].all()
-    assert drawn[32:, 32:].all()
+
+
+def test_what_moves_apart_falls_into_parts() -> None:
+    found = tiles_of(moving_pixels())
+    assert found is not None
+    one, cut = found.parts
+    assert one == (slice(16, 32), slice(32, 48))
+    assert cut == (slice(48, 50), slice(64, 75))
+    assert found.within(cut) == (slice(32, 34), slice(32, 43))
+    assert found.drawn(one).shape == (16, 16)
+    assert found.drawn(cut).shape == (2, 11)
+
+
+def test_parts_are_cut_until_no_row_or_column_of_tiles_is_still() -> None:
+    """A ring of tiles cannot be cut and its inside is not drawn; what stands beside it is cut from it, and again."""
+    tiles = np.zeros((5, 9), np.bool_)
+    tiles[:3, :3] = True
+    tiles[1, 1] = False
+    tiles[0, 5] = tiles[4, 5] = tiles[4, 8] = True
+    found = tiles_of(tiles.repeat(16, 0).repeat(16, 1))
+    assert found is not None
+    ring, *single = found.parts
+    assert ring == (slice(0, 48), slice(0, 48))
+    assert not found.drawn(ring)[16:32, 16:32].any()
+    assert sorted((rows.start, columns.start) for rows, columns in single) == [(0, 80), (64, 80), (64, 128)]
+    assert sum(int(found.drawn(part).sum()) for part in found.parts) == int(tiles.sum()) * 16 * 16
 
 
 def test_where_nothing_moves_there_are_no_tiles() -> None:
@@ -38,7 +59,7 @@ def test_where_nothing_moves_there_are_no_tiles() -> None:
 
 
 def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
-    """Reference: the loss by autograd, colours mapped, other tiles replaced by the target: in the window, and whole.
+    """Reference: the loss by autograd, colours mapped, other tiles replaced by the target: in the parts, and whole.
 
     The windows of SSIM, which stand on every few pixels, stand elsewhere in the whole picture.
     """
@@ -57,9 +78,11 @@ def test_the_gradient_is_that_of_the_picture_with_all_else_perfect() -> None:
         assert whole.grad is not None
         part = picture.clone().requires_grad_(True)
         shown = part if colours is None else colours.shown(part, camera)
-        inside = moving.cut(torch.where(drawn, shown, target)), moving.cut(target)
-        share = inside[1].numel() / target.numel()
-        (share * photometric_loss(*inside, 0.2)).backward()  # type: ignore[no-untyped-call]
+        compared = torch.where(drawn, shown, target)
+        for rows, columns in moving.parts:
+            inside = compared[:, rows, columns], target[:, rows, columns]
+            share = inside[1].numel() / target.numel()
+            (share * photometric_loss(*inside, 0.2)).backward(retain_graph=True)  # type: ignore[no-untyped-call]
         assert part.grad is not None
         assert_close(found.numpy(), part.grad.numpy(), "gradients")
         assert not found[:, ~drawn].any()
