@@ -47,6 +47,7 @@ ROWS: Mapping[str, Row] = {
         FULL,
         Row("no-interleaved-init", "Are moving points of one moment enough to start from?", {"points.interval": 1e6}),
         Row("coarse-points", "Does multi-view stereo help, or is a coarse sweep enough?", {"points.stereo": False}),
+        Row("confirmed-points", "Are points that several cameras agree on enough?", {"points.continued": False}),
         Row("discs", "Do first splats that are discs in their surfaces help?", {"points.discs": True}),
         Row(
             "train-separate", "Can each set learn alone, where the masks say it belongs?",

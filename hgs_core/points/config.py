@@ -23,6 +23,7 @@ class PointsConfig:
     dynamic: int = 8_000  # of what moves, for every second of the capture
     interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
     stereo: bool = True  # what stands still has points by multi-view stereo; else by a coarse sweep, and at most 6,000
+    continued: bool = True  # stereo's surfaces go on where one camera looks alone; else nothing starts there
     discs: bool = False  # splats of points on surfaces start as discs that lie in these; else all start round
 
     def __post_init__(self) -> None:

@@ -59,6 +59,7 @@ def initial_points(
     static_target: int,
     dynamic_target: int,  # over all moments
     stereo: bool = True,
+    continued: bool = True,
     normals: bool = False,
     seed: int,
     progress: ProgressCallback,
@@ -87,7 +88,8 @@ def initial_points(
     progress(Progress(_STAGE, 1, steps))
 
     missing = max(0, static_target - len(still))
-    still = PointCloud.concatenate([still, _static_seeds(capture, cameras, masks, ranges, missing, stereo, generator)])
+    seeds = _static_seeds(capture, cameras, masks, ranges, missing, stereo, continued, generator)
+    still = PointCloud.concatenate([still, seeds])
     still = _spaced(_reduced(still, static_target, generator))
     parts = [dataclasses.replace(still, normal=surface_normals(still.xyz)) if normals else still]
     progress(Progress(_STAGE, 2, steps))
@@ -134,6 +136,7 @@ def _static_seeds(
     ranges: Sequence[tuple[float, float]],
     count: int,
     stereo: bool,
+    continued: bool,
     generator: np.random.Generator,
 ) -> PointCloud:
     """Find the surfaces of the pictures' median over time, which nothing that moves disturbs.
@@ -147,7 +150,7 @@ def _static_seeds(
     pictures = [picture for picture, _ in backgrounds]
     trusted = [mask for _, mask in backgrounds]
     if stereo and library.available():
-        swept = multi_view_stereo(views, pictures, trusted, ranges)
+        swept = multi_view_stereo(views, pictures, trusted, ranges, continued=continued)
         chosen = np.sort(generator.permutation(len(swept.xyz))[:count])
     else:
         count = min(count, _MOST_COARSE_POINTS)

@@ -40,12 +40,14 @@ def multi_view_stereo(
     pictures: Sequence[npt.NDArray[np.uint8]],  # [H, W, 3] each
     wanted: Sequence[npt.NDArray[np.bool_]],  # [H, W] each: the pixels that need points
     ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
+    *,
+    continued: bool = True,
 ) -> SweptPoints:
     """Return the points of surfaces that the wanted pixels show; the same bits for any number of threads.
 
     A third of the other views in whose pictures a point falls agree on it, and two at least, or the only other one; few
-    see through it. Where a point falls in no other picture, the surfaces that were found so are continued. A single
-    picture shows none.
+    see through it. Where a point falls in no other picture, the surfaces that were found so go on if they are
+    `continued`. A single picture shows none.
 
     Raises:
         RuntimeError: no compiled kernels (`hgs_core.native.library.available`).
@@ -74,7 +76,8 @@ def multi_view_stereo(
         surfaces = _masks(maps, _is_surface(_points(smaller, small, maps)))
         maps = list(pool.map(complete, maps, left_out, surfaces))
     points = _points(smaller, small, maps)
-    return points.take(_is_surface(points) | (points.facing == 0))
+    alone = (points.facing == 0) & continued
+    return points.take(_is_surface(points) | alone)
 
 
 def _depth_count(camera: Camera, others: Sequence[Camera], near: float, far: float) -> int:

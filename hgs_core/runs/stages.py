@@ -80,7 +80,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     points = initial_points(
         capture, cameras, masks, moments=moments, static_target=config.points.static,
         dynamic_target=config.points.dynamic_in(capture.seconds), stereo=config.points.stereo,
-        normals=config.points.discs, seed=config.seed, progress=progress,
+        continued=config.points.continued, normals=config.points.discs, seed=config.seed, progress=progress,
     )  # fmt: skip
     points.save(folder.points)
 

@@ -67,6 +67,12 @@ def test_surfaces_go_on_where_one_camera_looks_alone(points: SweptPoints) -> Non
     assert np.median(np.abs(alone.xyz[:, 2] / WALL - 1)) < 0.02
 
 
+def test_without_that_every_point_is_confirmed(points: SweptPoints) -> None:
+    pictures = [photograph(camera) for camera in CAMERAS]
+    confirmed = multi_view_stereo(CAMERAS, pictures, EVERYWHERE, RANGES, continued=False)
+    assert np.array_equal(confirmed.xyz, points.xyz[points.facing > 0])
+
+
 def test_unwanted_pixels_have_no_points() -> None:
     wanted = [np.zeros((HEIGHT, WIDTH), bool) for _ in CAMERAS]
     for mask in wanted:

@@ -24,6 +24,7 @@ LATER = {
     "capture.sync",
     "capture.trust_poses",
     "encode.by_segment",
+    "points.continued",
     "points.discs",
     "points.stereo",
     "train.average_from",
