@@ -19,7 +19,7 @@ from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.check.poses import judge_poses
 from hgs_core.check.recordings import judge_masks, judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
-from hgs_core.check.suspects import WRONG, Suspects
+from hgs_core.check.suspects import WRONG
 from hgs_core.check.synchronise import FEWEST_FRAMES
 
 __all__ = ["check_capture"]
@@ -46,12 +46,17 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
         (5, [])
     """
     names = [camera.name for camera in capture.cameras]
-    seen = gather(capture, progress)
+    ahead = _energy_offsets(capture, progress)
+    by_features = all(offset is None for offset in ahead)
+    seen = gather(capture, progress, followed=by_features)
     rig = Rig.of(seen.cameras)
     pairs: Pairs = {pair: Pair.of(matches) for pair, matches in seen.pairs.items()}
     suspects, findings = judge_poses(rig, pairs, names)
     moving = _moving_cameras(names, seen)
-    ahead = _offsets(capture, rig, seen, suspects, progress)
+    if by_features:
+        trusted = set(suspects.agreeing)
+        leads = match_leads(rig, [pair for pair in seen.pairs if trusted.issuperset(pair)], seen.views)
+        ahead = feature_offsets(len(names), leads)
     findings += moving
     apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
@@ -84,21 +89,18 @@ def _moving_cameras(names: list[str], seen: Evidence) -> list[Finding]:
     return findings
 
 
-def _offsets(
-    capture: Capture, rig: Rig, seen: Evidence, suspects: Suspects, progress: ProgressCallback
-) -> list[float | None]:
-    """Return by how many frames each camera is ahead: by motion energy, and where that tells nothing by features."""
+def _energy_offsets(capture: Capture, progress: ProgressCallback) -> list[float | None]:
+    """Return by how many frames each camera is ahead, by motion energy; None for one of which it tells nothing."""
     count, frames = len(capture.cameras), min(_FRAMES, len(capture.times))
     if frames < 2:
         return [None] * count
+    energies = []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        energies = list(pool.map(lambda i: motion_energy(lambda frame: capture.frame(i, frame), frames), range(count)))
-    progress(Progress("check", 2 * count, 2 * count))
-    found = energy_offsets(energies)
-    if any(offset is not None for offset in found):
-        return found
-    trusted = set(suspects.agreeing)
-    return feature_offsets(count, match_leads(rig, [p for p in seen.pairs if trusted.issuperset(p)], seen.views))
+        measured = pool.map(lambda i: motion_energy(lambda frame: capture.frame(i, frame), frames), range(count))
+        for done, energy in enumerate(measured, 1):
+            energies.append(energy)
+            progress(Progress("check", done, 3 * count))
+    return energy_offsets(energies)
 
 
 def _unsynchronous(names: list[str], ahead: list[float | None], apart: float, moving: set[str]) -> list[Finding]:

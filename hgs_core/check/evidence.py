@@ -29,7 +29,7 @@ class CameraEvidence:
 
     features: tuple[Features, ...]  # per moment: all of the first, of the others those on what moves
     moving: tuple[Features, ...]  # per moment, on what moves
-    soon: dict[int, Features]  # the same a frame later, of the moments between the first and the last
+    soon: dict[int, Features]  # if followed: a frame later, of the moments between the first and the last
     last: Features | None  # all of the last moment, where that is not the first
     level: tuple[int, float]  # the commonest grey level of the first picture, and the share of the pixels that have it
     marked: tuple[float, ...]  # share of the pixels that given masks mark, per moment; empty without masks
@@ -51,8 +51,10 @@ def moments_of(capture: Capture) -> tuple[int, ...]:
     return tuple(sorted({round(last * i / (_MOMENTS - 1)) for i in range(_MOMENTS)}))
 
 
-def gather(capture: Capture, progress: ProgressCallback) -> Evidence:
+def gather(capture: Capture, progress: ProgressCallback, *, followed: bool) -> Evidence:
     """Read the moments of every camera and match them, all likely pairs with each other.
+
+    What moves is `followed` to the next frame where it has to tell by how many frames cameras are ahead.
 
     Raises:
         InputError: a picture or a mask is missing, unreadable or of a wrong size.
@@ -62,9 +64,10 @@ def gather(capture: Capture, progress: ProgressCallback) -> Evidence:
     count = len(cameras)
     views = []
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        for done, view in enumerate(pool.map(lambda i: _look(capture, i, cameras[i], frames), range(count)), 1):
+        looks = pool.map(lambda i: _look(capture, i, cameras[i], frames, followed), range(count))
+        for done, view in enumerate(looks, count + 1):
             views.append(view)
-            progress(Progress("check", done, 2 * count))
+            progress(Progress("check", done, 3 * count))
         wanted = likely_pairs([view.features for view in views])
         found: dict[tuple[int, int], PairMatches] = {}
         for done, (pair, matches) in enumerate(
@@ -77,11 +80,11 @@ def gather(capture: Capture, progress: ProgressCallback) -> Evidence:
         ):
             if matches is not None:
                 found[pair] = matches
-            progress(Progress("check", count + count * done // len(wanted), 2 * count))
+            progress(Progress("check", 2 * count + count * done // len(wanted), 3 * count))
     return Evidence(cameras, frames, tuple(views), found)
 
 
-def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int]) -> CameraEvidence:
+def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int], followed: bool) -> CameraEvidence:
     def picture(frame: int) -> npt.NDArray[np.uint8]:
         return reduced_picture(capture.frame(index, frame), size)
 
@@ -102,6 +105,7 @@ def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int]) -> 
     soon = {
         moment: extract_features(picture(frames[moment] + 1), moves[moment], fine=fine)
         for moment in range(len(frames))[1:-1]
+        if followed
     }
     return CameraEvidence((first, *moving[1:]), moving, soon, last, level, marked)
 

@@ -65,7 +65,10 @@ def _fit(values: npt.NDArray[np.float64], reference: npt.NDArray[np.float64]) ->
         # Normal equations of the pixels, and of the prior gain = 1 +- 0.05 and offset = 0 +- 5 levels.
         slope_prior, shift_prior = weight / _PRIOR_GAIN**2, weight / _PRIOR_OFFSET**2
         matrix = np.array([[a @ a + slope_prior, a.sum()], [a.sum(), len(a) + shift_prior]])
+        before = gain, offset
         gain, offset = (float(v) for v in np.linalg.solve(matrix, np.array([a @ b + slope_prior, b.sum()])))
+        if (gain, offset) == before:
+            break
     if near.mean() < _AGREEING_SHARE or not 1 / _LARGEST_GAIN < gain < _LARGEST_GAIN or abs(offset) > _LARGEST_OFFSET:
         return 1.0, 0.0
     return gain, offset

@@ -108,8 +108,9 @@ def _difference(
     The mean over the window is taken with the sign: noise cancels, motion and shadows do not.
     """
     signed = picture.astype(np.int16) - background
-    smooth = np.abs(box_sum(signed, radius)).max(axis=2)
-    return np.asarray(smooth, np.float32) * np.float32(1 / (2 * radius + 1) ** 2)
+    red, green, blue = np.moveaxis(np.abs(box_sum(signed, radius)), 2, 0)
+    largest = np.maximum(np.maximum(red, green), blue)  # many times as fast as the maximum over an axis of three
+    return np.asarray(largest, np.float32) * np.float32(1 / (2 * radius + 1) ** 2)
 
 
 def _contrast(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.float32]:

@@ -87,6 +87,7 @@ class Raster:
         antialiased: bool = False,
         depth: bool = False,
         keep_statics: bool = False,
+        draw: bool = True,
         threads: int | None = None,
     ) -> None:
         """Draw both sets at normalised `time`.
@@ -101,6 +102,7 @@ class Raster:
             antialiased: compensate opacities for the low-pass filter (docs/numerics.md, "Antialiasing").
             depth: whether `depth` is wanted.
             keep_statics: whether `redraw` will be called.
+            draw: whether there will be pictures; without, `contributions` are all that there is.
             threads: default `thread_count()`.
 
         Raises:
@@ -117,7 +119,7 @@ class Raster:
         self._view = CView(c_camera(camera), time, background, antialiased, mask, _KEEP if keep_statics else _ANEW)
         self._static_arrays = static  # the structs point into them
         self._workspace = _take_workspace()
-        self._draw(dynamic, depth)
+        self._rasterize(dynamic, draw, depth)
 
     def redraw(
         self,
@@ -125,6 +127,8 @@ class Raster:
         time: float,
         depth: bool = False,
         tile_mask: npt.NDArray[np.bool_] | None = None,
+        *,
+        draw: bool = True,
     ) -> None:
         """Draw the same statics from the same camera with other dynamics, or at another time, into new pictures.
 
@@ -138,7 +142,7 @@ class Raster:
         self._view.time = time
         self._view.tile_mask = self._mask(tile_mask)
         self._view.statics_use = _REUSE
-        self._draw(dynamic, depth)
+        self._rasterize(dynamic, draw, depth)
 
     def _mask(self, tile_mask: npt.NDArray[np.bool_] | None) -> int | None:
         """Keep a mask and return its address."""
@@ -146,23 +150,24 @@ class Raster:
         tiles = (-(-self._shape[0] // 16), -(-self._shape[1] // 16))
         return None if tile_mask is None else address("tile_mask", tile_mask, tiles, np.bool_)
 
-    def _draw(self, dynamic: DynamicSplats[Floats] | None, depth: bool) -> None:
+    def _rasterize(self, dynamic: DynamicSplats[Floats] | None, draw: bool, depth: bool) -> None:
         self._dynamic = dynamics_struct(dynamic)
         self._dynamic_arrays = dynamic
         self._drawn = False
-        self.rgb = np.empty((3, *self._shape), np.float32)
-        self.alpha = np.empty(self._shape, np.float32)
-        self.depth = np.empty(self._shape, np.float32) if depth else None
+        if draw:
+            self.rgb = np.empty((3, *self._shape), np.float32)
+            self.alpha = np.empty(self._shape, np.float32)
+            self.depth = np.empty(self._shape, np.float32) if depth else None
         status = load().hgs_rasterize(
             ctypes.c_void_p(self._workspace),
             ctypes.byref(self._view),
             ctypes.byref(self._static),
             ctypes.byref(self._dynamic),
             self._threads,
-            ctypes.byref(self._picture()),
+            ctypes.byref(self._picture()) if draw else None,
         )
         check(status)
-        self._drawn = True
+        self._drawn = draw
 
     def _picture(self) -> CPicture:
         depth = None if self.depth is None else self.depth.ctypes.data
@@ -202,7 +207,7 @@ class Raster:
             MemoryError: not enough memory for the gradients of the tiles.
         """
         if self._workspace is None or not self._drawn:
-            raise RuntimeError("backward after release, or after a rendering that failed")
+            raise RuntimeError("backward after release, or after a rendering that failed or drew nothing")
         if grad_depth is not None and self.depth is None:
             raise ValueError("a gradient of the depth needs a rendering with depth=True")
         count = self._static.count + self._dynamic.count

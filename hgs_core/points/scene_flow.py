@@ -17,6 +17,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_picture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.colour_difference import colour_difference
 from hgs_core.points.same_moment import SameMoment
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
@@ -122,7 +123,7 @@ def _disagreement(
         own[inside] = before[at[:, 1], at[:, 0]]
         cost = np.full((len(asked), trials.shape[1]), _BLOCKED_ERROR, np.float32)
         inside, at = pixels_inside(small, trials[asked].reshape(-1, 3))
-        difference = np.abs(after[at[:, 1], at[:, 0]] - own[inside // trials.shape[1]]).mean(1, dtype=np.float32)
+        difference = colour_difference(after[at[:, 1], at[:, 0]], own[inside // trials.shape[1]])
         cost.reshape(-1)[inside] = np.minimum(difference, _BLOCKED_ERROR)
         total[asked] += cost
     return np.asarray(total / np.maximum(seen.sum(0), 1)[:, None], np.float32)

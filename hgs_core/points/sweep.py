@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.decompose.morphology import box_sum
+from hgs_core.points.colour_difference import colour_difference
 from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
 from hgs_core.points.visibility import nearest_cameras, pixels_inside
 from hgs_core.scene.camera import Camera
@@ -135,9 +136,9 @@ def _compare(
     with np.errstate(invalid="ignore"):
         column, row = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
         inside = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
-    ray, _ = np.nonzero(inside)
+    ray = np.repeat(np.arange(len(rays)), inside.sum(axis=1))
     pixel = row[inside].astype(np.int64) * camera.width + column[inside].astype(np.int64)
-    cost[inside] = np.abs(descriptors[pixel] - own[ray]).mean(axis=1, dtype=np.float32)
+    cost[inside] = colour_difference(descriptors.take(pixel, axis=0), own.take(ray, axis=0))
 
 
 def _aggregate(
@@ -147,17 +148,18 @@ def _aggregate(
     chosen: npt.NDArray[np.bool_],  # [h, w]
 ) -> npt.NDArray[np.float32]:
     """Average the costs of each grid pixel and its chosen neighbours: a blank pixel borrows the depth of its edge."""
-    volume = np.zeros((chosen.shape[0] + 2, chosen.shape[1] + 2, cost.shape[1]), np.float32)
-    count = np.zeros((*volume.shape[:2], 1), np.float32)
+    none = len(cost)  # the row of a neighbour that was not chosen, which is all zero
+    row_of = np.full((chosen.shape[0] + 2, chosen.shape[1] + 2), none)
+    row_of[i + 1, j + 1] = np.arange(none)
     finite = np.where(np.isfinite(cost), cost, np.float32(2 * _BLIND_COST))
-    volume[i + 1, j + 1] = finite
-    count[i + 1, j + 1] = 1
-    total, weight = volume[i + 1, j + 1] * 2, count[i + 1, j + 1] * 2  # the pixel itself counts three times
+    padded = np.concatenate((finite, np.zeros((1, cost.shape[1]), np.float32)))
+    total, weight = finite * 2, np.full(none, 2, np.float32)  # the pixel itself counts three times
     for down in (0, 1, 2):
         for right in (0, 1, 2):
-            total += volume[i + down, j + right]
-            weight += count[i + down, j + right]
-    return np.where(np.isfinite(cost), total / weight, np.float32(np.inf))
+            neighbour = row_of[i + down, j + right]
+            total += padded[neighbour]
+            weight += neighbour < none
+    return np.where(np.isfinite(cost), total / weight[:, None], np.float32(np.inf))
 
 
 def _refine(

@@ -46,7 +46,7 @@ def contributions_cpu(
     """Weigh the splats as `hgs_core.render.contributions` describes; raises what `rasterize_cpu` raises."""
     static, dynamic = _prepared(static, False), _prepared(dynamic, False)
     with _non_finite_named(static, dynamic, view.time):
-        raster = _raster(_arrays(static), _arrays(dynamic), view)
+        raster = _raster(_arrays(static), _arrays(dynamic), view, draw=False)
     weighed = Contributions(*raster.contributions())
     raster.release()
     return weighed
@@ -62,7 +62,7 @@ class FixedViewCpu:
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
         """Draw one moment; raises what `rasterize_cpu` raises."""
-        return Render(*_pictures(self._drawn(dynamic, time, depth)))
+        return Render(*_pictures(self._at(dynamic, time, depth=depth)))
 
     def differentiable_frame(
         self,
@@ -81,19 +81,22 @@ class FixedViewCpu:
 
     def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
         """Weigh the splats at one moment; raises what `rasterize_cpu` raises."""
-        return Contributions(*self._drawn(dynamic, time, False).contributions())
+        return Contributions(*self._at(dynamic, time, draw=False).contributions())
 
-    def _drawn(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Raster:
+    def _at(
+        self, dynamic: DynamicSplats[Tensor] | None, time: float, *, depth: bool = False, draw: bool = True
+    ) -> Raster:
         dynamic = _prepared(dynamic, False)
+        view = dataclasses.replace(self._view, time=time, depth=depth)
         with _non_finite_named(self._static, dynamic, time):
-            return self.redrawn(_arrays(dynamic), dataclasses.replace(self._view, time=time, depth=depth))
+            return self.rastered(_arrays(dynamic), view, draw=draw)
 
-    def redrawn(self, dynamic: DynamicSplats[Floats] | None, view: View) -> Raster:
-        """Draw a view from this camera; the statics are projected and sorted for the first one only."""
+    def rastered(self, dynamic: DynamicSplats[Floats] | None, view: View, *, draw: bool = True) -> Raster:
+        """Raster a view from this camera; the statics are projected and sorted for the first one only."""
         if self._raster is None:
-            self._raster = _raster(_arrays(self._static), dynamic, view, keep_statics=True)
+            self._raster = _raster(_arrays(self._static), dynamic, view, keep_statics=True, draw=draw)
         else:
-            self._raster.redraw(dynamic, view.time, view.depth, _mask(view))
+            self._raster.redraw(dynamic, view.time, view.depth, _mask(view), draw=draw)
         return self._raster
 
 
@@ -124,6 +127,7 @@ def _raster(
     view: View,
     *,
     keep_statics: bool = False,
+    draw: bool = True,
 ) -> Raster:
     return Raster(
         static,
@@ -135,6 +139,7 @@ def _raster(
         antialiased=view.antialiased,
         depth=view.depth,
         keep_statics=keep_statics,
+        draw=draw,
     )
 
 
@@ -165,7 +170,7 @@ class _Rasterize(torch.autograd.Function):
         n = len(dataclasses.fields(StaticSplats)) if has_static else 0
         static = StaticSplats(*arrays[:n]) if n else None
         dynamic = DynamicSplats(*arrays[n:]) if arrays[n:] else None
-        raster = _raster(static, dynamic, view) if fixed is None else fixed.redrawn(dynamic, view)
+        raster = _raster(static, dynamic, view) if fixed is None else fixed.rastered(dynamic, view)
         pictures = _pictures(raster)
         if any(ctx.needs_input_grad):
             # Saving the tensors lets autograd notice parameters or pictures that were changed in place since.

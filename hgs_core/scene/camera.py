@@ -81,11 +81,12 @@ class Camera:
 
     def project(self, points: npt.NDArray[np.floating[Any]]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Project world points [N, 3] to pixels [N, 2] and depths [N]; pixels are meaningless where depth <= 0."""
-        local = np.asarray(points, dtype=np.float64) @ self.world_to_camera[:3, :3].T + self.world_to_camera[:3, 3]
-        depth = local[:, 2]
+        # Rows of all x, all y and all z: numpy is slow where the last axis has two or three numbers.
+        local = self.world_to_camera[:3, :3] @ np.asarray(points, np.float64).T + self.world_to_camera[:3, 3:]
+        depth = local[2]
         with np.errstate(divide="ignore", invalid="ignore"):
-            pixels = local[:, :2] / depth[:, None] * (self.fx, self.fy) + (self.cx, self.cy)
-        return pixels, depth
+            pixels = local[:2] / depth * ((self.fx,), (self.fy,)) + ((self.cx,), (self.cy,))
+        return pixels.T, depth
 
     def rays(self, pixels: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float64]:
         """Return [N, 3], in the world, what leads from the camera centre to unit depth behind pixels [N, 2]."""

@@ -67,7 +67,7 @@ int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_
     w.view = *view;
     w.tiles_x = (w.width() + hgs::kTile - 1) / hgs::kTile;
     w.tiles_y = (w.height() + hgs::kTile - 1) / hgs::kTile;
-    w.depth = picture->depth != nullptr;
+    w.depth = picture != nullptr && picture->depth != nullptr;
     w.seconds = {};
     hgs::Stopwatch watch;
     const bool keep_statics = view->statics_use == HGS_STATICS_REUSE;
@@ -82,7 +82,7 @@ int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_
     if (!keep_statics) hgs::list_by_tile(w, w.statics, threads);
     hgs::list_by_tile(w, w.dynamics, threads);
     w.seconds.bin = watch.lap();
-    hgs::composite(w, *picture, threads);
+    if (picture != nullptr) hgs::composite(w, *picture, threads);
     w.seconds.composite = watch.lap();
     return HGS_OK;
   });

@@ -41,8 +41,7 @@ void composite_tile(Workspace &w, int tile, const hgs_picture &out) {
       pixels.draw(item.splat, item.entry, place, open);
     }
   }
-  w.statics.tile_end[tile] = static_cast<uint32_t>(list.statics.next - w.statics.entries.data());
-  w.dynamics.tile_end[tile] = static_cast<uint32_t>(list.dynamics.next - w.dynamics.entries.data());
+  list.stop(w, tile);
 
   place.each_vector(w, [&](int i, size_t pixel, int count) {
     const Vec T = abs(load(pixels.T + i));

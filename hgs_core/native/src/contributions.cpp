@@ -28,15 +28,19 @@ Contribution visit(const ScreenSplat &s, const TileEntry &entry, const TilePlace
 
 void visit_tile(Workspace &w, int tile) {
   const TilePlace place(w, tile);
-  const OpenCells open(w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x));
   alignas(64) float T[kTilePixels];
   place.start_transmittance(T);
+  TileList list = TileList::all(w, tile);
+  OpenCells open(w.cells_drawn(tile % w.tiles_x, tile / w.tiles_x));
+  for (open.look(T); !list.done() && open.any(); open.look(T)) {
+    for (int n = 0; n < kBatch && !list.done(); ++n) {
+      const TileList::Item item = list.take();
+      of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry, place, open, T);
+    }
+  }
+  list.stop(w, tile);
   for (ScreenSet *set : {&w.statics, &w.dynamics}) {
     for (uint32_t e = set->tile_end[tile]; e < set->tile_begin[tile + 1]; ++e) of_slot(*set, set->entries[e].slot) = {};
-  }
-  for (TileList list = TileList::drawn(w, tile); !list.done();) {
-    const TileList::Item item = list.take();
-    of_slot(item.dynamic ? w.dynamics : w.statics, item.entry.slot) = visit(item.splat, item.entry, place, open, T);
   }
 }
 

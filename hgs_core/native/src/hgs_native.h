@@ -11,7 +11,7 @@
 #define HGS_STATICS_ANEW 0
 #define HGS_STATICS_KEEP 1
 #define HGS_STATICS_REUSE 2
-#define HGS_ABI_VERSION 9
+#define HGS_ABI_VERSION 10
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -121,7 +121,9 @@ HGS_API const char *hgs_status_message(int32_t status);
 HGS_API hgs_workspace *hgs_workspace_create(void);
 HGS_API void hgs_workspace_destroy(hgs_workspace *workspace);
 
-/* Render both sets. */
+/* Render both sets.
+ *
+ * picture: NULL if hgs_contributions is all that is wanted: splats are projected and listed, and nothing is drawn. */
 HGS_API int32_t hgs_rasterize(hgs_workspace *workspace, const hgs_view *view, const hgs_static_splats *statics,
                               const hgs_dynamic_splats *dynamics, int32_t threads, const hgs_picture *picture);
 
@@ -138,7 +140,7 @@ HGS_API int32_t hgs_rasterize_backward(hgs_workspace *workspace, const hgs_stati
                                        const hgs_dynamic_gradients *grad_dynamics,
                                        const hgs_screen_statistics *statistics, int32_t threads);
 
-/* What every splat contributed to the last hgs_rasterize of `workspace`.
+/* What every splat contributes to the picture of the last hgs_rasterize of `workspace`, drawn or not.
  *
  * total: out, [N + M], statics first: sum of the splat's weights over the pixels.  peak: out, [N + M]: the largest. */
 HGS_API int32_t hgs_contributions(hgs_workspace *workspace, int32_t threads, float *total, float *peak);

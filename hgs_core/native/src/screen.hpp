@@ -92,7 +92,7 @@ struct ScreenSet {
   Buffer<uint32_t> order;  // `visible` by depth
   Buffer<TileEntry> entries;  // tile after tile, by depth
   Buffer<uint32_t> tile_begin;  // [tiles + 1] in `entries`
-  Buffer<uint32_t> tile_end;    // [tiles] where the forward pass found every pixel finished
+  Buffer<uint32_t> tile_end;    // [tiles] where the last pass from front to back found every pixel finished
   Buffer<uint32_t> first_slot, slot_count;  // [count]: the slots of a splat are consecutive
   Buffer<GradientSlot> slots;               // [entries]
 };

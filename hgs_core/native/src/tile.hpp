@@ -100,6 +100,12 @@ class TileList {
     return {entry, run.splats[entry.splat], dynamic};
   }
 
+  // Remember how far the list was gone through: nothing behind it shows.
+  void stop(Workspace &w, int tile) const {
+    w.statics.tile_end[tile] = static_cast<uint32_t>(statics.next - w.statics.entries.data());
+    w.dynamics.tile_end[tile] = static_cast<uint32_t>(dynamics.next - w.dynamics.entries.data());
+  }
+
   TileRun statics, dynamics;
 
  private:

@@ -45,4 +45,4 @@ def studio(tmp_path_factory: pytest.TempPathFactory) -> Capture:
 
 @pytest.fixture(scope="session")
 def studio_evidence(studio: Capture) -> Evidence:
-    return gather(studio, lambda progress: None)
+    return gather(studio, lambda progress: None, followed=True)

@@ -36,6 +36,13 @@ def test_of_later_moments_only_what_moves_is_matched(studio_evidence: Evidence) 
 def test_large_pictures_are_looked_at_smaller(tmp_path: Path) -> None:
     write_capture(tmp_path, cameras=2, frames=1, width=64, height=48)
     capture = open_capture(tmp_path)
-    seen = gather(capture, lambda progress: None)
+    seen = gather(capture, lambda progress: None, followed=True)
     assert (seen.cameras[0].width, seen.frames) == (64, (0,))
     assert seen.views[0].last is None
+
+
+def test_what_moves_is_followed_to_the_next_frame_only_if_asked(studio_evidence: Evidence, tmp_path: Path) -> None:
+    write_capture(tmp_path, cameras=2, frames=6, width=64, height=48)
+    seen = gather(open_capture(tmp_path), lambda progress: None, followed=False)
+    assert [view.soon for view in seen.views] == [{}, {}]
+    assert all(set(view.soon) == {1, 2} for view in studio_evidence.views)
