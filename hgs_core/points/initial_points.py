@@ -11,7 +11,6 @@ import dataclasses
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,7 +41,6 @@ _MOST_COARSE_POINTS = 6_000  # of a coarse sweep: more of them stand at wrong de
 _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
 _MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
 _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
-_HULL_SHARE = 0.75  # share of the views that must see a swept point move: nearly all, as some may be blocked
 _MIN_VIEWS = 2
 _STILL_FRAMES = 11  # that the still picture of a camera is the median of
 # Share of the sampled frames in which a pixel moves, from which on its background means nothing.
@@ -182,10 +180,7 @@ def _dynamic_seeds(
     if count == 0 or not any(mask.any() for mask in moving):
         return PointCloud.concatenate([])
 
-    def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return label_points(views, moving, xyz) >= _HULL_SHARE
-
-    swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, in_hull)
+    swept = sweep(views, pictures, moving, ranges, count * _RAYS_PER_POINT, moving)
     chosen = _choose(swept, count, generator)
     chosen = chosen[swept.agreeing[chosen] > 0]  # rather too few: a wrong moving point is in the way of the view
     share = label_points(views, moving, swept.xyz[chosen])

@@ -6,17 +6,16 @@ depth, and says by the agreement of the neighbours' own depths how far each one 
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.decompose.morphology import box_sum
-from hgs_core.points.colour_difference import colour_difference
+from hgs_core.native.library import thread_count
 from hgs_core.points.depth_map import DepthMap, SweptPoints, points_of_maps
+from hgs_core.points.sweep_costs import BLIND_COST, colour_descriptors, sweep_costs
 from hgs_core.points.visibility import nearest_cameras, pixels_inside
 from hgs_core.scene.camera import Camera
 
@@ -24,13 +23,9 @@ __all__ = ["depth_ranges", "sweep"]
 
 _DEPTHS = 64
 _NEIGHBOUR_VIEWS = 4  # views that a picture is compared with, of which one may be blocked
-_BLIND_COST = 60.0  # cost, in levels of 255, of a neighbour that does not see the point
 _AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
 _BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
 _FEW_POINTS = 20  # points below which a camera's depth range is taken from all points
-
-Admit = Callable[[npt.NDArray[np.floating[Any]]], npt.NDArray[np.bool_]]
-"""Says which points [P, 3] may exist, [P]."""
 
 
 def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:
@@ -59,7 +54,7 @@ def sweep(
     wanted: Sequence[npt.NDArray[np.bool_]],  # [H, W] each: the pixels that need points
     ranges: Sequence[tuple[float, float]],  # nearest and farthest depth of each camera
     rays: int,  # about how many pixels to sweep, over all pictures
-    admit: Admit | None = None,
+    hull: Sequence[npt.NDArray[np.bool_]] = (),  # [H, W] each: three quarters of the views must be set; none: anywhere
 ) -> SweptPoints:
     """Return the points that the wanted pixels show; the same bits for any number of threads.
 
@@ -70,31 +65,25 @@ def sweep(
     neighbours = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
 
     def one(view: int) -> DepthMap:
-        return _depth_map(view, neighbours[view], cameras, descriptors, wanted[view], ranges[view], step, admit)
+        others = [(cameras[other], descriptors[other]) for other in neighbours[view]]
+        return _depth_map(cameras[view], descriptors[view], others, wanted[view], ranges[view], step, masks)
 
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        descriptors = list(pool.map(_descriptors, pictures))
+    masks = [(c, np.ascontiguousarray(mask)) for c, mask in zip(cameras, hull, strict=True)] if hull else []
+    with ThreadPoolExecutor(thread_count()) as pool:
+        descriptors = list(pool.map(colour_descriptors, pictures))
         maps = list(pool.map(one, range(len(cameras))))
     return points_of_maps(cameras, pictures, maps, agreement=_AGREEMENT, beyond=_BEYOND)
 
 
-def _descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
-    """Return what pixels are compared by, [H W, 6]: colour at the pixel's own scale and around it."""
-    wide = picture.astype(np.int16)
-    return np.concatenate((box_sum(wide, 1) // 9, box_sum(wide, 3) // 49), axis=2).reshape(-1, 6)
-
-
 def _depth_map(
-    view: int,
-    neighbours: Sequence[int],
-    cameras: Sequence[Camera],
-    descriptors: Sequence[npt.NDArray[np.int16]],
+    camera: Camera,
+    descriptors: npt.NDArray[np.int16],  # [H W, 6] of the picture that is swept
+    neighbours: Sequence[tuple[Camera, npt.NDArray[np.int16]]],
     wanted: npt.NDArray[np.bool_],
     depth_range: tuple[float, float],
     step: int,
-    admit: Admit | None,
+    hull: Sequence[tuple[Camera, npt.NDArray[np.bool_]]],
 ) -> DepthMap:
-    camera = cameras[view]
     rows, columns = np.arange(step // 2, camera.height, step), np.arange(step // 2, camera.width, step)
     chosen = wanted[np.ix_(rows, columns)]  # [h, w]
     i, j = np.nonzero(chosen)
@@ -104,41 +93,12 @@ def _depth_map(
     near, far = depth_range
     depths = 1.0 / np.linspace(1.0 / near, 1.0 / far, _DEPTHS)  # evenly in the pixels that a step moves
     rays = camera.rays(np.stack([columns[j] + 0.5, rows[i] + 0.5], 1))
-    own = descriptors[view][rows[i] * camera.width + columns[j]]  # [R, 6]
-    costs = np.full((len(neighbours), len(i), _DEPTHS), _BLIND_COST, np.float32)
-    for slot, other in enumerate(neighbours):
-        _compare(cameras[other], descriptors[other], camera.position, rays, depths, own, costs[slot])
-    costs.sort(axis=0)
-    cost = costs[: max(1, len(neighbours) - 1)].mean(axis=0)  # [R, D], without the view that fits worst
-    if admit is not None:
-        points = camera.position + rays[:, None] * depths[:, None]
-        cost[~admit(points.reshape(-1, 3)).reshape(cost.shape)] = np.inf
-    cost = _aggregate(cost, i, j, chosen)
+    own = descriptors[rows[i] * camera.width + columns[j]]  # [R, 6]
+    cost = _aggregate(sweep_costs(camera, rays, own, depths, neighbours, hull), i, j, chosen)
     best = cost.argmin(axis=1)
-    seen = cost[np.arange(len(best)), best] < _BLIND_COST
+    seen = cost[np.arange(len(best)), best] < BLIND_COST
     found.depths[i[seen], j[seen]] = _refine(cost, best, near, far)[seen]
     return found
-
-
-def _compare(
-    camera: Camera,
-    descriptors: npt.NDArray[np.int16],  # [H W, 6] of this camera
-    origin: npt.NDArray[np.float64],  # [3] where the rays start
-    rays: npt.NDArray[np.float64],  # [R, 3]
-    depths: npt.NDArray[np.float64],  # [D]
-    own: npt.NDArray[np.int16],  # [R, 6] what the points should look like
-    cost: npt.NDArray[np.float32],  # [R, D] filled where the camera sees the point
-) -> None:
-    turned = rays @ camera.world_to_camera[:3, :3].T
-    start = camera.world_to_camera[:3, :3] @ origin + camera.world_to_camera[:3, 3]
-    x, y, z = (turned[:, axis, None] * depths + start[axis] for axis in range(3))
-    z = np.where(z > 1e-6, z, np.nan)
-    with np.errstate(invalid="ignore"):
-        column, row = camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy
-        inside = (column >= 0) & (column < camera.width) & (row >= 0) & (row < camera.height)
-    ray = np.repeat(np.arange(len(rays)), inside.sum(axis=1))
-    pixel = row[inside].astype(np.int64) * camera.width + column[inside].astype(np.int64)
-    cost[inside] = colour_difference(descriptors.take(pixel, axis=0), own.take(ray, axis=0))
 
 
 def _aggregate(
@@ -151,7 +111,7 @@ def _aggregate(
     none = len(cost)  # the row of a neighbour that was not chosen, which is all zero
     row_of = np.full((chosen.shape[0] + 2, chosen.shape[1] + 2), none)
     row_of[i + 1, j + 1] = np.arange(none)
-    finite = np.where(np.isfinite(cost), cost, np.float32(2 * _BLIND_COST))
+    finite = np.where(np.isfinite(cost), cost, np.float32(2 * BLIND_COST))
     padded = np.concatenate((finite, np.zeros((1, cost.shape[1]), np.float32)))
     total, weight = finite * 2, np.full(none, 2, np.float32)  # the pixel itself counts three times
     for down in (0, 1, 2):

@@ -217,6 +217,39 @@ typedef struct hgs_sweep_source {
 HGS_API int32_t hgs_plane_sweep(const float *grey, int32_t width, int32_t height, const hgs_sweep_source *sources,
                                 int32_t count, const double *depths, int32_t depth_count, float *places, float *costs);
 
+/* What pixels are compared by in a coarse sweep: the means over 3x3 and over 7x7 pixels, rounded down; black outside.
+ *
+ * picture: [height][width][3].  descriptors: out, [height][width][6]. */
+HGS_API int32_t hgs_colour_descriptors(const uint8_t *picture, int32_t width, int32_t height, int16_t *descriptors);
+
+/* A picture that a coarse sweep compares with. */
+typedef struct hgs_colour_source {
+  const int16_t *descriptors; /* [height][width][6] */
+  int32_t width, height;
+  double map[12]; /* [3][4]: a point of the world is at (u / w, v / w), pixels, where (u, v, w) = map (x, y, z, 1) */
+} hgs_colour_source;
+
+/* A picture that says which points may exist. */
+typedef struct hgs_hull_view {
+  const uint8_t *mask; /* [height][width] not zero where they may */
+  int32_t width, height;
+  double map[12];
+} hgs_hull_view;
+
+/* How badly points along rays fit what other pictures show there.
+ *
+ * origin: [3] where the rays start.  rays: [count][3] to depth 1.  own: [count][6] what the points should look like.
+ * depths: [depth_count].
+ * sources: [source_count] of which the one that fits worst does not count, unless it is the only one.
+ * hull: [hull_count] views, or 0: points of which less than `hull_share` of those that they fall in say that they may
+ *     exist, or that fall in none, do not.
+ * blind: the difference, levels of 255, that a source counts with which a point falls outside of.
+ * costs: out, [count][depth_count] mean differences of descriptors, levels of 255; infinite outside of the hull. */
+HGS_API int32_t hgs_colour_sweep(const double *origin, const double *rays, const int16_t *own, int64_t count,
+                                 const double *depths, int32_t depth_count, const hgs_colour_source *sources,
+                                 int32_t source_count, const hgs_hull_view *hull, int32_t hull_count,
+                                 double hull_share, float blind, float *costs);
+
 #ifdef __cplusplus
 }
 #endif

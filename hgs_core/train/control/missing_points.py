@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +21,6 @@ from hgs_core.scene.camera import Camera
 __all__ = ["MissingPoints", "chosen_points", "find_missing_points", "picture_error"]
 
 _WRONG_LEVELS = 20  # levels of 255 that count as wrong
-_HULL_SHARE = 0.75  # share of the views that must see a new point move, as in initialisation
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
 _SIZE_SHARE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
 _WRONG_SHARE = 0.5  # share of the views whose pixel there must be wrong
@@ -69,10 +67,7 @@ def find_missing_points(
     if area == 0:
         return MissingPoints(PointCloud.concatenate([]), np.zeros(0))
 
-    def in_hull(xyz: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.bool_]:
-        return label_points(cameras, asked, xyz) >= _HULL_SHARE
-
-    swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, in_hull if hull else None)
+    swept = sweep(cameras, pictures, wanted, ranges, area // _RAY_STEP**2, asked if hull else ())
     chosen = np.flatnonzero((swept.agreeing >= _CONFIRMING_VIEWS) & (swept.opposed <= swept.agreeing))
     chosen = chosen[label_points(cameras, wrong, swept.xyz[chosen]) >= _WRONG_SHARE]
     xyz = swept.xyz[chosen]
