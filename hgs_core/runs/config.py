@@ -19,7 +19,7 @@ __all__ = ["PRESETS", "RunConfig"]
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "points.static": 12_000, "points.dynamic": 5_000, "points.discs": True, "train.iterations": 2_300,
+        "points.static": 12_000, "points.dynamic": 5_000, "points.discs": True, "train.iterations": 3_200,
         "train.coarse_until": 0.4, "train.moving_steps": 1.0, "train.density.max_static": 35_000,
         "train.density.max_dynamic": 12_000,
     },
@@ -65,7 +65,7 @@ class RunConfig:
             >>> import hgs_core as hgs
             >>> config = hgs.RunConfig.for_preset("preview", capture={"hold_out": ["cam00"]}, train={"dssim": 0.1})
             >>> config.train.iterations, config.train.dssim, config.capture.hold_out
-            (2300, 0.1, ('cam00',))
+            (3200, 0.1, ('cam00',))
         """
         if preset not in PRESETS:
             raise InputError("preset", f"unknown preset {preset!r}", f"use one of {', '.join(PRESETS)}")

@@ -223,6 +223,21 @@ def test_contributions_add_up_to_the_coverage() -> None:
     assert peak.max() < 1
 
 
+def test_contributions_are_the_same_without_a_picture() -> None:
+    static, dynamic = scene()
+    opaque = dataclasses.replace(static, opacity_logits=np.full(len(static), 6, np.float32))  # lists end early
+    drawn, listed = (
+        Raster(opaque, dynamic, camera(120, 88), 0.1, keep_statics=True, draw=draw) for draw in (True, False)
+    )
+    assert np.array_equal(drawn.contributions(), listed.contributions())
+    for raster, draw in ((drawn, True), (listed, False)):
+        raster.redraw(dynamic, 0.3, draw=draw)
+    assert np.array_equal(drawn.contributions(), listed.contributions())
+    assert not hasattr(listed, "rgb")
+    with pytest.raises(RuntimeError, match="drew nothing"):
+        listed.backward(np.zeros((3, 88, 120), np.float32), None, None, None)
+
+
 def test_the_measurements_count_what_was_drawn() -> None:
     static, dynamic = scene()
     found = Raster(static, dynamic, camera(120, 88), 0.3).measurements()

@@ -80,7 +80,7 @@ def test_the_page_refers_to_nothing_outside_itself(report: Path) -> None:
 
 
 def test_settings_that_differ_from_the_preset_are_listed(report: Path) -> None:
-    assert '<tr><th scope="row">train.iterations</th><td>2300</td><td>40</td></tr>' in report.read_text()
+    assert '<tr><th scope="row">train.iterations</th><td>3200</td><td>40</td></tr>' in report.read_text()
 
 
 def test_the_page_names_the_machine_that_trained_the_run(tmp_path: Path) -> None:
