@@ -71,7 +71,7 @@ def test_a_fault_stops_and_is_named(
     spoil, cameras, words = FAULTS[fault]
     capture = studio_with(spoil)
     seen = dataclasses.replace(studio_evidence, cameras=capture.cameras)
-    monkeypatch.setattr("hgs_core.check.capture_check.gather", lambda capture, progress: seen)
+    monkeypatch.setattr("hgs_core.check.capture_check.gather", lambda capture, progress, followed: seen)
     check = check_capture(capture)
     (finding,) = check.stops
     assert finding.cameras == cameras
