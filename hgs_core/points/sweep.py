@@ -26,25 +26,32 @@ _NEIGHBOUR_VIEWS = 4  # views that a picture is compared with, of which one may 
 _AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
 _BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
 _FEW_POINTS = 20  # points below which a camera's depth range is taken from all points
+_NEAREST = 0.5  # of the median distance to the neighbour views, in which what is nearer looks too different
 
 
 def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:
     """Return each camera's nearest and farthest depth of interest, from known points [P, 3] with some room.
 
     Without points the cameras' spacing has to do: from one to thirty times the mean distance to their centre.
+    No range starts nearer than half as far as the views are away that a picture is compared with: a few points beside
+    a camera, as are the lenses in the wall of a dome, or wrong ones before it, would leave all but the nearest depths
+    in steps that miss them.
     """
+    around = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
     positions = np.array([camera.position for camera in cameras])
     extent = float(np.linalg.norm(positions - positions.mean(axis=0), axis=1).mean()) or 1.0
     ranges = []
-    for camera in cameras:
+    for camera, others in zip(cameras, around, strict=True):
         rows, _ = pixels_inside(camera, xyz)
         _, depths = camera.project(xyz[rows] if len(rows) >= _FEW_POINTS else xyz)
         depths = depths[depths > 0]
         if len(depths) < _FEW_POINTS:
             ranges.append((0.3 * extent, 10.0 * extent))
         else:
-            near, far = np.percentile(depths, (1, 99))
-            ranges.append((0.7 * float(near), 1.4 * float(far)))
+            near, far = np.percentile(depths, (1, 99)) * (0.7, 1.4)
+            apart = np.linalg.norm(positions[others] - camera.position, axis=1)
+            least = _NEAREST * float(np.median(apart)) if len(apart) else 0.0
+            ranges.append((max(float(near), min(least, float(far) / 2)), float(far)))
     return ranges
 
 

@@ -73,5 +73,18 @@ def test_depth_ranges_hold_the_points() -> None:
         assert 5.8 < far < 9
 
 
+def test_points_beside_a_camera_do_not_widen_its_range() -> None:
+    points = np.random.default_rng(0).uniform((-1, -1, 2), (1, 1, 6), (200, 3))
+    beside = CAMERAS[0].position + np.tile((0.0, 0.0, 0.01), (10, 1))
+    near, _ = depth_ranges(CAMERAS, np.concatenate([points, beside]))[0]
+    apart = [np.linalg.norm(camera.position - CAMERAS[0].position) for camera in CAMERAS[1:]]
+    assert 0.4 * min(apart) < near < 0.5 * max(apart)
+
+
+def test_what_is_before_the_cameras_stays_in_their_range() -> None:
+    points = np.random.default_rng(0).uniform((-0.1, -0.1, 0.3), (0.1, 0.1, 0.32), (200, 3))
+    assert all(near < 0.3 < 0.32 < far for near, far in depth_ranges(CAMERAS, points))
+
+
 def test_without_points_there_is_still_a_range() -> None:
     assert all(0 < near < far for near, far in depth_ranges(CAMERAS, np.zeros((0, 3))))
