@@ -33,9 +33,9 @@ def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) 
     """Return each camera's nearest and farthest depth of interest, from known points [P, 3] with some room.
 
     Without points the cameras' spacing has to do: from one to thirty times the mean distance to their centre.
-    No range starts nearer than half as far as the views are away that a picture is compared with: a few points beside
-    a camera, as are the lenses in the wall of a dome, or wrong ones before it, would leave all but the nearest depths
-    in steps that miss them.
+    No range starts nearer than half as far as the views are away that a picture is compared with. Cameras around a
+    scene film each other, and a point on a camera's own lens, which it cannot see, would leave all that it can see to
+    steps that miss it.
     """
     around = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
     positions = np.array([camera.position for camera in cameras])

@@ -73,10 +73,10 @@ def test_depth_ranges_hold_the_points() -> None:
         assert 5.8 < far < 9
 
 
-def test_points_beside_a_camera_do_not_widen_its_range() -> None:
+def test_a_cameras_own_lens_does_not_widen_its_range() -> None:
     points = np.random.default_rng(0).uniform((-1, -1, 2), (1, 1, 6), (200, 3))
-    beside = CAMERAS[0].position + np.tile((0.0, 0.0, 0.01), (10, 1))
-    near, _ = depth_ranges(CAMERAS, np.concatenate([points, beside]))[0]
+    lens = CAMERAS[0].position + np.tile((0.0, 0.0, 0.01), (10, 1))
+    near, _ = depth_ranges(CAMERAS, np.concatenate([points, lens]))[0]
     apart = [np.linalg.norm(camera.position - CAMERAS[0].position) for camera in CAMERAS[1:]]
     assert 0.4 * min(apart) < near < 0.5 * max(apart)
 
