@@ -33,9 +33,9 @@ def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) 
     """Return each camera's nearest and farthest depth of interest, from known points [P, 3] with some room.
 
     Without points the cameras' spacing has to do: from one to thirty times the mean distance to their centre.
-    No range starts nearer than half as far as the views are away that a picture is compared with. Cameras around a
-    scene film each other, and a point on a camera's own lens, which it cannot see, would leave all that it can see to
-    steps that miss it.
+    No range starts nearer than half as far as the views are away that a picture is compared with, unless it ends there
+    or soon after. Cameras around a scene film each other, and a point on a camera's own lens, which it cannot see,
+    would leave all that it can see to steps that miss it.
     """
     around = nearest_cameras(cameras, _NEIGHBOUR_VIEWS)
     positions = np.array([camera.position for camera in cameras])
@@ -48,10 +48,10 @@ def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) 
         if len(depths) < _FEW_POINTS:
             ranges.append((0.3 * extent, 10.0 * extent))
         else:
-            near, far = np.percentile(depths, (1, 99)) * (0.7, 1.4)
+            near, far = (float(depth) for depth in np.percentile(depths, (1, 99)) * (0.7, 1.4))
             apart = np.linalg.norm(positions[others] - camera.position, axis=1)
             least = _NEAREST * float(np.median(apart)) if len(apart) else 0.0
-            ranges.append((max(float(near), min(least, float(far) / 2)), float(far)))
+            ranges.append((max(near, min(least, far / 2)), far))
     return ranges
 
 
