@@ -32,7 +32,7 @@ class _Shifted:
     def __init__(self, capture: Capture, shifts: npt.NDArray[np.float64], step: int) -> None:
         self._capture, self._step = capture, step
         self._first = [round((_LARGEST + shift) * step) for shift in shifts]
-        self.cameras = capture.cameras
+        self.path, self.cameras = capture.path, capture.cameras
         self.times = np.arange((len(capture.times) - 2 * _LARGEST * step) // step, dtype=np.float64)
 
     def frame(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:

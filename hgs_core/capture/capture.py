@@ -36,6 +36,9 @@ class FrameSource(Protocol):
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given mask [H, W] of what moves, or None if the capture has none for this camera."""
 
+    def mask_file(self, camera: int, frame: int) -> Path | None:
+        """Return the file of a given mask, or None if the capture has none for this camera."""
+
 
 class Capture:
     """A multi-view video: cameras that never move, on one clock; or photographs of a still scene, all of one moment.
@@ -164,6 +167,15 @@ class Capture:
         """
         self._check(camera, frame)
         return self._source.read_mask(camera, frame)
+
+    def mask_file(self, camera: int, frame: int) -> Path | None:
+        """Return the file of the given mask, or None if the capture gives none for this camera.
+
+        Raises:
+            IndexError: no such camera or frame.
+        """
+        self._check(camera, frame)
+        return self._source.mask_file(camera, frame)
 
     def camera_index(self, name: str) -> int:
         """Return the index of the camera of that name; the file name of its video or photograph will do too.

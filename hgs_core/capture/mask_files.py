@@ -1,7 +1,7 @@
 """Given masks of what moves: one PNG per camera and frame, `<camera>/<FFFF>.png`, where any value above 0 moves.
 
 This is what segmentation tools such as SAM 2 or Track Anything write: 0 and 255, or the number of an object, as grey
-values or palette entries (docs/captures.md).
+values or palette entries (docs/captures.md). In JPEG files, which keep no number exactly, 128 and above moves.
 """
 
 from __future__ import annotations
@@ -14,10 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.picture import check_size, list_folder, numbered_pictures, picture_size, read_mask
+from hgs_core.capture.picture import check_size, list_folder, picture_size, read_mask
 from hgs_core.capture.straighten import StraightView
 
 __all__ = ["MaskFiles", "find_masks"]
+
+
+_SUFFIXES = (".jpeg", ".jpg", ".png")  # the last counts where there are several of one name
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,11 @@ class MaskFiles:
         if picture_size(path) == (view.camera.width, view.camera.height):  # as `hgs masks` writes it
             return read_mask(path, view.camera)
         return view.straight_mask(read_mask(path, view.bent))
+
+    def file(self, view: StraightView, frame: int) -> Path | None:
+        """Return the file of a frame's mask, or None if none are given for the camera."""
+        files = self.files.get(view.camera.name)
+        return None if files is None else files[frame]
 
     def sizes(self) -> list[tuple[Path, int]]:
         """Return the files and their sizes in bytes."""
@@ -89,11 +97,13 @@ def find_masks(
 
 
 def _files(folder: Path, view: StraightView, names: Sequence[str] | None, needed: Sequence[int]) -> dict[int, Path]:
-    there = {Path(name).stem: folder / name for name in list_folder(folder) if name.lower().endswith(".png")}
+    names_there = [name for name in list_folder(folder) if name.lower().endswith(_SUFFIXES)]
+    names_there.sort(key=lambda name: _SUFFIXES.index(Path(name).suffix.lower()))
+    there = {Path(name).stem: folder / name for name in names_there}
     if names is not None and all(names[frame] in there for frame in needed):
         found = {frame: there[names[frame]] for frame in needed}
     else:
-        numbers = numbered_pictures(folder)
+        numbers = {int(stem): path for stem, path in there.items() if stem.isdecimal()}
         for frame in needed:
             if frame not in numbers:
                 cure = "call masks like the pictures or number them from 0, or remove the folder to have them computed"

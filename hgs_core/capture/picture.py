@@ -18,6 +18,7 @@ __all__ = [
     "check_size",
     "list_folder",
     "list_folders",
+    "mask_levels",
     "numbered_pictures",
     "picture_size",
     "read_mask",
@@ -49,15 +50,22 @@ def read_sized_picture(path: Path, size: tuple[int, int]) -> npt.NDArray[np.uint
 
 
 def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
-    """Return the mask [H, W]; every value above 0 is True.
+    """Return the mask [H, W]; every value above 0 is True, in a JPEG, which keeps no value exactly, from 128.
 
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    values = _pixels(path, (camera.width, camera.height), None, f"camera {camera.name} needs")
-    if values.ndim == 3:  # colours; a second or fourth channel is transparency
-        values = values[:, :, : values.shape[2] - (values.shape[2] % 2 == 0)].max(axis=2)
-    return np.asarray(values > 0, bool)
+    values = _levels(_pixels(path, (camera.width, camera.height), None, f"camera {camera.name} needs"))
+    return np.asarray(values >= 128 if _is_jpeg(path) else values > 0, bool)
+
+
+def mask_levels(path: Path) -> npt.NDArray[np.uint8]:
+    """Return the levels [H, W] of a mask as they are stored.
+
+    Raises:
+        InputError: the file is missing or unreadable.
+    """
+    return _levels(_pixels(path, picture_size(path), None, "it was"))
 
 
 def check_size(path: Path, camera: Camera) -> None:
@@ -135,6 +143,16 @@ def _safely(entry: os.DirEntry[str], kind: Callable[[], bool]) -> bool:
         return kind()
     except OSError as error:
         raise InputError(entry.path, f"cannot be read ({error.strerror})", "make it readable, or remove it") from error
+
+
+def _levels(values: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+    """Return the largest colour of each pixel; a second or fourth channel is transparency."""
+    return values if values.ndim == 2 else values[:, :, : values.shape[2] - (values.shape[2] % 2 == 0)].max(axis=2)
+
+
+def _is_jpeg(path: Path) -> bool:
+    with path.open("rb") as file:
+        return file.read(3) == b"\xff\xd8\xff"
 
 
 def _pixels(path: Path, size: tuple[int, int], mode: str | None, wanted: str) -> npt.NDArray[np.uint8]:

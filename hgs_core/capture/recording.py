@@ -121,5 +121,8 @@ class _Source:
         mask = self._masks.read(view, int(self._recording.clock.frames[camera, frame]))
         return None if mask is None else reduced_mask(mask, self._shown[camera])
 
+    def mask_file(self, camera: int, frame: int) -> Path | None:
+        return self._masks.file(self._recording.views[camera], int(self._recording.clock.frames[camera, frame]))
+
     def _seen(self, camera: int, picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
         return reduced_picture(self._recording.views[camera].straightened(picture), self._shown[camera])

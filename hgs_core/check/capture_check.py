@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -11,20 +11,23 @@ from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
 from hgs_core.check.camera_motion import camera_shift
+from hgs_core.check.dead_cameras import judge_dead
 from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
 from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
-from hgs_core.check.motion_energy import energy_offsets, motion_energy
+from hgs_core.check.given_masks import judge_masks
+from hgs_core.check.motion_energy import energy_offsets
 from hgs_core.check.moving_features import feature_offsets, match_leads
+from hgs_core.check.picture_changes import watched_frames
 from hgs_core.check.poses import judge_poses
-from hgs_core.check.recordings import judge_masks, judge_pictures, judge_rates
+from hgs_core.check.recordings import judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
 from hgs_core.check.suspects import WRONG
 from hgs_core.check.synchronise import FEWEST_FRAMES
+from hgs_core.check.watched_cameras import Death, WatchedCamera, watch_cameras
 
 __all__ = ["check_capture"]
 
-_FRAMES = 90  # from the first, in which motion energy is measured
 _APART = 1.0  # frames: what offsets are told from
 _APART_IF_SHORT = 1.5  # of fewer frames than `hgs sync` needs: 20 frames of good captures gave 1.4 by chance
 
@@ -46,7 +49,8 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
         (5, [])
     """
     names = [camera.name for camera in capture.cameras]
-    ahead = _energy_offsets(capture, progress)
+    watched = _watched(capture, progress)
+    ahead = energy_offsets([camera.energy() for camera in watched])
     by_features = all(offset is None for offset in ahead)
     seen = gather(capture, progress, followed=by_features)
     rig = Rig.of(seen.cameras)
@@ -56,11 +60,16 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     if by_features:
         trusted = set(suspects.agreeing)
         leads = match_leads(rig, [pair for pair in seen.pairs if trusted.issuperset(pair)], seen.views)
-        ahead = feature_offsets(len(names), leads)
-    findings += moving
+        told = feature_offsets(len(names), leads)
+        ahead = [None if camera.mostly_dead else offset for camera, offset in zip(watched, told, strict=True)]
+    findings += moving + judge_dead(names, watched)
     apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
-    findings += judge_pictures(names, seen.views) + judge_masks(names, seen.views) + judge_rates(capture.path, names)
+    findings += (
+        judge_pictures(names, seen.views, _blank(names, watched))
+        + judge_masks(names, [view.masks for view in seen.views])
+        + judge_rates(capture.path, names)
+    )
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
         CameraResult(
@@ -89,18 +98,16 @@ def _moving_cameras(names: list[str], seen: Evidence) -> list[Finding]:
     return findings
 
 
-def _energy_offsets(capture: Capture, progress: ProgressCallback) -> list[float | None]:
-    """Return by how many frames each camera is ahead, by motion energy; None for one of which it tells nothing."""
-    count, frames = len(capture.cameras), min(_FRAMES, len(capture.times))
-    if frames < 2:
-        return [None] * count
-    energies = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        measured = pool.map(lambda i: motion_energy(lambda frame: capture.frame(i, frame), frames), range(count))
-        for done, energy in enumerate(measured, 1):
-            energies.append(energy)
-            progress(Progress("check", done, 3 * count))
-    return energy_offsets(energies)
+def _watched(capture: Capture, progress: ProgressCallback) -> list[WatchedCamera]:
+    count = len(capture.cameras)
+    pictures = [partial(capture.frame, index) for index in range(count)]
+    frames = watched_frames(len(capture.times))
+    return watch_cameras(pictures, frames, lambda done: progress(Progress("check", done, 3 * count)))
+
+
+def _blank(names: Sequence[str], watched: Sequence[WatchedCamera]) -> set[str]:
+    pairs = zip(names, watched, strict=True)
+    return {name for name, camera in pairs if any(span.death is Death.BLANK for span in camera.dead)}
 
 
 def _unsynchronous(names: list[str], ahead: list[float | None], apart: float, moving: set[str]) -> list[Finding]:

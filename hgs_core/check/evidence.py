@@ -13,6 +13,7 @@ import numpy.typing as npt
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_picture
+from hgs_core.check.given_masks import MaskEvidence, mask_evidence
 from hgs_core.points.features import Features, extract_features
 from hgs_core.points.matching import LONGEST_SIDE, PairMatches, likely_pairs, match_moments, moving_pixels
 from hgs_core.scene.camera import Camera
@@ -32,7 +33,7 @@ class CameraEvidence:
     soon: dict[int, Features]  # if followed: a frame later, of the moments between the first and the last
     last: Features | None  # all of the last moment, where that is not the first
     level: tuple[int, float]  # the commonest grey level of the first picture, and the share of the pixels that have it
-    marked: tuple[float, ...]  # share of the pixels that given masks mark, per moment; empty without masks
+    masks: MaskEvidence | None = None  # None: without given masks
 
 
 @dataclass(frozen=True)
@@ -94,11 +95,10 @@ def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int], fol
     if fine:
         first = extract_features(pictures[0], fine=True)
     level = _commonest_level(pictures[0])
-    masks = [capture.mask(index, frame) for frame in frames]
-    marked = tuple(float(mask.mean()) for mask in masks if mask is not None)
-    if len(frames) == 1:
-        return CameraEvidence((first,), (), {}, None, level, marked)
-    moves = moving_pixels(pictures)
+    moves = moving_pixels(pictures) if len(frames) > 1 else []
+    masks = mask_evidence(capture, index, frames, moves)
+    if not moves:
+        return CameraEvidence((first,), (), {}, None, level, masks)
     last = extract_features(pictures[-1], fine=fine)
     between = [extract_features(one, at, fine=fine) for one, at in zip(pictures[1:-1], moves[1:-1], strict=True)]
     moving = (_on(first, moves[0]), *between, _on(last, moves[-1]))
@@ -107,7 +107,7 @@ def _look(capture: Capture, index: int, size: Camera, frames: Sequence[int], fol
         for moment in range(len(frames))[1:-1]
         if followed
     }
-    return CameraEvidence((first, *moving[1:]), moving, soon, last, level, marked)
+    return CameraEvidence((first, *moving[1:]), moving, soon, last, level, masks)
 
 
 def _on(features: Features, mask: npt.NDArray[np.bool_]) -> Features:

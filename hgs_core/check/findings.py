@@ -23,6 +23,7 @@ class Finding:
     cameras: tuple[str, ...]  # it is about; none: the capture as a whole
     problem: str
     cure: str
+    of_pictures: bool = False  # a stop that does not concern a training without these cameras' pictures
 
     def sentence(self) -> str:
         """Return it as one line that names the cameras."""
@@ -100,9 +101,7 @@ class CaptureCheck:
     def _from_json(cls, value: dict[str, Any]) -> CaptureCheck:
         return cls(
             tuple(CameraResult(**one) for one in value["cameras"]),
-            tuple(
-                Finding(one["stops"], tuple(one["cameras"]), one["problem"], one["cure"]) for one in value["findings"]
-            ),
+            tuple(Finding(**one | {"cameras": tuple(one["cameras"])}) for one in value["findings"]),
             tuple(_pair(one) for one in value["shown"]),
             tuple(value["frames"]),
             value["width"],

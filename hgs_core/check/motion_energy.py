@@ -5,16 +5,13 @@ What starts, stops and turns does so at one moment for all cameras, whatever of 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image
 
-__all__ = ["energy_offsets", "motion_energy"]
+__all__ = ["energy_offsets"]
 
-_SIZE = (128, 96)  # pixels that a picture is reduced to
-_NOISE = 6.0  # levels that pixels differ by without motion
 _FEWEST = 12  # frames that two cameras must overlap by
 _AGREES = 0.75  # frames
 _LEAST_AGREEMENT = 0.8  # of the pairs' weight, in the median camera; where fewer agree all is chance
@@ -23,25 +20,24 @@ _ROUNDS = 30
 Floats = npt.NDArray[np.float64]
 
 
-def motion_energy(picture: Callable[[int], npt.NDArray[np.uint8]], frames: int) -> Floats:
-    """Return how much each of the first frames of a camera differs from the one before, [frames - 1] mean levels."""
-    energy, before = [], None
-    for frame in range(frames):
-        grey = Image.fromarray(picture(frame)).convert("L").resize(_SIZE, Image.Resampling.BOX)
-        now = np.asarray(grey, np.float32)
-        if before is not None:
-            change = np.abs(now - before)
-            energy.append(float(np.where(change > _NOISE, change, 0).mean()))
-        before = now
-    return np.array(energy)
-
-
-def energy_offsets(energies: Sequence[Floats], farthest: int = 10, least_agreement: float = 0.5) -> list[float | None]:
+def energy_offsets(
+    energies: Sequence[Floats | None], farthest: int = 10, least_agreement: float = 0.5
+) -> list[float | None]:
     """Return by how many frames, not rounded, each camera is ahead of most; all None where the pairs disagree.
 
+    The energies are those of `PictureChanges`, NaN where a camera was dead; one without any has no offset.
     `farthest` is how many frames two cameras may be apart, `least_agreement` the share of a camera's pairs, by weight,
     that must say the same of it.
     """
+    alive = [index for index, energy in enumerate(energies) if energy is not None]
+    found = _offsets([energy for energy in energies if energy is not None], farthest, least_agreement)
+    offsets: list[float | None] = [None] * len(energies)
+    for index, offset in zip(alive, found, strict=True):
+        offsets[index] = offset
+    return offsets
+
+
+def _offsets(energies: Sequence[Floats], farthest: int, least_agreement: float) -> list[float | None]:
     count = len(energies)
     nothing: list[float | None] = [None] * count
     farthest = min(farthest, len(energies[0]) - _FEWEST) if count else 0
@@ -82,7 +78,9 @@ def _lead(first: Floats, second: Floats, farthest: int) -> tuple[float, float]:
 def _correlation(first: Floats, second: Floats, shift: int) -> float:
     """Return how the second is like the first when it is moved back by `shift` frames."""
     a, b = first[max(0, -shift) : len(first) - max(0, shift)], second[max(0, shift) : len(second) - max(0, -shift)]
-    if a.std() == 0 or b.std() == 0:
+    known = np.isfinite(a) & np.isfinite(b)
+    a, b = a[known], b[known]
+    if len(a) < _FEWEST or a.std() == 0 or b.std() == 0:
         return 0.0
     return float(np.corrcoef(a, b)[0, 1])
 

@@ -1,9 +1,9 @@
-"""Findings about pictures, masks and frame rates."""
+"""Findings about pictures and frame rates."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -14,17 +14,16 @@ from hgs_core.capture.video import announced_length
 from hgs_core.check.evidence import CameraEvidence
 from hgs_core.check.findings import Finding
 
-__all__ = ["judge_masks", "judge_pictures", "judge_rates"]
+__all__ = ["judge_pictures", "judge_rates"]
 
 _FLAT = 0.96  # of the pixels; an object before a plain background leaves more
-_ALL = 0.995  # of the pixels
 _FEW_CAMERAS = 4
 
 
-def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence]) -> list[Finding]:
-    """Find pictures that show nothing, and too few of them."""
+def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence], blank: Collection[str] = ()) -> list[Finding]:
+    """Find pictures that show nothing, and too few of them; the cameras that are `blank` are reported already."""
     findings = []
-    flat = [i for i, view in enumerate(views) if view.level[1] > _FLAT]
+    flat = [i for i, view in enumerate(views) if view.level[1] > _FLAT and names[i] not in blank]
     for level in sorted({views[i].level[0] for i in flat}):
         cameras = [names[i] for i in flat if views[i].level[0] == level]
         share = min(views[i].level[1] for i in flat if views[i].level[0] == level)
@@ -34,22 +33,6 @@ def judge_pictures(names: Sequence[str], views: Sequence[CameraEvidence]) -> lis
     if len(views) < _FEW_CAMERAS:
         problem = f"{counted(len(views), 'camera')}: a scene looks right only near where they stand"
         findings.append(Finding(False, (), problem, f"record with {_FEW_CAMERAS} or more"))
-    return findings
-
-
-def judge_masks(names: Sequence[str], views: Sequence[CameraEvidence]) -> list[Finding]:
-    """Find given masks that mark nothing, or everything."""
-    given = {name: view.marked for name, view in zip(names, views, strict=True) if view.marked}
-    nothing = [name for name, marked in given.items() if max(marked) == 0]
-    everything = [name for name, marked in given.items() if min(marked) > _ALL]
-    findings = []
-    if given and len(nothing) == len(given):
-        problem = "the masks mark nothing in the frames that were looked at: what moves would be trained as still"
-        findings.append(Finding(False, (), problem, "mark what moves, or take the masks away"))
-    if everything:
-        problem = "the masks mark 100 % of the pixels: nothing would be trained as still"
-        cure = "what moves is above 0, what is still is 0: were they inverted?"
-        findings.append(Finding(False, () if len(everything) == len(names) else tuple(everything), problem, cure))
     return findings
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,9 +18,10 @@ from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.sound_track import read_sound
 from hgs_core.capture.sync import SYNC_FILE
-from hgs_core.check.motion_energy import energy_offsets, motion_energy
+from hgs_core.check.motion_energy import energy_offsets
 from hgs_core.check.sound import sound_starts
 from hgs_core.check.synchronise import FARTHEST, FEWEST_FRAMES, LEAST_AGREEMENT, find_offsets
+from hgs_core.check.watched_cameras import watch_cameras
 
 __all__ = ["Starts", "starts_by_energy", "starts_by_motion", "starts_by_sound"]
 
@@ -98,11 +98,15 @@ def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
     """Return when cameras began by what moves, under poses that are known.
 
     Raises:
-        InputError: too little that moves is seen by some camera; names it.
+        InputError: too little that moves is seen by some camera, or it is mostly frozen or blank; names it. There are
+            too few frames.
     """
     offsets = find_offsets(capture, progress)
     names = [camera.name for camera in capture.cameras]
     untold = [name for name, offset in zip(names, offsets, strict=True) if offset is None]
+    if untold and len(capture.times) < FEWEST_FRAMES:
+        problem = f"{len(capture.times)} frames are too few to measure when the cameras began"
+        raise InputError(capture.path, problem, f"{FEWEST_FRAMES} or more tell it; with fewer, {_CURE}")
     if untold:
         raise InputError(capture.path, f"too little that moves is seen by {', '.join(untold)}", _CURE)
     return Starts(
@@ -119,17 +123,13 @@ def starts_by_energy(
 ) -> Starts | None:
     """Return when cameras began by how much changes from frame to frame, which needs no poses; None if that is unclear.
 
-    Right to about half a frame: `starts_by_motion` tells more.
+    Right to about half a frame: `starts_by_motion` tells more. Nothing is clear of a camera that was mostly dead.
     """
     frames, count = min(frames, _FRAMES), len(names)
     if frames < FEWEST_FRAMES:
         return None
-    energies = []
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        measured = pool.map(lambda i: motion_energy(lambda frame: picture(i, frame), frames), range(count))
-        for done, energy in enumerate(measured, 1):
-            energies.append(energy)
-            progress(Progress("sync", done, count))
-    offsets = energy_offsets(energies, FARTHEST, LEAST_AGREEMENT)
+    pictures = [partial(picture, camera) for camera in range(count)]
+    watched = watch_cameras(pictures, np.arange(frames), lambda done: progress(Progress("sync", done, count)))
+    offsets = energy_offsets([camera.energy() for camera in watched], FARTHEST, LEAST_AGREEMENT)
     told = {name: round(o, 2) + 0.0 for name, o in zip(names, offsets, strict=True) if o is not None}
     return Starts("motion", "frames", told) if len(told) == count else None

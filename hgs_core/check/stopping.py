@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
@@ -10,14 +11,15 @@ from hgs_core.check.findings import CaptureCheck
 __all__ = ["require_sound"]
 
 
-def require_sound(check: CaptureCheck, capture: Path) -> None:
-    """Refuse a capture that cannot come out right.
+def require_sound(check: CaptureCheck, capture: Path, held_out: Collection[str] = ()) -> None:
+    """Refuse a capture that cannot come out right; dead cameras that are `held_out` do not matter.
 
     Raises:
         InputError: names the first fault, its cure, and how many more there are.
     """
-    if check.stops:
-        first, more = check.stops[0], len(check.stops) - 1
+    stops = [one for one in check.stops if not (one.of_pictures and set(held_out).issuperset(one.cameras))]
+    if stops:
+        first, more = stops[0], len(stops) - 1
         where = f"{capture}, camera {', '.join(first.cameras)}" if first.cameras else str(capture)
         others = f" (and {more} more, see hgs check)" if more else ""
         raise InputError(where, first.problem + others, f"{first.cure}; or train with --trust-poses")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +13,12 @@ import numpy.typing as npt
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.picture import reduced_picture
+from hgs_core.check.dead_cameras import require_alive
 from hgs_core.check.epipolar import Rig
 from hgs_core.check.evidence import CameraEvidence
-from hgs_core.check.motion_energy import energy_offsets, motion_energy
+from hgs_core.check.motion_energy import energy_offsets
 from hgs_core.check.moving_features import feature_offsets, match_leads
+from hgs_core.check.watched_cameras import watch_cameras
 from hgs_core.points.features import extract_features
 from hgs_core.points.matching import LONGEST_SIDE, moving_pixels
 from hgs_core.points.sfm import camera_pairs
@@ -46,16 +49,16 @@ def find_offsets(capture: Capture, progress: ProgressCallback) -> list[float | N
     A camera that is ahead by 2.5 shows in its frame k what most show between their frames k + 2 and k + 3.
 
     Raises:
-        InputError: a picture is missing or unreadable.
+        InputError: a picture is missing or unreadable, or a camera is mostly frozen or blank.
     """
-    count, frames = len(capture.cameras), len(capture.times)
+    names, frames = [camera.name for camera in capture.cameras], len(capture.times)
+    count = len(names)
+    watched = watch_cameras([partial(capture.frame, index) for index in range(count)], np.arange(min(frames, _FRAMES)))
+    require_alive(capture.path, names, watched)
     if frames < FEWEST_FRAMES or count < 2:
         return [None] * count
+    energies = [camera.energy() for camera in watched]
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        measured = pool.map(
-            lambda i: motion_energy(lambda frame: capture.frame(i, frame), min(frames, _FRAMES)), range(count)
-        )
-        energies = list(measured)
         energy = energy_offsets(energies, FARTHEST, LEAST_AGREEMENT)
         progress(Progress("sync", 1, 1 + _ROUNDS))
         start = [offset or 0.0 for offset in energy_offsets(energies, FARTHEST)]  # near enough to begin with
@@ -108,4 +111,4 @@ def _moving_view(capture: Capture, index: int, size: Camera, frames: Sequence[in
     soon = {
         number: extract_features(picture(frame + 1), moves[number], fine=True) for number, frame in enumerate(frames)
     }
-    return CameraEvidence(moving, moving, soon, None, (0, 0.0), ())
+    return CameraEvidence(moving, moving, soon, None, (0, 0.0))

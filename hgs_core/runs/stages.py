@@ -51,7 +51,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
         for finding in result.findings:
             log.info("%s: %s", spec.capture, finding.sentence())
     if not spec.config.capture.trust_poses:
-        require_sound(result, spec.capture)
+        require_sound(result, spec.capture, spec.config.capture.hold_out)
 
 
 def initialise(run: Path, progress: ProgressCallback) -> None:

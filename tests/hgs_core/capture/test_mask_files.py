@@ -35,6 +35,24 @@ def test_every_value_but_0_moves_in_every_kind_of_png(n3dv: Path, tmp_path: Path
     assert np.unique(np.argwhere(given)[:, 1]).tolist() == [8, 9, 10, 11]
 
 
+@pytest.mark.parametrize("suffix", [".jpg", ".JPEG", ".PNG"])
+def test_masks_called_otherwise_are_read(n3dv: Path, tmp_path: Path, suffix: str) -> None:
+    """JPEG keeps no value exactly: what is dark moves no more than black."""
+    masks = write_masks(tmp_path / "masks" / "cam01")
+    truth = []
+    for path in sorted((masks / "cam01").iterdir()):
+        with Image.open(path) as stored:
+            values = np.where(np.asarray(stored) > 0, 255, 20).astype(np.uint8)
+        if suffix == ".PNG":
+            values[values == 20] = 0
+        truth.append(values == 255)
+        path.unlink()
+        Image.fromarray(values).save(path.with_suffix(suffix), quality=100)
+    capture = open_capture(n3dv, masks=masks)
+    for frame, right in enumerate(truth):
+        np.testing.assert_array_equal(capture.mask(capture.camera_index("cam01"), frame), right)
+
+
 def test_cameras_without_a_folder_get_automatic_masks_and_a_note_says_so(n3dv: Path, tmp_path: Path) -> None:
     capture = open_capture(n3dv, masks=write_masks(tmp_path / "masks" / "cam01"))
     assert capture.mask(0, 0) is None

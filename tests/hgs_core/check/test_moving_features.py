@@ -28,7 +28,7 @@ def views(ahead: list[float], chance: float = 0.0) -> tuple[Rig, list[CameraEvid
         jump = np.where(numbers.random(COUNT) < chance, 1.0, 0.0)[:, None] * numbers.uniform(-30, 30, (COUNT, 2))
         empty = Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
         here, there = Features(now + jump, stored), Features(soon + jump, stored)
-        found.append(CameraEvidence((empty, here), (empty, here), {1: there}, None, (0, 0.0), ()))
+        found.append(CameraEvidence((empty, here), (empty, here), {1: there}, None, (0, 0.0)))
     return Rig.of(cameras), found
 
 

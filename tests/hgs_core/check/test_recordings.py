@@ -7,13 +7,13 @@ import av
 import numpy as np
 
 from hgs_core.check.evidence import CameraEvidence
-from hgs_core.check.recordings import judge_masks, judge_pictures, judge_rates
+from hgs_core.check.recordings import judge_pictures, judge_rates
 
 NAMES = ["a", "b", "c", "d"]
 
 
-def view(level: tuple[int, float] = (90, 0.02), marked: tuple[float, ...] = ()) -> CameraEvidence:
-    return CameraEvidence((), (), {}, None, level, marked)
+def view(level: tuple[int, float] = (90, 0.02)) -> CameraEvidence:
+    return CameraEvidence((), (), {}, None, level)
 
 
 def test_pictures_of_one_level_stop_where_no_camera_shows_more() -> None:
@@ -24,23 +24,12 @@ def test_pictures_of_one_level_stop_where_no_camera_shows_more() -> None:
     assert not finding.stops
     assert finding.cameras == ("b",)
     assert judge_pictures(NAMES, [view()] * 4) == []
+    assert judge_pictures(NAMES, [view(), view((0, 0.99)), view(), view()], blank={"b"}) == []
 
 
 def test_two_cameras_are_few() -> None:
     (finding,) = judge_pictures(NAMES[:2], [view()] * 2)
     assert "2 cameras" in finding.problem
-
-
-def test_masks_that_mark_nothing_anywhere_are_told() -> None:
-    (finding,) = judge_masks(NAMES, [view(marked=(0.0, 0.0))] * 4)
-    assert "mark nothing" in finding.problem
-    assert judge_masks(NAMES, [view(marked=(0.0, 0.0)), view(marked=(0.0, 0.1)), view(), view()]) == []
-
-
-def test_masks_that_mark_everything_are_told_by_camera() -> None:
-    (finding,) = judge_masks(NAMES, [view(marked=(0.1, 0.2)), view(marked=(1.0, 1.0)), view(), view()])
-    assert finding.cameras == ("b",)
-    assert "100 %" in finding.problem
 
 
 def test_a_video_at_another_rate_is_named_with_the_time_in_which_it_drifts_by_a_frame(tmp_path: Path) -> None:

@@ -23,3 +23,12 @@ def test_the_first_fault_is_told_with_its_cure_and_the_way_on() -> None:
         require_sound(check(*faults), Path("capture"))
     words = "capture, camera a, b: swapped (and 1 more, see hgs check); exchange them; or train with --trust-poses"
     assert str(caught.value) == words
+
+
+def test_a_dead_camera_that_is_held_out_does_not_stop_a_training() -> None:
+    dead = check(Finding(True, ("a",), "its pictures are black", "leave it out", of_pictures=True))
+    require_sound(dead, Path("capture"), held_out=["a", "b"])
+    with pytest.raises(InputError, match="black"):
+        require_sound(dead, Path("capture"), held_out=["b"])
+    with pytest.raises(InputError, match="inverted"):
+        require_sound(check(Finding(True, ("a",), "inverted", "invert it")), Path("capture"), held_out=["a"])

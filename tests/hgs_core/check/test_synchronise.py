@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,10 @@ class Shifted:
 
     capture: Capture
     shifts: tuple[int, ...]
+
+    @property
+    def path(self) -> Path:
+        return self.capture.path
 
     @property
     def cameras(self) -> object:

@@ -45,6 +45,9 @@ def test_a_camera_that_nothing_tells_of_is_named_and_nothing_is_written(
 ) -> None:
     found(monkeypatch, [0.0, None, 1.0])
     assert main(["sync", str(capture)]) == 2
+    assert "2 frames are too few" in capsys.readouterr().err
+    monkeypatch.setattr("hgs_core.check.starts.FEWEST_FRAMES", 2)
+    assert main(["sync", str(capture)]) == 2
     assert "too little that moves is seen by 1;" in capsys.readouterr().err
     assert not (capture / "sync.json").exists()
 
