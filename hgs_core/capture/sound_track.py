@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.errors import InputError
+from hgs_core.capture.container import open_container
 from hgs_core.capture.unreadable import unreadable
 
 if TYPE_CHECKING:
@@ -26,9 +28,9 @@ def has_sound(path: Path) -> bool:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             return bool(container.streams.audio)
-    except (av.FFmpegError, OSError):
+    except (av.FFmpegError, OSError, InputError):
         return False
 
 
@@ -41,7 +43,7 @@ def sound_begin(path: Path) -> float:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             begin = _begin(container)
             if begin is None:
                 begin = float(next(container.decode(container.streams.audio[0])).time or 0.0)
@@ -62,7 +64,7 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             if not container.streams.audio:
                 return None
             stream, begin = container.streams.audio[0], _begin(container)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
+from hgs_core.capture.container import open_container
 from hgs_core.capture.display_matrix import quarter_turns
 from hgs_core.capture.unreadable import unreadable
 from hgs_core.capture.wide_colours import wide_colours_of
@@ -32,7 +33,7 @@ def announced_length(path: Path) -> tuple[int | None, float | None]:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             if not container.streams.video:
                 raise InputError(path, "the file has no video stream", "export the camera's video again")
             stream = container.streams.video[0]
@@ -69,7 +70,7 @@ class VideoReader:
         keys: list[int] = []
         shown: list[av.VideoFrame] = []  # the first that the decoder gives
         try:
-            with av.open(str(path)) as container:
+            with open_container(path) as container:
                 if not container.streams.video:
                     raise InputError(path, "the file has no video stream", "export the camera's video again")
                 stream = container.streams.video[0]
@@ -100,7 +101,7 @@ class VideoReader:
                     if packet.is_keyframe:
                         keys.append(stamp)
                     damaged |= packet.is_corrupt
-        except av.FFmpegError as error:
+        except (av.FFmpegError, OSError) as error:
             raise self._unreadable(error) from error
         if not stamps:
             raise InputError(path, "the video has no frame", "export the camera's video again")
@@ -182,19 +183,18 @@ class VideoReader:
                     break
                 if index - shown <= neighbours:
                     passed.append((shown, self._picture(frame)))
-        except av.FFmpegError as error:
+        except (av.FFmpegError, OSError) as error:
             self._close()
             raise self._unreadable(error, index) from error
         self._close()
         raise InputError(self.path, f"frame {index} cannot be decoded", "export the camera's video again")
 
     def _seek(self, key: int) -> None:
-        import av
 
         if self._counted:
             self._close()
         if self._container is None:
-            self._container = av.open(str(self.path))
+            self._container = open_container(self.path)
             context = self._container.streams.video[0].codec_context
             context.thread_count = 1  # frame threads would hold several pictures for each of many cameras
             context.options = {"err_detect": "explode"}  # damage is an error, never a guessed picture
