@@ -116,13 +116,14 @@ def _places(folder: Path) -> Iterator[Place]:
 
 
 def _moments(folder: Path, leaves: dict[str, tuple[Path, ...]]) -> Iterator[Place]:
-    """Yield the pictures that are called alike in all folders."""
-    by_folder = [{file.stem: file for file in files} for files in leaves.values()]
-    shared = set.intersection(*(set(files) for files in by_folder))
-    if shared:
-        names = sorted(shared, key=natural_order)
-        footage = tuple(Footage(name, tuple(files[name] for files in by_folder)) for name in names)
-        yield Place(folder, "moments", footage)
+    """Yield the pictures that are called alike in most folders; where one lacks a picture, its camera saw nothing."""
+    found: dict[str, list[Path]] = {}
+    for files in leaves.values():
+        for file in files:
+            found.setdefault(file.stem, []).append(file)
+    names = sorted((name for name, files in found.items() if 2 * len(files) > len(leaves)), key=natural_order)
+    if names:
+        yield Place(folder, "moments", tuple(Footage(name, tuple(found[name])) for name in names))
 
 
 def _pictures(folder: Path) -> tuple[Path, ...]:
