@@ -17,10 +17,10 @@ from hgs_core.base.errors import InputError
 if TYPE_CHECKING:
     from av.container import InputContainer
 
-__all__ = ["open_container"]
+__all__ = ["is_bare", "open_container"]
 
-_STAMPED = "mov matroska avi mpegts mpeg mxf flv ogg asf rm gxf lxf dv nut ivf"
-_BARE = "h264 hevc vvc obu av1 mpegvideo m4v h263 vc1 mjpeg yuv4mpegpipe"
+_STAMPED = "mov matroska avi mpegts mpeg mxf flv ogg asf rm gxf lxf dv nut ivf yuv4mpegpipe"
+_BARE = "h264 hevc vvc obu av1 mpegvideo m4v h263 vc1 mjpeg"
 _SOUND = "wav w64 aiff caf au mp3 flac aac ac3 eac3 amr wv ape"
 _OPTIONS = {"format_whitelist": f"{_STAMPED} {_BARE} {_SOUND}".replace(" ", ","), "protocol_whitelist": "file"}
 _HEAD_BYTES = 4096
@@ -63,3 +63,8 @@ def open_container(path: Path) -> InputContainer:
     except av.error.ArgumentError as error:
         problem = "is in none of the formats that videos and sound are read from"
         raise InputError(path, problem, f"export it as MP4: ffmpeg -i {shlex.quote(str(path))} NEW.mp4") from error
+
+
+def is_bare(container: InputContainer) -> bool:
+    """Return whether a file is a stream without a container: FFmpeg makes up its time stamps, 25 frames a second."""
+    return container.format.name in _BARE.split()

@@ -204,6 +204,11 @@ def _of_pictures(names: Sequence[str], readers: Sequence[VideoReader | PictureSe
     for name, reader in zip(names, readers, strict=True):
         if isinstance(reader, VideoReader) and reader.wide_colours is not None:
             wide.setdefault(reader.wide_colours.name, []).append(name)
+    chosen = dict[str, list[str]]()
+    for name, reader in zip(names, readers, strict=True):
+        for note in reader.notes:
+            chosen.setdefault(note, []).append(name)
+    notes += [f"{', '.join(cameras)}: {note}" for note, cameras in chosen.items()]
     for what, cameras in wide.items():
         notes.append(f"{what} of {', '.join(cameras)} is shown as on an ordinary screen, in BT.709's colours")
     pixels = np.array([reader.width * reader.height for reader in readers])

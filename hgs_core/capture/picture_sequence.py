@@ -36,6 +36,7 @@ class PictureSequence:
             if size == 0:
                 raise InputError(path, "the file is empty", "restore the file")
             self.files.append((path, size))
+        self.notes: list[str] = []  # what was chosen, for people
         sizes = [picture_size(path) for path in files]
         self.width, self.height = usual = Counter(sizes).most_common(1)[0][0]
         for path, found in zip(files, sizes, strict=True):
