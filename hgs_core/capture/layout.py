@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.as_calibrated import show_as_calibrated
 from hgs_core.capture.cameras.calibration_toml import CALIBRATION_TOML
 from hgs_core.capture.cameras.colmap import COLMAP
 from hgs_core.capture.cameras.easymocap import EASYMOCAP
@@ -72,6 +73,7 @@ def load(
     rig = camera_format.read(capture, file)
     matched = match_footage(capture, rig)
     readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
+    shapes = show_as_calibrated(rig.cameras, matched.names, readers)
     views = [
         StraightView.of(calibrated.camera(name, reader.width, reader.height), calibrated.lens)
         for calibrated, name, reader in zip(rig.cameras, matched.names, readers, strict=True)
@@ -99,7 +101,7 @@ def load(
         given,
         [pair for reader in readers for pair in reader.files],
         [*rig.files, *times.files, *([sync.file] if sync.file else [])],
-        (*rig.notes, *matched.notes, *_of_pictures(matched.names, readers), *times.notes, *said, *clock.notes),
+        (*rig.notes, *matched.notes, *shapes, *_of_pictures(matched.names, readers), *times.notes, *said, *clock.notes),
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
     )
 
@@ -193,6 +195,10 @@ def _clock(
     if assumed and not found.files:
         found.notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
     clock = common_clock(capture, found.cameras)
+    if len(clock.times) == 1 and matched.kind == "videos" and max(len(reader) for reader in readers) == 1:
+        first = matched.footage[0].files[0].name
+        cure = f"give pictures of a scene that stands still: ffmpeg -i {first} {matched.footage[0].name}.png"
+        raise InputError(capture, "each video has one frame, and nothing moves", f"{cure}, and take the videos away")
     if len(clock.times) == 1 and max(len(reader) for reader in readers) > 1:
         raise InputError(capture, "only one moment is seen by all cameras", "check their time stamps, or sync.json")
     return clock, found

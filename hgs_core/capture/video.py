@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.container import open_container
 from hgs_core.capture.display_matrix import quarter_turns
+from hgs_core.capture.encoding_again import encode_again
 from hgs_core.capture.unreadable import unreadable
 from hgs_core.capture.video_packets import VideoPackets, open_stream
 from hgs_core.capture.video_stream import stated_rate
@@ -75,8 +75,7 @@ class VideoReader:
         self._reformatter = VideoReformatter()
         turns = quarter_turns(packets.first[0])
         if turns is None:
-            encoded = f"-c:v libx264 -crf 12 {shlex.quote(path.stem + '-upright.mp4')}"
-            cure = f"export it as it should look: ffmpeg -i {shlex.quote(path.name)} {encoded}, and take this one away"
+            cure = f"store it as it should look: {encode_again(path)}"
             raise InputError(path, "the video is to be shown mirrored or tilted", cure)
         self._turns = turns
         self.wide_colours = wide_colours_of(packets.first[0])

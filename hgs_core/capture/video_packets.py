@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.container import is_bare, open_container
+from hgs_core.capture.encoding_again import encode_again
 from hgs_core.capture.unreadable import unreadable
 from hgs_core.capture.video_stream import stated_rate, video_stream
 
@@ -106,8 +106,6 @@ class VideoPackets:
         return damaged
 
     def _check(self, path: Path, announced: int, damaged: bool) -> None:
-        encoded = f"-c:v libx264 -crf 12 {shlex.quote(path.stem + '-again.mp4')}"
-        again = f"export it again, as with: ffmpeg -i {shlex.quote(path.name)} {encoded}, and take this one away"
         if not self.stamps:
             raise InputError(path, "the video has no frame", "export the camera's video again")
         if announced and len(self.stamps) < announced:
@@ -116,11 +114,10 @@ class VideoPackets:
         if damaged:
             raise InputError(path, "the video holds damaged packets", "copy or export the camera's video again")
         if len(set(self.stamps)) < len(self.stamps):
-            raise InputError(path, "two frames have the same time stamp", again)
+            raise InputError(path, "two frames have the same time stamp", f"give them others: {encode_again(path)}")
         if self.rate <= 0:
-            rated = f"ffmpeg -framerate 30 -i {shlex.quote(path.name)} {encoded}"
-            cure = f"give it the rate that it was filmed at, such as 30: {rated}, and take this one away"
-            raise InputError(path, "the video does not state its frame rate", cure)
+            cure = f"say at how many it was filmed, such as 30: {encode_again(path, reading='-framerate 30')}"
+            raise InputError(path, "the video does not state its frames per second", cure)
         if not self.first:
             raise InputError(path, "no frame can be decoded", "export the camera's video again")
 

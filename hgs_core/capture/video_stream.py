@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections import Counter
 from fractions import Fraction
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.container import is_bare, open_container
+from hgs_core.capture.encoding_again import encode_again
 
 if TYPE_CHECKING:
     from av.container import InputContainer
@@ -35,13 +35,13 @@ def video_stream(path: Path, container: InputContainer) -> tuple[VideoStream | N
     indices = [stream.index for stream in streams]
     with open_container(path) as whole:
         counts = Counter(packet.stream.index for packet in whole.demux(indices) if packet.size)
-    longest = max(streams, key=lambda stream: counts[stream.index])
+    longest = max(streams, key=lambda s: (counts[s.index], s.codec_context.width * s.codec_context.height))
     if sum(counts[index] >= _LONG * counts[longest.index] for index in indices) > 1:
         sizes = ", ".join(
             f"0:{s.index} of {s.codec_context.width}x{s.codec_context.height}, {counts[s.index]} frames"
             for s in streams
         )
-        command = f"ffmpeg -i {shlex.quote(path.name)} -map 0:{longest.index} -c copy {shlex.quote('one-' + path.name)}"
+        command = encode_again(path, writing=f"-map 0:{longest.index} -c copy")
         problem = f"the file has {len(streams)} video streams, and nothing says which is the camera's: {sizes}"
         raise InputError(path, problem, f"keep one of them: {command}")
     size = f"{longest.codec_context.width}x{longest.codec_context.height}"
