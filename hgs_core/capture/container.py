@@ -24,6 +24,7 @@ _BARE = "h264 hevc vvc obu av1 mpegvideo m4v h263 vc1 mjpeg"
 _SOUND = "wav w64 aiff caf au mp3 flac aac ac3 eac3 amr wv ape"
 _OPTIONS = {"format_whitelist": f"{_STAMPED} {_BARE} {_SOUND}".replace(" ", ","), "protocol_whitelist": "file"}
 _HEAD_BYTES = 4096
+_JPEG = b"\xff\xd8\xff"
 _JOINED = "put a video in its place, as this makes of its parts: ffmpeg -f {} -i {} -c copy NEW.mp4"
 _ELSEWHERE = "put the video itself in its place"
 _LISTS = (  # files that lead to others, or are none: how each begins, what it is, and the way out
@@ -59,7 +60,9 @@ def open_container(path: Path) -> InputContainer:
             raise InputError(path, problem, cure.format(shlex.quote(str(path))))
     try:
         # The protocol goes before the path: of "take:2.mp4" FFmpeg would ask for a protocol called take.
-        return av.open(f"file:{path.absolute()}", options=dict(_OPTIONS))
+        # Of large pictures in a row FFmpeg would see the first alone, and take the file for a photograph.
+        demuxer = "mjpeg" if head.startswith(_JPEG) else None
+        return av.open(f"file:{path.absolute()}", format=demuxer, options=dict(_OPTIONS))
     except av.error.ArgumentError as error:
         problem = "is in none of the formats that videos and sound are read from"
         raise InputError(path, problem, f"export it as MP4: ffmpeg -i {shlex.quote(str(path))} NEW.mp4") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import io
 import struct
 from pathlib import Path
 from typing import cast
@@ -10,6 +11,7 @@ from typing import cast
 import av
 import numpy as np
 import pytest
+from PIL import Image
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.container import open_container
@@ -105,6 +107,15 @@ def test_videos_of_every_usual_container_are_read(
     path = write(tmp_path / f"take:2 %03d.{ending}", codec=codec, container=container)
     with open_container(path) as opened:
         assert sum(1 for _ in opened.decode(video=0)) == 8
+
+
+def test_a_stream_of_large_jpeg_pictures_is_read_to_its_end(tmp_path: Path) -> None:
+    noise = np.random.default_rng(0).integers(0, 256, (1200, 1600, 3)).astype(np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(noise).save(file, "JPEG", quality=95)
+    (tmp_path / "a.mjpeg").write_bytes(file.getvalue() * 3)
+    with open_container(tmp_path / "a.mjpeg") as opened:
+        assert sum(1 for _ in opened.demux(video=0) if _.size) == 3
 
 
 @pytest.mark.parametrize(
