@@ -28,6 +28,7 @@ FEWEST_VIDEOS = 3
 """Poses can be found of so many videos or more: two tell no focal length."""
 
 _PICTURES = frozenset(("png", "jpg", "jpeg", "jpe", "jp2", "tif", "tiff", "bmp", "webp", "ppm", "pgm", "pnm", "tga"))
+_FOREIGN = frozenset(("heic", "heif", "avif", "gif"))  # pictures that are not read, and are refused with the way out
 _VIDEOS = frozenset((
     "mp4", "m4v", "mov", "qt", "mkv", "webm", "avi", "mts", "m2ts", "m2t", "ts", "mpg", "mpeg", "mpe", "m2v", "mpv",
     "vob", "wmv", "asf", "flv", "f4v", "3gp", "3g2", "mxf", "gxf", "lxf", "ogv", "ogm", "rm", "rmvb", "dv", "y4m",
@@ -129,7 +130,8 @@ def _moments(folder: Path, leaves: dict[str, tuple[Path, ...]]) -> Iterator[Plac
 def _pictures(folder: Path) -> tuple[Path, ...]:
     """Return the pictures of a folder, or else of the one inside that is made for them, in order."""
     for inner in (".", *_INNER):
-        names = [name for name in list_folder(folder / inner) if is_picture(name)]
+        listed = list_folder(folder / inner)
+        names = [name for name in listed if is_picture(name)] or [n for n in listed if _ending(n) in _FOREIGN]
         if names:
             return tuple(folder / inner / name for name in sorted(names, key=natural_order))
     return ()

@@ -182,7 +182,7 @@ def _clock(
         if isinstance(reader, VideoReader):
             own.append(_own_time(name, other, reader))
         elif numbers is not None and seconds is not None:
-            by = "the numbers of their pictures"
+            by = "pictures' numbers"
             own.append(OwnTime(name, other, seconds[index], rate, numbers.unit or 0.0, by=by))
         elif rig.stamps_in_seconds and len(calibrated.stamps) == len(reader) > 1:
             stamps = np.array(calibrated.stamps)

@@ -22,6 +22,7 @@ from hgs_core.base.errors import InputError
 __all__ = ["PictureHeader", "has_transparency", "read_header", "read_pixels"]
 
 _FORMATS = ("PNG", "JPEG", "JPEG2000", "TIFF", "BMP", "WEBP", "PPM", "TGA")
+_ENDINGS = ("png", "jpg", "jpeg", "tif", "tiff", "webp")  # that a converted picture may keep
 _MOVING = ("PNG", "WEBP")  # of which several pictures in a file are an animation; else pages, or views of a camera
 _MOST_PIXELS = 160_000_000  # more than any sensor has; Pillow refuses what is a little larger by itself
 _ORIENTATION = 274  # tag of EXIF
@@ -156,15 +157,17 @@ def _unknown(path: Path) -> InputError:
     with path.open("rb") as file:
         head = file.read(32)
     kind = ""
-    if head[4:8] == b"ftyp" and head[8:12] in (b"heic", b"heix", b"hevc", b"heim", b"heis", b"mif1", b"msf1", b"avif"):
-        kind = "AVIF" if head[8:12] == b"avif" else "HEIC"
+    if head[4:8] == b"ftyp":
+        kind = {b"avif": "AVIF", b"avis": "AVIF"}.get(head[8:12], "HEIC")
     elif head.startswith(b"GIF8"):
         kind = "GIF"
-    elif head.startswith(b"%!PS"):
-        kind = "PostScript"
     read = "PNG, JPEG, JPEG 2000, TIFF, BMP, WebP, PPM and TGA are read"
-    problem = f"the picture is {kind}, and {read}" if kind else f"the file is no picture of a known kind; {read}"
-    return InputError(path, problem, f"convert it: {_converted(path, '', '.png')}")
+    if not kind:
+        return InputError(path, f"the file is no picture of a known kind; {read}", "restore or convert it")
+    ending = path.suffix.lower().removeprefix(".")
+    into = ending if ending in _ENDINGS else "png"
+    cure = f"convert all of the folder: mogrify -format {into} *{path.suffix}"
+    return InputError(path, f"the picture is {kind}, and {read}", cure)
 
 
 def _converted(path: Path, options: str, ending: str) -> str:

@@ -8,6 +8,7 @@ since 1970), with a decimal point (seconds), as hours, minutes and seconds, or s
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ _EVEN = 0.1  # of the usual step: steps of time stamps differ by less
 _COARSE = 10  # times the step that all numbers share, from which on uneven steps are time stamps
 _FEWEST_STEPS = 5  # that tell time stamps
 _LONGEST = 10**9  # frames, a year at 30 a second
+_MOST_CAMERAS = 12  # that a message lists
 _MOST_NAMED = 6  # gaps that a note names
 
 
@@ -78,6 +80,8 @@ class PictureNumbers:
         if not steps or not self.told:
             return []
         usual = float(np.median([time / (b - a) for _, a, b, time in steps]))
+        if usual <= 0:
+            return []  # the clock refuses times that do not go on
         odd = [step for step in steps if abs(step[3] / usual - (step[2] - step[1])) > 0.5 * self.step]
         if not odd:
             return []
@@ -87,23 +91,30 @@ class PictureNumbers:
         return [f"after picture {a} {told}{more}"]
 
     def require_shared(self, where: object) -> None:
-        """Refuse frames of which fewer than two are there for all cameras that have as many.
+        """Refuse numbers that do not tell which pictures were taken together.
 
         Raises:
-            InputError: names the cameras and the numbers they have.
+            InputError: fewer than two are there for all cameras that have as many; or all cameras have equally many
+                without a gap, and count from different numbers. Names the cameras and the numbers they have.
         """
         if self.unit is not None or max(map(len, self.numbers)) < 2:
             return
-        shared = set.intersection(*map(set, self.numbers))
-        if len(shared) > 1:
-            return
-        only = f"only number {min(shared)} is" if shared else "none is"
         spans = [f"{name} {_span(own, self.step)}" for name, own in zip(self.cameras, self.numbers, strict=True)]
-        problem = f"by the numbers of their pictures {only} there for all cameras: {', '.join(spans[:12])}"
-        cure = (
-            f'if their first pictures were taken together, write {{"frames": {{"{self.cameras[-1]}": 0}}}} to sync.json'
-        )
-        raise InputError(where, problem, cure)
+        listed = ", ".join(spans[:_MOST_CAMERAS]) + (", ..." if len(spans) > _MOST_CAMERAS else "")
+        together = f"if their first pictures were taken together, write {_frames({self.cameras[-1]: 0})} to sync.json"
+        shared = set.intersection(*map(set, self.numbers))
+        if len(shared) < 2:
+            only = f"only number {min(shared)} is" if shared else "none is"
+            problem = f"by the numbers of their pictures {only} there for all cameras: {listed}"
+            raise InputError(where, problem, together)
+        first = min(own[0] for own in self.numbers)
+        late = {n: (own[0] - first) // self.step for n, own in zip(self.cameras, self.numbers, strict=True)}
+        late = {name: frames for name, frames in late.items() if frames}
+        in_a_row = not any(_gaps(own, self.step) for own in self.numbers)
+        if late and in_a_row and len({len(own) for own in self.numbers}) == 1:
+            count = len(self.numbers[0])
+            problem = f"all cameras have {count} pictures in a row, by numbers that differ: {listed}"
+            raise InputError(where, problem, f"{together}; if those of equal numbers were, {_frames(late)}")
 
 
 def picture_numbers(
@@ -190,3 +201,7 @@ def _pictures(gaps: Sequence[tuple[int, int]], step: int) -> str:
 
 def _span(numbers: Sequence[int], step: int) -> str:
     return str(numbers[0]) if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]}" + (f" by {step}" * (step > 1))
+
+
+def _frames(starts: dict[str, int]) -> str:
+    return json.dumps({"frames": starts})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,21 @@ def test_numbers_that_cameras_do_not_share_are_refused_with_the_way_out() -> Non
         found.require_shared("images")
     with pytest.raises(InputError, match=r"only number 7 is there for all cameras"):
         numbered(names([6, 7]), names([7, 8])).require_shared("images")
+
+
+def test_equally_many_that_count_from_different_numbers_are_refused_with_both_ways_out(tmp_path: Path) -> None:
+    easymocap(tmp_path)
+    for place, name in enumerate(NAMES):
+        write_pictures(tmp_path, name, {n + (place == 2) for n in range(6)}, "{:04d}", "cameras")
+    with pytest.raises(
+        InputError, match=r"all cameras have 6 pictures in a row, .*cam02 0 to 5, cam03 1 to 6"
+    ) as refusal:
+        open_capture(tmp_path)
+    together, numbered = re.findall(r'{"frames": {[^}]*}}', refusal.value.cure)
+    (tmp_path / "sync.json").write_text(together)
+    assert [int(open_capture(tmp_path).frame(i, 0)[0, 0, 0]) for i in range(4)] == [0, 0, 1, 0]
+    (tmp_path / "sync.json").write_text(numbered)
+    assert [int(open_capture(tmp_path).frame(i, 0)[0, 0, 0]) for i in range(4)] == [1, 1, 1, 1]
 
 
 def test_two_pictures_of_one_number_are_refused() -> None:
@@ -107,6 +123,12 @@ def write_pictures(root: Path, camera: str, numbers: set[int], pattern: str, fol
         Image.new("RGB", (WIDTH, HEIGHT), (number,) * 3).save(path)
 
 
+def any_in_a_row(numbers: list[set[int]]) -> bool:
+    every = sorted(set.union(*numbers))
+    unit = int(np.gcd.reduce(np.array(every) - every[0])) or 1
+    return all(max(own) - min(own) == unit * (len(own) - 1) for own in numbers)
+
+
 SUBSETS = st.lists(st.sets(st.integers(0, 11), min_size=1), min_size=len(NAMES), max_size=len(NAMES))
 
 
@@ -126,8 +148,9 @@ def test_every_moment_shows_pictures_of_one_number(
     for name, own, pattern in zip(NAMES, numbers, patterns, strict=True):
         write_pictures(root, name, own, pattern, "cameras")
     shared = sorted(set.intersection(*numbers))
-    if len(shared) < 2 and max(map(len, numbers)) > 1:
-        with pytest.raises(InputError, match=r"numbers? (of their pictures|that says)"):
+    shifted = len(set(map(len, numbers))) == 1 and len(set(map(min, numbers))) > 1
+    if (len(shared) < 2 or (shifted and any_in_a_row(numbers))) and max(map(len, numbers)) > 1:
+        with pytest.raises(InputError, match=r"(by the numbers of|pictures in a row, by numbers|no number that says)"):
             open_capture(root)
         return
     capture = open_capture(root)
