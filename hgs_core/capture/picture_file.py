@@ -7,6 +7,7 @@ is read before memory is taken for what it announces. What is transparent shows 
 from __future__ import annotations
 
 import shlex
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,6 +37,8 @@ _TURNED = {  # what brings stored pixels upright, by EXIF's orientation
     8: Image.Transpose.ROTATE_90,
 }
 _BACK = {6: Image.Transpose.ROTATE_90, 8: Image.Transpose.ROTATE_270}  # the others undo themselves
+
+_QUIET = threading.Lock()  # held while Pillow's warnings, of large pictures and odd tags, are ignored
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,11 @@ def _colours(image: Image.Image) -> npt.NDArray[np.uint8]:
 def _orientation(image: Image.Image) -> int:
     if image.format == "PNG" and "exif" not in image.info:
         return 1  # Pillow would decode the picture to look for it behind
-    found = image.getexif().get(_ORIENTATION, 1)
+    try:
+        with _QUIET, warnings.catch_warnings(action="ignore"):
+            found = image.getexif().get(_ORIENTATION, 1)
+    except Exception:  # tags are damaged in as many ways as pictures, which they leave whole
+        return 1
     return found if found in _TURNED else 1
 
 
@@ -126,7 +133,7 @@ def _orientation(image: Image.Image) -> int:
 def _opened(path: Path) -> Iterator[Image.Image]:
     Image.init()  # or formats beyond the five most usual are not known
     try:
-        with warnings.catch_warnings(action="ignore", category=Image.DecompressionBombWarning):
+        with _QUIET, warnings.catch_warnings(action="ignore"):
             image = Image.open(path, formats=_FORMATS)
         with image:
             if image.width * image.height > _MOST_PIXELS:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["VideoPackets", "open_stream"]
 
+_LARGEST_ASPECT = 4  # times as wide as high, or as high as wide; anamorphic lenses double
 _PROGRESSIVE = 1  # AVFieldOrder: 0 is unknown, from 2 on frames are of two fields
 
 
@@ -77,6 +78,9 @@ class VideoPackets:
         if bare and found.rate:
             rate = f"{float(found.rate):.5g} frames a second"
             found.notes.append(f"the file has no time stamps, and its stream says {rate}: these count")
+        if not 1 / _LARGEST_ASPECT <= found.aspect <= _LARGEST_ASPECT:
+            found.notes.append(f"pixels of {found.aspect} are no camera's, and taken to be square")
+            found.aspect = Fraction(1)
         found._check(path, announced, damaged)
         found.interlaced |= any(frame.interlaced_frame for frame in found.first)
         found.stamps.sort()

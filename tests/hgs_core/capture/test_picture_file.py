@@ -118,6 +118,12 @@ def test_an_orientation_that_there_is_not_is_none(tmp_path: Path, value: int) ->
     assert read_header(tmp_path / "a.jpg") == PictureHeader((8, 6))
 
 
+def test_damaged_tags_leave_a_picture_whole(tmp_path: Path) -> None:
+    Image.fromarray(COLOURS).save(tmp_path / "a.jpg", exif=b"Exif\0\0MM\0*\0\0\0\x08\0\x05\x01\x12\0\x03\0\0\0\x01")
+    assert read_header(tmp_path / "a.jpg") == PictureHeader((8, 6))
+    assert read_pixels(tmp_path / "a.jpg", upright=True).shape == (6, 8, 3)
+
+
 def test_colours_of_print_are_shown(tmp_path: Path) -> None:
     Image.fromarray(COLOURS).convert("CMYK").save(tmp_path / "a.jpg", quality=100)
     with Image.open(tmp_path / "a.jpg") as stored:

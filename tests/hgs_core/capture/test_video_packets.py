@@ -85,3 +85,9 @@ def test_frames_of_one_moment_are_refused_with_a_command(tmp_path: Path) -> None
 def test_a_missing_video_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"a\.mp4: the video is missing"):
         VideoPackets.of(tmp_path / "a.mp4")
+
+
+def test_pixels_that_no_camera_has_are_taken_to_be_square(tmp_path: Path) -> None:
+    reader = VideoReader(write(tmp_path / "a.mp4", aspect=Fraction(8, 1)), square=True)
+    assert (reader.width, reader.height) == (64, 48)
+    assert reader.notes == ["pixels of 8 are no camera's, and taken to be square"]
