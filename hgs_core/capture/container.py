@@ -62,7 +62,7 @@ def open_container(path: Path) -> InputContainer:
         # The protocol goes before the path: of "take:2.mp4" FFmpeg would ask for a protocol called take.
         # Of large pictures in a row FFmpeg would see the first alone, and take the file for a photograph.
         demuxer = "mjpeg" if head.startswith(_JPEG) else None
-        return av.open(f"file:{path.absolute()}", format=demuxer, options=dict(_OPTIONS))
+        return av.open(f"file:{path.absolute()}", format=demuxer, options=dict(_OPTIONS), metadata_errors="replace")
     except av.error.ArgumentError as error:
         problem = "is in none of the formats that videos and sound are read from"
         raise InputError(path, problem, f"export it as MP4: ffmpeg -i {shlex.quote(str(path))} NEW.mp4") from error
