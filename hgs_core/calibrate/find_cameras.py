@@ -61,7 +61,7 @@ def find_cameras(
     where = (found or folder) / COLMAP_FOLDER
     if (where / "cameras.txt").exists() or (where / "cameras.bin").exists():
         raise InputError(where, "there are cameras already", "move them away to have them found again")
-    videos = [VideoReader(file) for file in find_videos(folder)]
+    videos = [VideoReader(file, square=True) for file in find_videos(folder)]
     names = [video.path.stem for video in videos]
     clock, _ = clock_of_videos(folder, videos, found)
 

@@ -91,7 +91,10 @@ class Recording:
             cache_bytes=cache_bytes,
             notes=said,
             unaligned=self.unaligned,
-            videos=[CameraVideo(r.path, r.seconds) if isinstance(r, VideoReader) else None for r in self.readers],
+            videos=[
+                CameraVideo(r.path, r.seconds, r.interlaced) if isinstance(r, VideoReader) else None
+                for r in self.readers
+            ],
         )
 
 

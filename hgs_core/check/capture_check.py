@@ -16,6 +16,7 @@ from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
 from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
 from hgs_core.check.given_masks import judge_masks
+from hgs_core.check.interlacing import judge_interlacing
 from hgs_core.check.motion_energy import energy_offsets
 from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.check.picture_changes import watched_frames
@@ -65,11 +66,9 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     findings += moving + judge_dead(names, watched)
     apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
-    findings += (
-        judge_pictures(names, seen.views, _blank(names, watched))
-        + judge_masks(names, [view.masks for view in seen.views])
-        + judge_rates(capture.path, names)
-    )
+    findings += judge_pictures(names, seen.views, _blank(names, watched))
+    findings += judge_masks(names, [view.masks for view in seen.views])
+    findings += judge_rates(capture.path, names) + judge_interlacing(capture)
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
         CameraResult(

@@ -119,6 +119,7 @@ def _camera(path: Path, meta: dict[str, Any], column: int) -> CalibratedCamera:
         (float(k[0, 0, 2]), float(k[0, 1, 2])),
         (float(meta["w"]), float(meta["h"])),
         pictures=tuple(path.parent / "ims" / row[column] for row in meta["fn"]),
+        stamps=tuple(float(frame) for frame in range(len(meta["fn"]))),
     )
 
 
