@@ -170,7 +170,7 @@ def _unknown(path: Path) -> InputError:
         kind = "GIF"
     read = "PNG, JPEG, JPEG 2000, TIFF, BMP, WebP, PPM and TGA are read"
     if not kind:
-        return InputError(path, f"the file is no picture of a known kind; {read}", "restore or convert it")
+        return InputError(path, f"the picture is unreadable: of no known kind; {read}", "restore or convert it")
     ending = path.suffix.lower().removeprefix(".")
     into = ending if ending in _ENDINGS else "png"
     cure = f"convert all of the folder: mogrify -format {into} *{path.suffix}"

@@ -56,7 +56,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     seen = gather(capture, progress, followed=by_features)
     rig = Rig.of(seen.cameras)
     pairs: Pairs = {pair: Pair.of(matches) for pair, matches in seen.pairs.items()}
-    suspects, findings = judge_poses(rig, pairs, names)
+    suspects, findings = judge_poses(rig, pairs, names, [len(view.features[0].xy) for view in seen.views])
     moving = _moving_cameras(names, seen)
     if by_features:
         trusted = set(suspects.agreeing)

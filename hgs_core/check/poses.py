@@ -16,15 +16,18 @@ __all__ = ["judge_poses"]
 
 POOR = 1.0  # pixels: what a careful calibration stays below
 _SUSPICIOUS = 0.5  # pixels: from here on a lens may be another than it is taken for
+_TELLING = 100  # features of a picture, four times what a match of two takes: smaller pictures may share views unseen
 _FAR_AWAY = 1e4  # rigs' extents from the origin; float32 has seven digits
 _AGAIN = "calibrate again, or find poses from the videos with hgs cameras"
 
 
-def judge_poses(rig: Rig, pairs: Pairs, names: Sequence[str]) -> tuple[Suspects, list[Finding]]:
-    """Return how the cameras fare and what is wrong with them."""
+def judge_poses(
+    rig: Rig, pairs: Pairs, names: Sequence[str], features: Sequence[int] = ()
+) -> tuple[Suspects, list[Finding]]:
+    """Return how the cameras fare and what is wrong with them; `features` are how many each of their pictures has."""
     suspects = find_suspects(len(names), pair_errors(rig, pairs), pairs)
     findings = [] if not pairs else _geometry(rig, pairs, names, suspects)
-    return suspects, findings + _without_views(names, suspects) + _place(rig)
+    return suspects, findings + _without_views(names, suspects, features) + _place(rig)
 
 
 def _geometry(rig: Rig, pairs: Pairs, names: Sequence[str], suspects: Suspects) -> list[Finding]:
@@ -86,7 +89,7 @@ def _same_pose(rig: Rig, names: Sequence[str], camera: int) -> Cause | None:
     return Cause(f"its pose has it stand where {other} stands", "give each camera its own pose", 0.0)
 
 
-def _without_views(names: Sequence[str], suspects: Suspects) -> list[Finding]:
+def _without_views(names: Sequence[str], suspects: Suspects, features: Sequence[int]) -> list[Finding]:
     alone = [names[i] for i in suspects.unjudged]
     if not alone:
         return []
@@ -94,7 +97,10 @@ def _without_views(names: Sequence[str], suspects: Suspects) -> list[Finding]:
         f"{len(alone)} of {counted(len(names), 'camera')} share no view with another: their poses cannot be checked"
     )
     cure = "expect no more than what each of them sees; cameras nearer to each other would help"
-    return [Finding(1 < len(names) == len(alone), tuple(alone), problem, cure)]
+    if 1 < len(names) == len(alone) and features and np.median(features) >= _TELLING:
+        cure = "are the videos of one scene and one take? Put those there that are"
+        return [Finding(True, tuple(alone), problem, cure)]
+    return [Finding(False, tuple(alone), problem, cure)]
 
 
 def _place(rig: Rig) -> list[Finding]:

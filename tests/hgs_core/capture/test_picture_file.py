@@ -196,7 +196,7 @@ def test_no_file_is_given_to_ghostscript(tmp_path: Path, monkeypatch: pytest.Mon
 
     monkeypatch.setattr(EpsImagePlugin, "Ghostscript", run)
     (tmp_path / "a.png").write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 8 6\n%%EndComments\n")
-    with pytest.raises(InputError, match="no picture of a known kind"):
+    with pytest.raises(InputError, match="of no known kind"):
         read_pixels(tmp_path / "a.png")
 
 

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from hgs_core.check.epipolar import Rig
 from hgs_core.check.poses import judge_poses
@@ -48,11 +49,12 @@ def test_cameras_that_share_no_view_are_counted_and_do_not_stop() -> None:
     assert "3 of 8 cameras share no view" in finding.problem
 
 
-def test_cameras_none_of_which_shares_a_view_stop() -> None:
+@pytest.mark.parametrize("features", [0, 60, 700])
+def test_cameras_none_of_which_shares_a_view_stop_if_their_pictures_would_tell(features: int) -> None:
     rig, _ = rig_and_matches()
-    suspects, (finding,) = judge_poses(rig, {}, NAMES)
+    suspects, (finding,) = judge_poses(rig, {}, NAMES, [features] * 8)
     assert suspects.unjudged == tuple(range(8))
-    assert finding.stops
+    assert finding.stops == (features == 700)
     assert "8 of 8 cameras share no view" in finding.problem
 
 
