@@ -14,6 +14,7 @@ from hgs_core.check.camera_motion import camera_shift
 from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
 from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+from hgs_core.check.left_out import judge_left_out
 from hgs_core.check.motion_energy import energy_offsets, motion_energy
 from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.check.poses import judge_poses
@@ -72,6 +73,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
         )
         for index, name in enumerate(names)
     )
+    findings += judge_left_out(len(names), capture.left_out)
     findings.sort(key=lambda finding: not finding.stops)
     shown = shown_pairs(seen, rig, pair_errors(rig, pairs), suspects)
     return CaptureCheck(results, tuple(findings), shown, seen.frames, max(camera.width for camera in seen.cameras))

@@ -53,9 +53,7 @@ def _camera(name: str, table: dict[str, Any], where: str) -> CalibratedCamera:
         if table.get(field) is None:
             cure = "add it: size = [width, height]"
             if field != "size":
-                cure = (
-                    'calibrate where the cameras stand, not their lenses alone, or add "ignore = true"'
-                )
+                cure = 'calibrate where the cameras stand, not their lenses alone, or add "ignore = true"'
             raise InputError(where, f"the field {field!r} is missing", cure)
     width, height = finite(table["size"], 2, where, "size")
     matrix = finite(table["matrix"], 9, where, "matrix").reshape(3, 3)
