@@ -7,6 +7,7 @@ import re
 __all__ = ["InputError"]
 
 _BREAKS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")  # names in files may hold any
+_LONGEST = 2000  # characters of a part, paths in it
 
 
 class InputError(ValueError):
@@ -27,4 +28,6 @@ class InputError(ValueError):
 
 
 def _in_one_line(text: str) -> str:
+    if len(text) > _LONGEST:
+        text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 4 :]}"
     return _BREAKS.sub(lambda found: ascii(found[0])[1:-1], text)

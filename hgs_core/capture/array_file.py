@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from tokenize import TokenError
 
 import numpy as np
 import numpy.typing as npt
@@ -44,7 +45,7 @@ def read_array(file: Path, cure: str) -> npt.NDArray[np.float64]:
                 problem = f"its header says {shape} values, {announced} bytes, and {there} bytes follow"
                 raise InputError(file, problem, cure)
             data = opened.read(announced)
-    except (OSError, ValueError, EOFError, TypeError, SyntaxError, RecursionError, OverflowError) as error:
+    except (OSError, ValueError, EOFError, TypeError, SyntaxError, RecursionError, OverflowError, TokenError) as error:
         if isinstance(error, InputError):
             raise
         raise unreadable(file, error, cure) from error

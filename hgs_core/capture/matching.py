@@ -29,6 +29,7 @@ _LIKELY = ("images", "videos", "recordings", "ims", "frames", "rgb")  # folders,
 _NAME, _NUMBER, _ORDER = range(3)  # by what footage is matched, the surest first
 _LAST_NUMBER = re.compile(r"(\d+)\D*$")
 _LONGEST_NAME = 255  # characters
+_MOST_DIGITS = 18  # of a number in a name
 _MOST_NAMED = 12  # cameras or videos that a message lists
 
 
@@ -188,7 +189,7 @@ def _are_cameras(capture: Path, place: Place, names: Sequence[str]) -> bool:
 
 def _number(name: str) -> int | None:
     found = _LAST_NUMBER.search(name)
-    return int(found[1]) if found else None
+    return int(found[1]) if found and len(found[1]) <= _MOST_DIGITS else None
 
 
 def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputError:

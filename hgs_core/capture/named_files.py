@@ -18,7 +18,9 @@ from hgs_core.base.wording import shown
 from hgs_core.capture.footage import is_picture, is_video
 from hgs_core.capture.picture import list_folder, list_folders
 
-__all__ = ["NamedFiles", "find_named", "otherwise_named", "plain_name"]
+__all__ = ["NamedFiles", "find_named", "otherwise_named", "path_as_written", "plain_name"]
+
+_LONGEST_NAME = 250  # bytes: file systems have 255, and an ending may be added
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,17 @@ def otherwise_named(file: str, named: NamedFiles) -> list[str]:
     name, found = named.otherwise[0]
     count = f"{len(named.otherwise)} of the {len(named.files)} names in {file}"
     return [f"{count} are written otherwise than the files there: {shown(name)} is taken for {found.name}"]
+
+
+def path_as_written(folder: Path, name: str) -> Path | None:
+    """Return the path that a name means, there or not; None: it leads outside, or no file can have such a name."""
+    path = PurePosixPath(name.replace("\\", "/"))
+    parts = [part for part in path.parts if part != "/"]
+    if path.is_absolute() or not parts or ".." in parts:
+        return None
+    return (
+        folder.joinpath(*parts) if max(len(part.encode(errors="replace")) for part in parts) <= _LONGEST_NAME else None
+    )
 
 
 def _is_written(name: str, there: str) -> bool:

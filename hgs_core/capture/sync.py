@@ -43,6 +43,7 @@ _EDITED = 1e-3  # seconds, in which containers tell where a recording begins
 _LARGEST = 1e12  # seconds or frames, 30,000 years
 _JITTER = 0.1  # of a period: the clock of the computer that noted a frame's arrival is no better
 _SLOWEST, _FASTEST = 1e-3, 1e6  # frames per second
+_MOST_DIGITS = 18  # of a number in a name
 _LAST_NUMBER = re.compile(r"(\d+)\D*$")
 
 
@@ -200,7 +201,7 @@ def _began(camera: OwnTime, stamps: np.ndarray[Any, np.dtype[np.float64]], toler
 
 def _number(name: str) -> int | None:
     found = _LAST_NUMBER.search(name)
-    return int(found[1]) if found else None
+    return int(found[1]) if found and len(found[1]) <= _MOST_DIGITS else None
 
 
 def _is_number(value: Any) -> bool:

@@ -8,7 +8,7 @@ number `cam_id`. Published figures are those of the cameras of test_meta.json; n
 from __future__ import annotations
 
 import dataclasses
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted, shown
 from hgs_core.capture.cameras.rig import LARGEST, CalibratedCamera, CameraFormat, Rig
 from hgs_core.capture.cameras.steady_pose import differing, median_pose, rig_radius, same_pose, spread
-from hgs_core.capture.named_files import find_named, otherwise_named
+from hgs_core.capture.named_files import find_named, otherwise_named, path_as_written
 from hgs_core.capture.text_file import read_json
 
 __all__ = ["PANOPTIC_SPORTS"]
@@ -57,10 +57,11 @@ def _cameras(file: Path) -> tuple[list[CalibratedCamera], list[str]]:
         if not isinstance(name, str) or not name:
             raise InputError(file, f"fn names {shown(name)}", "it is the name of a picture below ims/")
     named = find_named(file.parent / "ims", listed)
+    files = []
     for name, found in zip(listed, named.files, strict=True):
-        if found is None and (PurePosixPath(name).is_absolute() or ".." in PurePosixPath(name).parts):
+        if (there := found or path_as_written(file.parent / "ims", name)) is None:
             raise InputError(file, f"fn names {shown(name)}, outside ims/", "give paths below ims/")
-    files = [found or file.parent / "ims" / name for name, found in zip(listed, named.files, strict=True)]
+        files.append(there)
     count = len(meta["cam_id"][0])
     cameras = [_camera(file, meta, column, tuple(files[column::count])) for column in range(count)]
     poses = [[np.array(row[column], np.float64) for row in meta["w2c"]] for column in range(count)]
@@ -94,6 +95,7 @@ def _read_meta(path: Path) -> dict[str, Any]:
     for name in _FIELDS:
         if not isinstance(meta[name], list) or not all(isinstance(row, list) for row in meta[name]):
             raise InputError(path, f"{name} is not a list with one list per frame", "restore the file from its source")
+    for name in _FIELDS:
         if len(meta[name]) != len(meta["fn"]):
             problem = f"{name} has {counted(len(meta[name]), 'frame')} and fn has {len(meta['fn'])}"
             raise InputError(path, problem, "every field needs one entry per frame")

@@ -34,6 +34,7 @@ MOST_CAMERAS = 100_000
 LARGEST = 1e30
 """Of a number in a calibration: products of more may overflow."""
 
+_LARGEST_RATIO = 1e5  # of a focal length to the width of the picture, and its inverse
 _MOST_COEFFICIENTS = 14  # of a lens
 _ROUNDING = 2.0  # pixels by which a scaled picture's side may differ: encoders round to whole and even ones
 
@@ -65,6 +66,10 @@ class CalibratedCamera:
         sx, sy = width / calibrated[0], height / calibrated[1]
         if abs(calibrated[1] * sx - height) > _ROUNDING and abs(calibrated[0] * sy - width) > _ROUNDING:
             raise InputError(self.where, *_other_shape(calibrated, (width, height)))
+        for focal in self.focal:
+            if focal > 0 and not 1 / _LARGEST_RATIO < focal / calibrated[0] < _LARGEST_RATIO:
+                problem = f"the focal length is {focal:g} pixels, and the picture has {calibrated[0]:g}"
+                raise InputError(self.where, problem, "calibrate again: no lens sees so")
         centre = self.centre or (calibrated[0] / 2, calibrated[1] / 2)
         try:
             return Camera(

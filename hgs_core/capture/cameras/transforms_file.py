@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.transforms_frame import INTRINSICS, number_of
-from hgs_core.capture.named_files import NamedFiles, find_named, otherwise_named
+from hgs_core.capture.named_files import NamedFiles, find_named, otherwise_named, path_as_written
 from hgs_core.capture.picture import list_folder
 from hgs_core.capture.text_file import read_json
 
@@ -97,10 +97,9 @@ def _picture(capture: Path, where: str, name: str, named: NamedFiles, number: in
     """Return the file that was found, or the one that is missing."""
     if (found := named.files[number]) is not None:
         return found
-    path = PurePosixPath(name.replace("\\", "/"))
-    if (path.is_absolute() or ".." in path.parts) and not named.otherwise:
+    there = path_as_written(capture, name)
+    if there is None and not named.otherwise:
         cure = "put its picture below the capture, in folders as its path ends"
         raise InputError(where, f"file_path {shown(name)} is outside the capture, and no end of it is there", cure)
-    inside = [part for part in path.parts if part not in ("..", "/")]
-    there = capture.joinpath(*inside)
+    there = there or capture / f"picture {number} of another folder"
     return there if there.suffix else there.with_name(f"{there.name}.png")  # Blender's files leave it out
