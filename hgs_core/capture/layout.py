@@ -20,7 +20,7 @@ from hgs_core.capture.cameras.panoptic import PANOPTIC_SPORTS
 from hgs_core.capture.cameras.rig import CameraFormat, Rig
 from hgs_core.capture.cameras.rigid_poses import with_rigid_poses
 from hgs_core.capture.cameras.transforms import NERFSTUDIO
-from hgs_core.capture.clock import Clock, common_clock
+from hgs_core.capture.clock import Clock, common_clock, mean_rate
 from hgs_core.capture.footage import Footage
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.matching import Matched, match_footage
@@ -156,7 +156,7 @@ def _clock(
             times = _own_time(name, footage.name, reader)
         elif calibrated.stamps and rig.stamps_in_seconds and len(calibrated.stamps) == len(reader):
             stamps = np.array(calibrated.stamps)
-            times = OwnTime(name, footage.name, stamps, 1 / float(np.median(np.diff(stamps))))
+            times = OwnTime(name, footage.name, stamps, mean_rate(stamps) if len(stamps) > 1 else rate)
         else:
             numbers = calibrated.stamps if len(calibrated.stamps) == len(reader) else range(len(reader))
             times = OwnTime(name, footage.name, np.array(numbers, np.float64) / rate, rate)

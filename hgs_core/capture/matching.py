@@ -53,7 +53,7 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
     """
     places = find_places(capture)
     if (own := _named(rig)) is not None:
-        return _with_left_out(own, capture, [place for place in places if _shares(place, own)][:1])
+        return _with_left_out(own, capture, _place_of(places, own))
     if not places:
         what = f"there are cameras ({_file(rig.files[0], capture)}) but no videos and no folders of pictures"
         raise InputError(capture, what, "put each camera's video beside them, called like the camera")
@@ -74,30 +74,31 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
             both = f"{_shown(place.folder, capture)} and {_shown(other.folder, capture)}"
             raise InputError(capture, f"{both} both hold the cameras' pictures", "keep one of them there")
     found_here = Matched(match.names, match.footage, place.kind, place.folder, match.notes)
-    return _with_left_out(found_here, capture, [place])
+    return _with_left_out(found_here, capture, place)
 
 
-def _shares(place: Place, own: Matched) -> bool:
-    """Whether a place holds footage of that kind, some of which is the cameras'."""
+def _place_of(places: Sequence[Place], own: Matched) -> Place | None:
+    """Return the place with most of the cameras' footage: of equals the deepest."""
     used = {file for one in own.footage for file in one.files}
-    return place.kind == own.kind and any(used.intersection(one.files) for one in place.footage)
+    shares = [sum(not used.isdisjoint(one.files) for one in place.footage) for place in places]
+    ranked = [(share, len(p.folder.parts), p) for share, p in zip(shares, places, strict=True) if p.kind == own.kind]
+    share, _, place = max(ranked, key=lambda one: one[:2], default=(0, 0, None))
+    return place if share else None
 
 
-def _with_left_out(own: Matched, capture: Path, places: Sequence[Place]) -> Matched:
+def _with_left_out(own: Matched, capture: Path, place: Place | None) -> Matched:
     """Return it with what else lies in its place, and a word on that."""
+    if place is None:
+        return own
     used = {file for one in own.footage for file in one.files}
-    left_out, notes = [], list(own.notes)
-    for place in places:
-        spare = [one for one in place.footage if not used.intersection(one.files)]
-        silent = [one.name for one in spare if one.video and is_sound_only(one.files[0])]
-        names = [one.name for one in spare if one.name not in silent]
-        if silent:
-            notes.append(
-                f"{_listed(silent)} in {_shown(place.folder, capture)} is sound without pictures and left aside"
-            )
-        if names:
-            notes.append(f"{_listed(names)} in {_shown(place.folder, capture)} is of no camera and left out")
-        left_out += names
+    spare = [one for one in place.footage if used.isdisjoint(one.files)]
+    silent = [one.name for one in spare if one.video and is_sound_only(one.files[0])]
+    left_out = [one.name for one in spare if one.name not in silent]
+    notes, where = list(own.notes), _shown(place.folder, capture)
+    if silent:
+        notes.append(f"{_listed(silent)} in {where} is sound without pictures and left aside")
+    if left_out:
+        notes.append(f"{_listed(left_out)} in {where} is of no camera and left out")
     return dataclasses.replace(own, notes=tuple(notes), left_out=tuple(left_out))
 
 

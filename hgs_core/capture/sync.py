@@ -22,7 +22,7 @@ import numpy as np
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted, shown
-from hgs_core.capture.clock import CameraTime
+from hgs_core.capture.clock import CameraTime, mean_rate
 from hgs_core.capture.text_file import read_json
 from hgs_core.capture.timecodes import CodedStart, starts_by_timecode
 from hgs_core.capture.times_table import CURE, read_times_table, unit_of_table
@@ -189,7 +189,7 @@ def _by_table(cameras: Sequence[OwnTime], table: Path, assumed: bool) -> tuple[l
     found = []
     for camera in cameras:
         stamps = (times[keys[camera.name]] - first) / unit.per_second
-        rate = camera.rate if len(stamps) < 2 else 1.0 / float(np.median(np.diff(stamps)))
+        rate = camera.rate if len(stamps) < 2 else mean_rate(stamps)
         near = camera.rate if abs(rate / camera.rate - 1) < 0.05 else rate  # arrivals jitter, and videos may lie
         found.append(CameraTime(camera.name, stamps, near, _JITTER / near))
     return found, [f"{TIMESTAMPS_FILE} says when each frame was taken", *([note] if note else [])]

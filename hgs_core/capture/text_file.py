@@ -2,7 +2,7 @@
 
 | text           | most bytes | most values | why                                                                |
 |----------------|------------|-------------|--------------------------------------------------------------------|
-| JSON           | 32 MiB     | 2 million   | 80,000 pictures with their poses; parsed it takes up to 300 MB     |
+| JSON           | 32 MiB     | 1 million   | 40,000 pictures with their poses; parsed it takes up to 300 MB     |
 | TOML, YAML     | 4 MiB      |             | 1,000 cameras take 1 MiB                                           |
 | tables by line | 1 GiB      |             | read line by line; a line of more than 64 KiB is cut, and said so  |
 
@@ -28,7 +28,7 @@ LONGEST_LINE = 1 << 16
 
 _MOST_BYTES = 4 << 20
 _MOST_JSON_BYTES = 32 << 20
-_MOST_JSON_VALUES = 2_000_000
+_MOST_JSON_VALUES = 1_000_000
 _MOST_BYTES_BY_LINE = 1 << 30
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 _MARK_OF_UTF32 = codecs.BOM_UTF32_LE

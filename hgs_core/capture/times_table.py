@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
+from hgs_core.capture.clock import mean_rate
 from hgs_core.capture.text_file import text_lines
 from hgs_core.capture.time_units import SECONDS, TimeUnit, unit_in_name, unit_of_step
 from hgs_core.capture.unreadable import unreadable
@@ -92,7 +93,7 @@ def unit_of_table(file: Path, table: TimesTable, steps: Mapping[str, float], *, 
     Raises:
         InputError: the steps fit the footage in no unit, or not in that of the column's name.
     """
-    ratios = [float(np.median(np.diff(table.times[n]))) / step for n, step in steps.items() if len(table.times[n]) > 1]
+    ratios = [1.0 / (mean_rate(table.times[n]) * step) for n, step in steps.items() if len(table.times[n]) > 1]
     if not ratios:
         return table.unit or SECONDS, ""
     step = float(np.median(list(steps.values())))

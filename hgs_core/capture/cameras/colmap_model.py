@@ -23,6 +23,7 @@ _CURE = "export the model again"
 _BY_NUMBER = {number: (name, len(parameters.split())) for name, (number, parameters) in COLMAP_MODELS.items()}
 _POINT_BYTES = 24  # of a point in images.bin
 _LONGEST_IMAGE_LINE = 1 << 13  # characters, name and all; lines of points are far longer
+_LARGEST_SIDE = 10**9  # pixels
 _LONGEST_NAME = 4096  # bytes
 
 
@@ -130,6 +131,8 @@ def _text_cameras(file: Path) -> dict[int, ColmapCamera]:
         if words and not words[0].startswith("#"):
             parameters = tuple(float(word) for word in words[4:])
             _require_new(file, int(words[0]), found)
+            if max(int(words[2]), int(words[3])) > _LARGEST_SIDE:
+                raise ValueError(f"camera {words[0]} has pictures of {words[2]}x{words[3]} pixels")
             found[int(words[0])] = ColmapCamera(words[1], int(words[2]), int(words[3]), parameters)
     return found
 

@@ -45,7 +45,8 @@ def frame_times(file: Path, cameras: Sequence[Sequence[Frame]]) -> FrameTimes:
     if moments[0] >= 0 and moments[-1] <= 1:
         step = float(np.diff(moments).min())
         return FrameTimes({moment: float(round((moment - moments[0]) / step)) for moment in moments})
-    step = float(np.median(np.concatenate([_steps(frames) for frames in cameras])))
+    steps = np.concatenate([_steps(frames) for frames in cameras])
+    step = float(np.median(steps if len(steps) else np.diff(moments)))
     whole = all(float(moment).is_integer() for moment in moments)
     if whole and (step <= _LARGEST_STEP_OF_FRAMES or _are_numbers_of_pictures(cameras)):
         return FrameTimes({moment: moment for moment in moments})

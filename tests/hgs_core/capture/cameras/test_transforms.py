@@ -309,3 +309,98 @@ def test_fox_with_two_mirrored_axes_would_not_pass(
         fixed = camera_of_frame(values, (camera.width, camera.height), camera.name)
         turned.append(fixed.camera(camera.name, camera.width, camera.height))
     assert min(_errors(turned, matches)) > 3
+
+
+PATTERN = "images/{camera}/{frame:04d}.png"
+
+
+def timed_frames() -> list[dict[str, Any]]:
+    return layouts.frames_of_pictures(PATTERN, lambda frame: frame / 30)
+
+
+@pytest.mark.parametrize("times", ["times", "no times", "one folder"])
+def test_poses_that_jitter_are_one_camera_and_their_median_counts(tmp_path: Path, times: str) -> None:
+    pattern = "images/{camera}_{frame:04d}.png" if times == "one folder" else PATTERN
+    layouts.folders(pattern)(tmp_path)
+    frames = layouts.frames_of_pictures(pattern, None if times == "no times" else lambda frame: frame / 30)
+    chance = np.random.default_rng(0)
+    for frame in frames:
+        pose = np.array(frame["transform_matrix"])
+        turn = np.eye(3) + np.cross(np.eye(3), chance.normal(0, 1e-4, 3))
+        pose[:3, :3] = np.linalg.qr(turn)[0] @ np.diag(np.sign(np.diag(np.linalg.qr(turn)[1]))) @ pose[:3, :3]
+        pose[:3, 3] += chance.normal(0, 2e-4, 3)
+        frame["transform_matrix"] = pose.tolist()
+    layouts.transforms(frames)(tmp_path)
+    capture = open_capture(tmp_path)
+    assert (len(capture.cameras), len(capture.times)) == (4, layouts.FRAMES)
+    for camera, true in zip(capture.cameras, layouts.truth(), strict=True):
+        np.testing.assert_allclose(camera.world_to_camera, true.world_to_camera, atol=2e-3)
+    assert sum("from picture to picture; their median is taken" in note for note in capture.notes) == 1
+
+
+@pytest.mark.parametrize("step", [0.0005, 0.02])
+def test_a_camera_that_moves_slowly_is_no_rig(tmp_path: Path, step: float) -> None:
+    """Neighbours on its way are as near as poses that jitter; they are no cameras that last."""
+    layouts.folders(PATTERN)(tmp_path)
+    frames = timed_frames()[: layouts.FRAMES]
+    for number, frame in enumerate(frames):
+        frame["transform_matrix"][0][3] += step * number
+    layouts.transforms(frames)(tmp_path)
+    with pytest.raises(InputError, match="one camera that moves"):
+        open_capture(tmp_path)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        "images\\{camera}\\{frame:04d}.png",
+        ".\\images\\{camera}\\{frame:04d}.png",
+        "D:\\shots\\7\\images\\{camera}\\{frame:04d}.PNG",
+        "/home/eva/shots/7/images/{camera}/{frame:04d}.png",
+        "../7/images/{camera}/{frame:04d}.png",
+        "shots/images/{camera}/{frame:04d}",
+        "images/{camera}/{frame:04d}.jpg",
+        "Images/{camera}/{frame:04d}",
+        "images/%63am{camera[3]}{camera[4]}/{frame:04d}.png",
+        " images/{camera}/{frame:04d}.png ",
+    ],
+)
+def test_pictures_are_found_however_another_machine_called_them(tmp_path: Path, written: str) -> None:
+    layouts.folders(PATTERN)(tmp_path)
+    layouts.transforms(layouts.frames_of_pictures(written, lambda frame: frame / 30))(tmp_path)
+    capture = open_capture(tmp_path)
+    assert [camera.name for camera in capture.cameras] == list(layouts.NAMES)
+    assert [int(capture.frame(2, frame)[0, 0, 0]) for frame in range(3)] == [layouts.level(2, i) for i in range(3)]
+    assert sum("are written otherwise than the files there" in note for note in capture.notes) == 1
+
+
+@pytest.mark.parametrize("ending", ["jpg", "JPG", "tiff"])
+def test_a_missing_ending_is_that_of_the_file(tmp_path: Path, ending: str) -> None:
+    layouts.folders(f"images/{{camera}}/{{frame}}.{ending}")(tmp_path)
+    layouts.transforms(layouts.frames_of_pictures("images/{camera}/{frame}", lambda frame: frame / 30))(tmp_path)
+    capture = open_capture(tmp_path)
+    assert len(capture.times) == layouts.FRAMES
+    assert not any("written otherwise" in note for note in capture.notes)
+
+
+def test_two_pictures_at_one_time_are_refused_and_both_cures_cure(tmp_path: Path) -> None:
+    layouts.folders(PATTERN)(tmp_path)
+    frames = timed_frames()
+    frames[3]["time"] = frames[2]["time"]
+    layouts.transforms(frames)(tmp_path)
+    problem = (
+        r"transforms\.json: 0002\.png and 0003\.png of cam01 both have the time 0\.0666667; correct one of them, or re"
+    )
+    with pytest.raises(InputError, match=problem):
+        open_capture(tmp_path)
+    layouts.transforms([{key: frame[key] for key in frame if key != "time"} for frame in frames])(tmp_path)
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
+    layouts.transforms(timed_frames())(tmp_path)
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
+
+
+def test_fields_that_all_frames_would_repeat_take_no_memory(tmp_path: Path) -> None:
+    layouts.folders(PATTERN)(tmp_path)
+    layouts.transforms(timed_frames())(tmp_path)
+    edit(tmp_path, lambda meta: meta.update({f"field{i}": i for i in range(1000)}))
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
