@@ -350,39 +350,6 @@ def test_a_camera_that_moves_slowly_is_no_rig(tmp_path: Path, step: float) -> No
         open_capture(tmp_path)
 
 
-@pytest.mark.parametrize(
-    "written",
-    [
-        "images\\{camera}\\{frame:04d}.png",
-        ".\\images\\{camera}\\{frame:04d}.png",
-        "D:\\shots\\7\\images\\{camera}\\{frame:04d}.PNG",
-        "/home/eva/shots/7/images/{camera}/{frame:04d}.png",
-        "../7/images/{camera}/{frame:04d}.png",
-        "shots/images/{camera}/{frame:04d}",
-        "images/{camera}/{frame:04d}.jpg",
-        "Images/{camera}/{frame:04d}",
-        "images/%63am{camera[3]}{camera[4]}/{frame:04d}.png",
-        " images/{camera}/{frame:04d}.png ",
-    ],
-)
-def test_pictures_are_found_however_another_machine_called_them(tmp_path: Path, written: str) -> None:
-    layouts.folders(PATTERN)(tmp_path)
-    layouts.transforms(layouts.frames_of_pictures(written, lambda frame: frame / 30))(tmp_path)
-    capture = open_capture(tmp_path)
-    assert [camera.name for camera in capture.cameras] == list(layouts.NAMES)
-    assert [int(capture.frame(2, frame)[0, 0, 0]) for frame in range(3)] == [layouts.level(2, i) for i in range(3)]
-    assert sum("are written otherwise than the files there" in note for note in capture.notes) == 1
-
-
-@pytest.mark.parametrize("ending", ["jpg", "JPG", "tiff"])
-def test_a_missing_ending_is_that_of_the_file(tmp_path: Path, ending: str) -> None:
-    layouts.folders(f"images/{{camera}}/{{frame}}.{ending}")(tmp_path)
-    layouts.transforms(layouts.frames_of_pictures("images/{camera}/{frame}", lambda frame: frame / 30))(tmp_path)
-    capture = open_capture(tmp_path)
-    assert len(capture.times) == layouts.FRAMES
-    assert not any("written otherwise" in note for note in capture.notes)
-
-
 def test_two_pictures_at_one_time_are_refused_and_both_cures_cure(tmp_path: Path) -> None:
     layouts.folders(PATTERN)(tmp_path)
     frames = timed_frames()
@@ -396,11 +363,4 @@ def test_two_pictures_at_one_time_are_refused_and_both_cures_cure(tmp_path: Path
     layouts.transforms([{key: frame[key] for key in frame if key != "time"} for frame in frames])(tmp_path)
     assert len(open_capture(tmp_path).times) == layouts.FRAMES
     layouts.transforms(timed_frames())(tmp_path)
-    assert len(open_capture(tmp_path).times) == layouts.FRAMES
-
-
-def test_fields_that_all_frames_would_repeat_take_no_memory(tmp_path: Path) -> None:
-    layouts.folders(PATTERN)(tmp_path)
-    layouts.transforms(timed_frames())(tmp_path)
-    edit(tmp_path, lambda meta: meta.update({f"field{i}": i for i in range(1000)}))
     assert len(open_capture(tmp_path).times) == layouts.FRAMES
