@@ -62,7 +62,7 @@ def find_cameras(
     if (where / "cameras.txt").exists() or (where / "cameras.bin").exists():
         raise InputError(where, "there are cameras already", "move them away to have them found again")
     files = find_videos(folder)
-    names, videos = list(files), [VideoReader(file) for file in files.values()]
+    names, videos = list(files), [VideoReader(file, square=True) for file in files.values()]
     clock, _ = clock_of_videos(folder, names, videos, found)
 
     def read(camera: int, frame: int) -> npt.NDArray[np.uint8]:

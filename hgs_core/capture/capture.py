@@ -25,6 +25,7 @@ class CameraVideo:
 
     path: Path
     stamps: npt.NDArray[np.float64]  # [N] of its frames, seconds of its own
+    interlaced: bool = False  # whether it says that a picture is of two moments, half a period apart
 
 
 class FrameSource(Protocol):
@@ -156,6 +157,16 @@ class Capture:
         if video is None:
             return None
         return video.path, float(np.median(self._moments[camera] - video.stamps[self._numbers[camera]]))
+
+    def interlaced(self, camera: int) -> bool:
+        """Return whether a camera's video says that each of its pictures is of two moments.
+
+        Raises:
+            IndexError: no such camera.
+        """
+        self._check(camera, 0)
+        video = self._videos[camera] if self._videos else None
+        return video is not None and video.interlaced
 
     def mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the given mask [H, W], True = moves, or None if the capture gives none for this camera.

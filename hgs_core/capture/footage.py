@@ -28,6 +28,7 @@ FEWEST_VIDEOS = 3
 """Poses can be found of so many videos or more: two tell no focal length."""
 
 _PICTURES = frozenset(("png", "jpg", "jpeg", "jpe", "jp2", "tif", "tiff", "bmp", "webp", "ppm", "pgm", "pnm", "tga"))
+_FOREIGN = frozenset(("heic", "heif", "avif", "gif"))  # pictures that are not read, and are refused with the way out
 _VIDEOS = frozenset((
     "mp4", "m4v", "mov", "qt", "mkv", "webm", "avi", "mts", "m2ts", "m2t", "ts", "mpg", "mpeg", "mpe", "m2v", "mpv",
     "vob", "wmv", "asf", "flv", "f4v", "3gp", "3g2", "mxf", "gxf", "lxf", "ogv", "ogm", "rm", "rmvb", "dv", "y4m",
@@ -140,19 +141,21 @@ def _videos_below(folder: Path, depth: int) -> list[Path]:
 
 
 def _moments(folder: Path, leaves: dict[str, tuple[Path, ...]]) -> Iterator[Place]:
-    """Yield the pictures that are called alike in all folders."""
-    by_folder = [{file.stem: file for file in files} for files in leaves.values()]
-    shared = set.intersection(*(set(files) for files in by_folder))
-    if shared:
-        names = sorted(shared, key=natural_order)
-        footage = tuple(Footage(name, tuple(files[name] for files in by_folder)) for name in names)
-        yield Place(folder, "moments", footage)
+    """Yield the pictures that are called alike in most folders; where one lacks a picture, its camera saw nothing."""
+    found: dict[str, list[Path]] = {}
+    for files in leaves.values():
+        for file in files:
+            found.setdefault(file.stem, []).append(file)
+    names = sorted((name for name, files in found.items() if 2 * len(files) > len(leaves)), key=natural_order)
+    if names:
+        yield Place(folder, "moments", tuple(Footage(name, tuple(found[name])) for name in names))
 
 
 def _pictures(folder: Path) -> tuple[Path, ...]:
     """Return the pictures of a folder, or else of the one inside that is made for them, in order."""
     for inner in (".", *_INNER):
-        names = [name for name in list_folder(folder / inner) if is_picture(name)]
+        listed = list_folder(folder / inner)
+        names = [name for name in listed if is_picture(name)] or [n for n in listed if _ending(n) in _FOREIGN]
         if names:
             return tuple(folder / inner / name for name in sorted(names, key=natural_order))
     return ()

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.as_calibrated import show_as_calibrated
 from hgs_core.capture.cameras.calibration_toml import CALIBRATION_TOML
 from hgs_core.capture.cameras.colmap import COLMAP
 from hgs_core.capture.cameras.easymocap import EASYMOCAP
@@ -24,10 +25,11 @@ from hgs_core.capture.clock import Clock, common_clock, mean_rate
 from hgs_core.capture.footage import Footage
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.matching import Matched, match_footage
+from hgs_core.capture.picture_numbers import PictureNumbers, picture_numbers
 from hgs_core.capture.picture_sequence import PictureSequence
 from hgs_core.capture.recording import Recording
 from hgs_core.capture.straighten import StraightView
-from hgs_core.capture.sync import CameraTimes, OwnTime, Sync, read_sync, times_of_cameras
+from hgs_core.capture.sync import CameraTimes, OwnTime, Sync, read_sync, table_of_times, times_of_cameras
 from hgs_core.capture.video import VideoReader, announced_length
 
 __all__ = ["CAMERA_FORMATS", "Outline", "calibration", "clock_of_videos", "load", "outline"]
@@ -72,6 +74,7 @@ def load(
     rig = with_rigid_poses(camera_format.read(capture, file))
     matched = match_footage(capture, rig)
     readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
+    shapes = show_as_calibrated(rig.cameras, matched.names, readers)
     views = [
         StraightView.of(calibrated.camera(name, reader.width, reader.height), calibrated.lens)
         for calibrated, name, reader in zip(rig.cameras, matched.names, readers, strict=True)
@@ -79,7 +82,8 @@ def load(
     sync = read_sync(capture)
     if found is not None and sync.file is None:
         sync = read_sync(found)
-    clock, times = _clock(capture, rig, matched, readers, sync)
+    numbers, said = _numbers(capture, rig, matched, sync)
+    clock, times = _clock(capture, rig, matched, readers, sync, numbers)
     pictures = [None if one.video else [path.stem for path in one.files] for one in matched.footage]
     given = find_masks(
         [masks] if masks else [capture / name for name in _MASK_FOLDERS],
@@ -87,6 +91,7 @@ def load(
         [one.name for one in matched.footage],
         pictures,
         clock.frames.tolist(),
+        numbers=None if numbers is None else numbers.numbers,
         required=masks is not None,
     )
     return Recording(
@@ -97,7 +102,7 @@ def load(
         given,
         [pair for reader in readers for pair in reader.files],
         [*rig.files, *times.files, *([sync.file] if sync.file else [])],
-        (*rig.notes, *matched.notes, *_of_pictures(matched.names, readers), *times.notes, *clock.notes),
+        (*rig.notes, *matched.notes, *shapes, *_of_pictures(matched.names, readers), *times.notes, *said, *clock.notes),
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
         matched.left_out,
     )
@@ -141,31 +146,63 @@ def _reader(name: str, footage: Footage) -> VideoReader | PictureSequence:
     return VideoReader(footage.files[0]) if footage.video else PictureSequence(name, footage.files)
 
 
+def _numbers(capture: Path, rig: Rig, matched: Matched, sync: Sync) -> tuple[PictureNumbers | None, list[str]]:
+    """Return the numbers that tell when pictures in folders were taken, and what to say of them; None: others tell."""
+    if matched.kind == "photographs" or any(one.video for one in matched.footage):
+        return None, []
+    files = [one.files for one in matched.footage]
+    stamps = [camera.stamps for camera in rig.cameras]
+    stamped = all(len(own) == len(there) for own, there in zip(stamps, files, strict=True))
+    told = stamped or sync.starts is not None or table_of_times(capture, matched.folder) is not None
+    numbers = picture_numbers(matched.folder or capture, matched.names, files, in_order=told)
+    if stamped:
+        return None, numbers.contradictions(rig.files[0].name, stamps)
+    if not told:
+        numbers.require_shared(matched.folder or capture)
+    return numbers, numbers.notes()
+
+
 def _clock(
-    capture: Path, rig: Rig, matched: Matched, readers: Sequence[VideoReader | PictureSequence], sync: Sync
+    capture: Path,
+    rig: Rig,
+    matched: Matched,
+    readers: Sequence[VideoReader | PictureSequence],
+    sync: Sync,
+    numbers: PictureNumbers | None,
 ) -> tuple[Clock, CameraTimes]:
     """Return the clock and what it is made of."""
     if matched.kind == "photographs":
         count = len(readers)
         one = Clock(np.zeros(1), np.zeros((count, 1), np.int64), np.zeros((count, 1)))
         return one, CameraTimes([])
-    rate = sync.rate or rig.rate or _ASSUMED_RATE
-    own, assumed = [], False
-    for calibrated, name, footage, reader in zip(rig.cameras, matched.names, matched.footage, readers, strict=True):
+    rate, assumed = sync.rate or rig.rate or _ASSUMED_RATE, False
+    if numbers is not None:
+        assumed = sync.rate is None and rig.rate is None and numbers.unit is None
+        rate = numbers.rate(rate)
+    seconds = None if numbers is None else numbers.seconds(rate)
+    own = []
+    for index, (calibrated, reader) in enumerate(zip(rig.cameras, readers, strict=True)):
+        name, other = matched.names[index], matched.footage[index].name
         if isinstance(reader, VideoReader):
-            times = _own_time(name, footage.name, reader)
-        elif calibrated.stamps and rig.stamps_in_seconds and len(calibrated.stamps) == len(reader):
+            own.append(_own_time(name, other, reader))
+        elif numbers is not None and seconds is not None:
+            by = "pictures' numbers"
+            own.append(OwnTime(name, other, seconds[index], rate, numbers.unit or 0.0, by=by))
+        elif rig.stamps_in_seconds and len(calibrated.stamps) == len(reader) > 1:
             stamps = np.array(calibrated.stamps)
-            times = OwnTime(name, footage.name, stamps, mean_rate(stamps) if len(stamps) > 1 else rate)
+            own.append(OwnTime(name, other, stamps, mean_rate(stamps)))
         else:
-            numbers = calibrated.stamps if len(calibrated.stamps) == len(reader) else range(len(reader))
-            times = OwnTime(name, footage.name, np.array(numbers, np.float64) / rate, rate)
+            places = calibrated.stamps if len(calibrated.stamps) == len(reader) else range(len(reader))
+            own.append(OwnTime(name, other, np.array(places, np.float64) / rate, rate))
             assumed |= sync.rate is None and rig.rate is None
-        own.append(times)
     found = times_of_cameras(capture, matched.folder, own, sync, assumed=assumed)
     if assumed and not found.files:
         found.notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
     clock = common_clock(capture, found.cameras)
+    if len(clock.times) == 1 and matched.kind == "videos" and max(len(reader) for reader in readers) == 1:
+        first = matched.footage[0].files[0].name
+        cure = f"give pictures of a scene that stands still: ffmpeg -i {first} {matched.footage[0].name}.png"
+        raise InputError(capture, "each video has one frame, and nothing moves", f"{cure}, and take the videos away")
     if len(clock.times) == 1 and max(len(reader) for reader in readers) > 1:
         raise InputError(capture, "only one moment is seen by all cameras", "check their time stamps, or sync.json")
     return clock, found
@@ -177,6 +214,11 @@ def _of_pictures(names: Sequence[str], readers: Sequence[VideoReader | PictureSe
     for name, reader in zip(names, readers, strict=True):
         if isinstance(reader, VideoReader) and reader.wide_colours is not None:
             wide.setdefault(reader.wide_colours.name, []).append(name)
+    chosen = dict[str, list[str]]()
+    for name, reader in zip(names, readers, strict=True):
+        for note in reader.notes:
+            chosen.setdefault(note, []).append(name)
+    notes += [f"{', '.join(cameras)}: {note}" for note, cameras in chosen.items()]
     for what, cameras in wide.items():
         notes.append(f"{what} of {', '.join(cameras)} is shown as on an ordinary screen, in BT.709's colours")
     pixels = np.array([reader.width * reader.height for reader in readers])

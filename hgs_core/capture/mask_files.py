@@ -61,12 +61,13 @@ def find_masks(
     pictures: Sequence[Sequence[str] | None],  # the names of the cameras' pictures, without endings; None: of a video
     frames: Sequence[Sequence[int]],  # of each camera, that need masks
     *,
+    numbers: Sequence[Sequence[int]] | None = None,  # of each camera's pictures; None: of videos
     required: bool = False,
 ) -> MaskFiles:
     """Return the masks in the first of the folders that has some, one folder per camera; the others' are not given.
 
-    A mask is called like its picture, or else by the number of the frame, from 0. It has the size of the picture on
-    disk, or of the straight one.
+    A mask is called like its picture or by its number, or else by its place in the footage, from 0. It has the size of
+    the picture on disk, or of the straight one.
 
     Raises:
         InputError: a camera's folder lacks a frame, or one of its masks is unreadable or not of the camera's size; or,
@@ -74,10 +75,11 @@ def find_masks(
     """
     for folder in folders:
         found = {}
-        for view, other, names, needed in zip(views, others, pictures, frames, strict=True):
+        for index, (view, other) in enumerate(zip(views, others, strict=True)):
             own = next((folder / name for name in (view.camera.name, other) if (folder / name).is_dir()), None)
             if own is not None:
-                found[view.camera.name] = _files(own, view, names, needed)
+                of_pictures = None if numbers is None else numbers[index]
+                found[view.camera.name] = _files(own, view, pictures[index], frames[index], of_pictures)
         if found:
             return MaskFiles(found, folder)
     if required:
@@ -88,19 +90,40 @@ def find_masks(
     return MaskFiles({})
 
 
-def _files(folder: Path, view: StraightView, names: Sequence[str] | None, needed: Sequence[int]) -> dict[int, Path]:
+def _files(
+    folder: Path,
+    view: StraightView,
+    names: Sequence[str] | None,
+    needed: Sequence[int],
+    numbers: Sequence[int] | None,
+) -> dict[int, Path]:
     there = {Path(name).stem: folder / name for name in list_folder(folder) if name.lower().endswith(".png")}
     if names is not None and all(names[frame] in there for frame in needed):
         found = {frame: there[names[frame]] for frame in needed}
     else:
-        numbers = numbered_pictures(folder)
+        masks = numbered_pictures(folder)
+        called = _called(masks, needed, numbers)
         for frame in needed:
-            if frame not in numbers:
+            if called[frame] not in masks:
                 cure = "call masks like the pictures or number them from 0, or remove the folder to have them computed"
-                raise InputError(folder, f"the mask of frame {frame} is missing", cure)
-        found = {frame: numbers[frame] for frame in needed}
+                raise InputError(folder, f"the mask of frame {called[frame]} is missing", cure)
+        found = {frame: masks[called[frame]] for frame in needed}
     straight = (view.camera.width, view.camera.height)
     for path in found.values():
         if picture_size(path) != straight:
             check_size(path, view.bent)
     return found
+
+
+def _called(masks: Mapping[int, Path], needed: Sequence[int], numbers: Sequence[int] | None) -> Sequence[int]:
+    """Return by which numbers masks are called, of each of the camera's pictures: by theirs, or by their places."""
+    places = range(max(needed) + 1)
+    if numbers is None:
+        return places
+    # All of the camera's pictures tell more surely than those in use which of the two it is.
+    for used in (range(len(numbers)), needed):
+        if all(numbers[place] in masks for place in used):
+            return numbers
+        if all(place in masks for place in used):
+            return places
+    return numbers

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from hgs_core.base.errors import InputError
+from hgs_core.capture.picture_file import read_header, read_pixels
 from hgs_core.scene.camera import Camera
 
 __all__ = [
@@ -36,16 +37,16 @@ def read_picture(path: Path, camera: Camera) -> npt.NDArray[np.uint8]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    return _pixels(path, (camera.width, camera.height), "RGB", f"camera {camera.name} needs")
+    return _pixels(path, (camera.width, camera.height), f"camera {camera.name} needs")
 
 
-def read_sized_picture(path: Path, size: tuple[int, int]) -> npt.NDArray[np.uint8]:
-    """Return the picture [H, W, 3] of `size` (width, height).
+def read_sized_picture(path: Path, size: tuple[int, int], *, upright: bool = False) -> npt.NDArray[np.uint8]:
+    """Return the picture [H, W, 3] of `size` (width, height), as it is stored, or `upright` as EXIF says.
 
     Raises:
         InputError: the file is missing, unreadable, or of another size.
     """
-    return _pixels(path, size, "RGB", "it was")
+    return _pixels(path, size, "it was", upright=upright)
 
 
 def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
@@ -54,7 +55,7 @@ def read_mask(path: Path, camera: Camera) -> npt.NDArray[np.bool_]:
     Raises:
         InputError: the file is missing, unreadable, or not of the camera's size.
     """
-    values = _pixels(path, (camera.width, camera.height), None, f"camera {camera.name} needs")
+    values = _pixels(path, (camera.width, camera.height), f"camera {camera.name} needs", colours=False)
     if values.ndim == 3:  # colours; a second or fourth channel is transparency
         values = values[:, :, : values.shape[2] - (values.shape[2] % 2 == 0)].max(axis=2)
     return np.asarray(values > 0, bool)
@@ -70,16 +71,12 @@ def check_size(path: Path, camera: Camera) -> None:
 
 
 def picture_size(path: Path) -> tuple[int, int]:
-    """Return width and height in pixels, from the header.
+    """Return width and height as stored in pixels, from the header.
 
     Raises:
         InputError: the file is missing or unreadable.
     """
-    try:
-        with Image.open(path) as image:
-            return image.size
-    except (OSError, UnidentifiedImageError) as error:
-        raise _unreadable(path, error) from error
+    return read_header(path).size
 
 
 def reduced_picture(picture: npt.NDArray[np.uint8], size: Camera) -> npt.NDArray[np.uint8]:
@@ -137,30 +134,14 @@ def _safely(entry: os.DirEntry[str], kind: Callable[[], bool]) -> bool:
         raise InputError(entry.path, f"cannot be read ({error.strerror})", "make it readable, or remove it") from error
 
 
-def _pixels(path: Path, size: tuple[int, int], mode: str | None, wanted: str) -> npt.NDArray[np.uint8]:
-    """Return the pixels in Pillow's `mode`, or as they are stored."""
-    try:
-        with Image.open(path) as image:
-            _check_size(path, image.size, size, wanted)
-            if mode == "RGB" and image.mode == "F":
-                problem = "the picture has floating-point values, whose white nothing states"
-                raise InputError(path, problem, "store 8 or 16 bits per channel")
-            if mode == "RGB" and image.mode.startswith("I"):  # 16 bits of grey, which Pillow would cut off at 255
-                levels = (np.asarray(image).clip(0, 65535) / 257 + 0.5).astype(np.uint8)
-                return np.repeat(levels[..., None], 3, axis=2)
-            return np.array(image.convert(mode) if mode else image)
-    except (OSError, UnidentifiedImageError, SyntaxError) as error:
-        raise _unreadable(path, error) from error
+def _pixels(
+    path: Path, size: tuple[int, int], wanted: str, *, upright: bool = False, colours: bool = True
+) -> npt.NDArray[np.uint8]:
+    header = read_header(path)
+    _check_size(path, header.upright if upright else header.size, size, wanted)
+    return read_pixels(path, upright=upright, colours=colours)
 
 
 def _check_size(path: Path, size: tuple[int, int], right: tuple[int, int], wanted: str) -> None:
     if size != right:
         raise InputError(path, f"the picture is {size[0]}x{size[1]}", f"{wanted} {right[0]}x{right[1]}")
-
-
-def _unreadable(path: Path, error: Exception) -> InputError:
-    if isinstance(error, FileNotFoundError):
-        return InputError(path, "the picture is missing", "restore the file")
-    if isinstance(error, PermissionError):
-        return InputError(path, "the picture may not be read", "make it readable")
-    return InputError(path, f"the picture is unreadable ({error})", "restore the file from its source")

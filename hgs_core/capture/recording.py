@@ -93,7 +93,10 @@ class Recording:
             notes=said,
             unaligned=self.unaligned,
             left_out=self.left_out,
-            videos=[CameraVideo(r.path, r.seconds) if isinstance(r, VideoReader) else None for r in self.readers],
+            videos=[
+                CameraVideo(r.path, r.seconds, r.interlaced) if isinstance(r, VideoReader) else None
+                for r in self.readers
+            ],
         )
 
 

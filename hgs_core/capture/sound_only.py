@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hgs_core.base.errors import InputError
+from hgs_core.capture.container import open_container
+
 __all__ = ["is_sound_only"]
 
 
@@ -12,7 +15,7 @@ def is_sound_only(file: Path) -> bool:
     import av
 
     try:
-        with av.open(str(file)) as container:
+        with open_container(file) as container:
             return bool(container.streams.audio) and not container.streams.video
-    except (av.FFmpegError, OSError):
+    except (av.FFmpegError, OSError, InputError):
         return False  # whoever reads it as a video says why it is none

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.aac_packets import AAC_SAMPLES, AacHeader
+from hgs_core.capture.container import open_container
 from hgs_core.capture.opus_packets import OPUS_RATE, ogg_opus, opus_head, opus_samples
 from hgs_core.capture.unreadable import unreadable
 
@@ -70,13 +71,15 @@ def cut_sound(path: Path, start: float, end: float, offset: float = 0.0) -> CutS
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             if not container.streams.audio:
                 return None
             stream = container.streams.audio[0]
             packets = [packet for packet in container.demux(stream) if packet.size and packet.pts is not None]
             copied = _copied(stream, packets, offset)
         return copied.between(start, end) if copied else _encoded(path, start, end, offset)
+    except InputError:
+        raise
     except (av.FFmpegError, OSError, ValueError) as error:
         raise unreadable(path, error, "export it again, or use --audio none", "the sound is unreadable") from error
 
@@ -159,7 +162,7 @@ def _encoded(path: Path, start: float, end: float, offset: float) -> CutSound | 
     """
     import av
 
-    with av.open(str(path)) as container:
+    with open_container(path) as container:
         stream = container.streams.audio[0]
         name, channels = stream.codec_context.name, min(2, stream.codec_context.channels or 1)
         try:

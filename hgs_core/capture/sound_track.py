@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from hgs_core.base.errors import InputError
+from hgs_core.capture.container import open_container
 from hgs_core.capture.unreadable import unreadable
+from hgs_core.capture.video_stream import video_stream
 
 if TYPE_CHECKING:
-    import av.container
+    from av.container import InputContainer
 
 __all__ = ["SOUND_RATE", "has_sound", "read_sound", "sound_begin"]
 
@@ -26,9 +29,9 @@ def has_sound(path: Path) -> bool:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             return bool(container.streams.audio)
-    except (av.FFmpegError, OSError):
+    except (av.FFmpegError, OSError, InputError):
         return False
 
 
@@ -41,8 +44,8 @@ def sound_begin(path: Path) -> float:
     import av
 
     try:
-        with av.open(str(path)) as container:
-            begin = _begin(container)
+        with open_container(path) as container:
+            begin = _begin(path, container)
             if begin is None:
                 begin = float(next(container.decode(container.streams.audio[0])).time or 0.0)
             return begin
@@ -62,10 +65,10 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
     import av
 
     try:
-        with av.open(str(path)) as container:
+        with open_container(path) as container:
             if not container.streams.audio:
                 return None
-            stream, begin = container.streams.audio[0], _begin(container)
+            stream, begin = container.streams.audio[0], _begin(path, container)
             resampler = av.AudioResampler(format="flt", layout="mono", rate=SOUND_RATE)
             parts: list[npt.NDArray[np.float32]] = []
             first: float | None = None
@@ -89,9 +92,7 @@ def read_sound(path: Path) -> npt.NDArray[np.float32] | None:
     return np.asarray(sound[: round(_LONGEST * SOUND_RATE)], np.float32)
 
 
-def _begin(container: av.container.InputContainer) -> float | None:
+def _begin(path: Path, container: InputContainer) -> float | None:
     """Return the time of a file's first picture, seconds; None without pictures."""
-    if not container.streams.video:
-        return None
-    video = container.streams.video[0]
-    return float((video.start_time or 0) * (video.time_base or 0))
+    video, _ = video_stream(path, container)
+    return None if video is None else float((video.start_time or 0) * (video.time_base or 0))

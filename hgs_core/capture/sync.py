@@ -34,6 +34,7 @@ __all__ = [
     "OwnTime",
     "Sync",
     "read_sync",
+    "table_of_times",
     "times_of_cameras",
 ]
 
@@ -96,6 +97,7 @@ class OwnTime:
     rate: float
     resolution: float = 0.0  # seconds
     timecode: str | None = None  # of the first frame
+    by: str = "time stamps"  # what says it
 
 
 @dataclass(frozen=True)
@@ -106,6 +108,11 @@ class CameraTimes:
     files: list[Path] = field(default_factory=list)  # beside the footage, that they came from
     notes: list[str] = field(default_factory=list)  # what to say
     told: bool = True  # whether anything says when the cameras began; else they are taken to have begun together
+
+
+def table_of_times(capture: Path, folder: Path | None) -> Path | None:
+    """Return timestamps.csv, beside the footage or in the capture's folder, if there is one."""
+    return next((f / TIMESTAMPS_FILE for f in (folder, capture) if f and (f / TIMESTAMPS_FILE).is_file()), None)
 
 
 def times_of_cameras(
@@ -120,7 +127,7 @@ def times_of_cameras(
     """
     if sync.starts is not None:
         return CameraTimes(_by_sync(cameras, sync), notes=[f"{SYNC_FILE} says when each camera began"])
-    table = next((f / TIMESTAMPS_FILE for f in (folder, capture) if f and (f / TIMESTAMPS_FILE).is_file()), None)
+    table = table_of_times(capture, folder)
     if table is not None:
         times, notes = _by_table(cameras, table, assumed)
         return CameraTimes(times, [table], notes)
@@ -146,7 +153,7 @@ def times_of_cameras(
         for camera in cameras
         if float(camera.stamps[0]) - first > 0.02 / camera.rate + camera.resolution
     ]
-    said = f"by their time stamps these begin later: {', '.join(late)} ({SYNC_FILE} can say otherwise)"
+    said = f"by their {cameras[0].by} these begin later: {', '.join(late)} ({SYNC_FILE} can say otherwise)"
     tolerance = max(_EDITED, *(camera.resolution for camera in cameras))
     times = [_began(camera, camera.stamps, tolerance) for camera in cameras]
     return CameraTimes(times, notes=[*notes, *([said] if late else [])], told=bool(late))

@@ -14,6 +14,7 @@ from hgs_core.check.camera_motion import camera_shift
 from hgs_core.check.epipolar import Pair, Pairs, Rig, camera_errors, pair_errors
 from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
+from hgs_core.check.interlacing import judge_interlacing
 from hgs_core.check.left_out import judge_left_out
 from hgs_core.check.motion_energy import energy_offsets, motion_energy
 from hgs_core.check.moving_features import feature_offsets, match_leads
@@ -62,6 +63,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
     apart = _APART if len(capture.times) >= FEWEST_FRAMES else _APART_IF_SHORT
     findings += _unsynchronous(names, ahead, apart, {name for finding in moving for name in finding.cameras})
     findings += judge_pictures(names, seen.views) + judge_masks(names, seen.views) + judge_rates(capture.path, names)
+    findings += judge_interlacing(capture)
     errors = suspects.errors if pairs else tuple(camera_errors(len(names), {}, pairs))
     results = tuple(
         CameraResult(

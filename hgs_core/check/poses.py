@@ -94,7 +94,7 @@ def _without_views(names: Sequence[str], suspects: Suspects) -> list[Finding]:
         f"{len(alone)} of {counted(len(names), 'camera')} share no view with another: their poses cannot be checked"
     )
     cure = "expect no more than what each of them sees; cameras nearer to each other would help"
-    return [Finding(False, tuple(alone), problem, cure)]
+    return [Finding(1 < len(names) == len(alone), tuple(alone), problem, cure)]
 
 
 def _place(rig: Rig) -> list[Finding]:

@@ -151,6 +151,7 @@ def _camera(path: Path, meta: dict[str, Any], column: int, pictures: tuple[Path,
         (float(k[0, 0, 2]), float(k[0, 1, 2])),
         (float(meta["w"]), float(meta["h"])),
         pictures=pictures,
+        stamps=tuple(float(frame) for frame in range(len(pictures))),
     )
 
 

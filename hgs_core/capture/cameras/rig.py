@@ -53,6 +53,13 @@ class CalibratedCamera:
     pictures: tuple[Path, ...] = ()  # that the file itself names: one video, or one picture for each frame
     stamps: tuple[float, ...] = ()  # of these pictures, if the file has them: numbers of frames, or seconds
 
+    def fits(self, width: int, height: int) -> bool:
+        """Return whether pictures of `width` by `height` pixels may be the calibrated ones, scaled."""
+        across, down = self.size or (width, height)
+        if not (across > 0 and down > 0):
+            return False
+        return abs(down * width / across - height) <= _ROUNDING or abs(across * height / down - width) <= _ROUNDING
+
     def camera(self, name: str, width: int, height: int) -> Camera:
         """Return the camera of pictures of `width` by `height` pixels, to which the calibrated ones were scaled.
 
@@ -64,7 +71,7 @@ class CalibratedCamera:
             problem = f"width and height are {calibrated[0]:g} and {calibrated[1]:g}"
             raise InputError(self.where, problem, "they are the sides of the picture in pixels")
         sx, sy = width / calibrated[0], height / calibrated[1]
-        if abs(calibrated[1] * sx - height) > _ROUNDING and abs(calibrated[0] * sy - width) > _ROUNDING:
+        if not self.fits(width, height):
             raise InputError(self.where, *_other_shape(calibrated, (width, height)))
         for focal in self.focal:
             if focal > 0 and not 1 / _LARGEST_RATIO < focal / calibrated[0] < _LARGEST_RATIO:

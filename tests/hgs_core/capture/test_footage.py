@@ -65,3 +65,9 @@ def test_masks_calibrations_and_hidden_folders_hold_no_footage(tmp_path: Path) -
 def test_footage_lies_at_most_three_folders_deep(tmp_path: Path) -> None:
     touch(tmp_path, "1/2/3/a.mp4", "1/2/3/4/b.mp4")
     assert found(tmp_path) == {("videos", "1/2/3"): ["a"]}
+
+
+def test_pictures_that_are_not_read_are_found_where_there_are_no_others(tmp_path: Path) -> None:
+    touch(tmp_path, "images/a/1.heic", "images/b/1.heic", "images/b/1.jpg", "images/b/2.jpg")
+    place = next(place for place in find_places(tmp_path) if place.kind == "folders")
+    assert [[file.name for file in one.files] for one in place.footage] == [["1.heic"], ["1.jpg", "2.jpg"]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -135,3 +136,26 @@ def test_a_folder_without_masks_of_the_capture_is_refused(n3dv: Path, tmp_path: 
     masks = write_masks(tmp_path / "masks" / "camera0")
     with pytest.raises(InputError, match=r"no masks of this capture; .* each camera of cam00, cam01"):
         open_capture(n3dv, masks=masks)
+
+
+@pytest.mark.parametrize(
+    ("called", "shown"),
+    [
+        ([0, 1, 2, 5, 6], [0, 1, 2, 5, 6]),  # by the pictures' numbers
+        (range(8), [0, 1, 2, 5, 6]),  # the same, and two of no picture
+        (range(5), [0, 1, 2, 3, 4]),  # by their places, as hgs masks writes them
+    ],
+)
+def test_masks_follow_the_numbers_of_pictures_that_have_a_gap(
+    tmp_path: Path, called: Sequence[int], shown: list[int]
+) -> None:
+    layouts.easymocap(tmp_path)
+    size = (layouts.WIDTH, layouts.HEIGHT)
+    for name in layouts.NAMES:
+        (tmp_path / "images" / name).mkdir(parents=True)
+        for number in (0, 1, 2, 5, 6) if name == layouts.NAMES[1] else range(8):
+            Image.new("RGB", size).save(tmp_path / "images" / name / f"frame_{number:04d}.png")
+    write_masks(tmp_path / "masks" / layouts.NAMES[1], frames=called, size=size)
+    capture = open_capture(tmp_path)
+    masks = [capture.mask(1, tick) for tick in range(len(capture.times))]
+    assert [int(mask.sum()) // layouts.HEIGHT for mask in masks if mask is not None] == shown

@@ -20,7 +20,7 @@ def test_damage_and_missing_rights_have_cures_of_their_own() -> None:
 def test_a_video_that_may_not_be_read_is_told_from_a_damaged_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(file: str) -> None:
+    def refuse(file: str, **_: object) -> None:
         raise av.PermissionError(13, "Permission denied", file)
 
     (tmp_path / "a.mp4").touch()

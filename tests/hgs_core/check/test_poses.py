@@ -48,11 +48,12 @@ def test_cameras_that_share_no_view_are_counted_and_do_not_stop() -> None:
     assert "3 of 8 cameras share no view" in finding.problem
 
 
-def test_without_any_match_nothing_is_said_of_poses() -> None:
+def test_cameras_none_of_which_shares_a_view_stop() -> None:
     rig, _ = rig_and_matches()
-    suspects, findings = judge_poses(rig, {}, NAMES)
+    suspects, (finding,) = judge_poses(rig, {}, NAMES)
     assert suspects.unjudged == tuple(range(8))
-    assert not any(finding.stops for finding in findings)
+    assert finding.stops
+    assert "8 of 8 cameras share no view" in finding.problem
 
 
 def test_poor_poses_are_looked_at_and_do_not_stop() -> None:
