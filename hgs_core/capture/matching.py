@@ -235,7 +235,8 @@ def _chapters(capture: Path, places: Sequence[Place], cameras: set[str]) -> Inpu
         if place.kind == "videos" and len(place.footage) > 1 and name.casefold() in cameras:
             files = [one.files[0].name for one in place.footage]
             problem = f"holds {len(files)} videos for the one camera that it is called like: {_listed(files)}"
-            listed = " ".join(shlex.quote(f"file '{one.files[0].absolute()}'") for one in place.footage[:_MOST_NAMED])
+            paths = [str(one.files[0].absolute()).replace("'", "'\\''") for one in place.footage]
+            listed = " ".join(shlex.quote(f"file 'file:{path}'") for path in paths)
             joined = place.folder.parent / f"{name}{Path(files[0]).suffix.lower()}"
             command = f"printf '%s\\n' {listed} | ffmpeg -f concat -safe 0 -protocol_whitelist file,pipe -i - -c copy"
             cure = f"leave the one of this take there, or join chapters of one: {command} {shlex.quote(str(joined))}"

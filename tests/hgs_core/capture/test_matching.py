@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,8 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
 from hgs_core.capture.matching import Matched, match_footage
+from hgs_core.capture.video import VideoReader
+from tests.hgs_core.capture.layouts import picture, write_video
 
 
 def rig(root: Path, *names: tuple[str, ...] | str, nameless: int = 0) -> Rig:
@@ -163,6 +167,13 @@ def test_chapters_in_a_camera_s_folder_are_refused_by_name(tmp_path: Path) -> No
     ) as caught:
         match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
     assert f"-c copy {tmp_path}/cam00.mp4" in str(caught.value)
+    if shutil.which("ffmpeg"):
+        for chapter in (tmp_path / "cam00").iterdir():
+            chapter.unlink()
+            write_video(chapter, [picture(0, frame) for frame in range(3)])
+        command = str(caught.value).partition("join chapters of one: ")[2]
+        subprocess.run(command, shell=True, check=True, stdin=subprocess.DEVNULL, capture_output=True)
+        assert len(VideoReader(tmp_path / "cam00.mp4")) == 6
     touch(tmp_path, "cam00.mp4")  # as the command in the refusal makes it
     found = match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
     assert files(tmp_path, found)["cam00"] == ["cam00.mp4"]

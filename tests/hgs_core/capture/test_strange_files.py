@@ -85,10 +85,12 @@ def _is_read(root: Path, change: str) -> bool:
         capture = open_capture(root)
     except InputError as error:
         text = str(error)
-        assert text.isprintable() and len(text) < _LONGEST, f"{change}: {text!r}"
+        assert text.isprintable(), f"{change}: {text!r}"
+        assert len(text) < _LONGEST, change
         return False
     except Exception as error:
         raise AssertionError(f"{change}: {error!r}") from error
-    assert capture.cameras and len(capture.times), change
+    assert capture.cameras, change
+    assert len(capture.times), change
     assert all(np.isfinite(camera.world_to_camera).all() for camera in capture.cameras), change
     return True

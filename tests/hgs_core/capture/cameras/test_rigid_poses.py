@@ -64,7 +64,7 @@ def test_one_axis_that_is_scaled_is_refused(tmp_path: Path) -> None:
         return pose
 
     with pytest.raises(
-        InputError, match="frame 0: the rotation of its pose is none: its rows have the lengths 1.5, 1, 1"
+        InputError, match=r"frame 0: the rotation of its pose is none: its rows have the lengths 1\.5, 1, 1"
     ):
         open_capture(capture_of(tmp_path, stretch))
 
@@ -76,7 +76,7 @@ def test_a_mirrored_world_is_refused_and_the_cure_cures(tmp_path: Path) -> None:
 
     capture_of(tmp_path, mirror)
     with pytest.raises(
-        InputError, match="frame 0: its pose is a reflection.*negate the third row of every camera-to-world"
+        InputError, match=r"frame 0: its pose is a reflection.*negate the third row of every camera-to-world"
     ):
         open_capture(tmp_path)
     meta = json.loads((tmp_path / "transforms.json").read_text())

@@ -71,5 +71,5 @@ def test_a_name_that_no_file_can_have_is_refused(tmp_path: Path, name: str) -> N
     frames = layouts.frames_of_videos()
     frames[1]["file_path"] = name
     layouts.transforms(frames)(tmp_path)
-    with pytest.raises(InputError, match="frame 1: file_path .* is outside the capture"):
+    with pytest.raises(InputError, match=r"frame 1: file_path .* is outside the capture"):
         open_capture(tmp_path)
