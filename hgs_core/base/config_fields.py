@@ -8,6 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import shown
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -36,16 +37,16 @@ def check_fields(
     for field in dataclasses.fields(values):
         value, place = getattr(values, field.name), f"{where}.{field.name}"
         if dataclasses.is_dataclass(field.default_factory) and not isinstance(value, field.default_factory):
-            raise InputError(place, f"{_shown(value)} is not an object", "give {field: value}")
+            raise InputError(place, f"{shown(value)} is not an object", "give {field: value}")
         known = choices[field.name] if field.type == "str" else choices.get(field.name)
         if field.type in ("int", "float"):
             low, high = ranges[field.name] if known is None else (min(known), max(known))
             value = _number(value, str(field.type), place, low, high)
             object.__setattr__(values, field.name, value)  # frozen for everybody else
         elif field.type == "bool" and not isinstance(value, bool):
-            raise InputError(place, f"{_shown(value)} is not true or false")
+            raise InputError(place, f"{shown(value)} is not true or false")
         if known is not None and value not in known:
-            raise InputError(place, f"unknown choice {_shown(value)}", f"use {_any_of(known)}")
+            raise InputError(place, f"unknown choice {shown(value)}", f"use {_any_of(known)}")
 
 
 def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config:
@@ -77,22 +78,14 @@ def flat_fields(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 def _number(value: Any, kind: str, where: str, low: float, high: float) -> float:
     cure = f"give a {'whole ' if kind == 'int' else ''}number from {low} to {high}"
     if not isinstance(value, int | float) or isinstance(value, bool):
-        raise InputError(where, f"{_shown(value)} is not a number", cure)
+        raise InputError(where, f"{shown(value)} is not a number", cure)
     if not low <= value <= high:  # NaN lies nowhere
-        raise InputError(where, f"{_shown(value)} is out of range", cure)
+        raise InputError(where, f"{shown(value)} is out of range", cure)
     if kind == "float":
         return float(value)
     if int(value) != value:
-        raise InputError(where, f"{_shown(value)} is not a whole number", cure)
+        raise InputError(where, f"{shown(value)} is not a whole number", cure)
     return int(value)
-
-
-def _shown(value: Any) -> str:
-    try:
-        text = repr(value)
-    except ValueError:  # Python writes out no int of thousands of digits
-        text = "a number of thousands of digits"
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
 
 
 def _any_of(choices: tuple[Any, ...]) -> str:

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 __all__ = ["InputError"]
+
+_BREAKS = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]")  # names in files may hold any
+_LONGEST = 2000  # characters of a part, paths in it
 
 
 class InputError(ValueError):
@@ -14,11 +19,15 @@ class InputError(ValueError):
 
     def __init__(self, where: object, problem: str, cure: str = "") -> None:
         """Join `where` (a file, field or argument), `problem` and, if known, `cure` into one line."""
-        self.where = str(where)
-        self.problem = problem
-        self.cure = cure
-        super().__init__(f"{self.where}: {problem}" + (f"; {cure}" if cure else ""))
+        self.where, self.problem, self.cure = (_in_one_line(str(part)) for part in (where, problem, cure))
+        super().__init__(f"{self.where}: {self.problem}" + (f"; {self.cure}" if self.cure else ""))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
         """Let the line go from one process to another; of a subclass nothing else."""
         return InputError, (self.where, self.problem, self.cure)
+
+
+def _in_one_line(text: str) -> str:
+    if len(text) > _LONGEST:
+        text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 4 :]}"
+    return _BREAKS.sub(lambda found: ascii(found[0])[1:-1], text)

@@ -61,9 +61,9 @@ def find_cameras(
     where = (found or folder) / COLMAP_FOLDER
     if (where / "cameras.txt").exists() or (where / "cameras.bin").exists():
         raise InputError(where, "there are cameras already", "move them away to have them found again")
-    videos = [VideoReader(file, square=True) for file in find_videos(folder)]
-    names = [video.path.stem for video in videos]
-    clock, _ = clock_of_videos(folder, videos, found)
+    files = find_videos(folder)
+    names, videos = list(files), [VideoReader(file, square=True) for file in files.values()]
+    clock, _ = clock_of_videos(folder, names, videos, found)
 
     def read(camera: int, frame: int) -> npt.NDArray[np.uint8]:
         return videos[camera].read(int(clock.frames[camera, frame]), 0)[0]

@@ -7,6 +7,7 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
 from hgs_core.capture.layout import calibration
+from hgs_core.capture.sound_only import is_sound_only
 
 __all__ = ["are_enough_videos", "find_videos", "has_poses"]
 
@@ -16,8 +17,11 @@ def has_poses(folder: Path) -> bool:
     return next(calibration(folder), None) is not None
 
 
-def find_videos(folder: Path) -> list[Path]:
-    """Return the videos of a folder, or of the nearest below that has two, by the numbers in their names.
+def find_videos(folder: Path) -> dict[str, Path]:
+    """Return the videos of a folder, or of the nearest below that has two, by the names of their cameras.
+
+    They come in the order of the numbers in these. A video is called as its camera, or is the only one in a folder that
+    is; files of sound alone are none.
 
     Raises:
         InputError: the folder is missing, has no two videos, or two of one name.
@@ -25,12 +29,13 @@ def find_videos(folder: Path) -> list[Path]:
     if not folder.is_dir():
         raise InputError(folder, "the folder does not exist", "give a folder of videos, one of each camera")
     for place in find_places(folder):
-        if place.kind == "videos" and len(place.footage) > 1:
-            names = [one.name for one in place.footage]
+        footage = [one for one in place.footage if not (one.video and is_sound_only(one.files[0]))]
+        if place.kind == "videos" and len(footage) > 1:
+            names = [one.name for one in footage]
             for name in names:
                 if names.count(name) > 1:
                     raise InputError(place.folder, f"two videos are called {name}", "give each camera its own name")
-            return [one.files[0] for one in place.footage]
+            return {one.name: one.files[0] for one in footage}
     raise InputError(folder, "has no two videos", "put one video of each camera into it")
 
 

@@ -60,6 +60,7 @@ class Capture:
         numbers: npt.NDArray[np.int64] | None = None,  # [C, F] of frames in the cameras' own footage; None: in order
         notes: Sequence[str] = (),
         unaligned: Sequence[Path] = (),
+        left_out: Sequence[str] = (),
         videos: Sequence[CameraVideo | None] = (),  # of each camera; None: it has pictures
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
@@ -85,6 +86,7 @@ class Capture:
         self._numbers = np.broadcast_to(in_order, (len(names), len(in_order))) if numbers is None else numbers
         self.notes = tuple(notes)  # what people should know: files left out, masks found
         self.unaligned = tuple(unaligned)  # the cameras' videos, where nothing says when they began; else none
+        self.left_out = tuple(left_out)  # footage beside the cameras', of which there is no camera
         self._videos = tuple(videos)
         self._source = source
         self._fingerprint = fingerprint

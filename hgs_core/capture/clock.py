@@ -17,7 +17,7 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted
 
-__all__ = ["CameraTime", "Clock", "common_clock"]
+__all__ = ["CameraTime", "Clock", "common_clock", "mean_rate"]
 
 _SAME_RATE = 1e-4  # share by which rates may differ and still count as one: 29.97 and 30 do not
 _EXACT = 1e-6  # seconds: what numbers lose on the way
@@ -32,6 +32,15 @@ class CameraTime:
     stamps: npt.NDArray[np.float64]  # [N] seconds, increasing
     rate: float  # frames per second
     tolerance: float = 0.0  # seconds by which stamps may err
+
+
+def mean_rate(stamps: npt.NDArray[np.float64]) -> float:
+    """Return how many frames a second stamps [N], 2 or more that increase, are taken at, whatever they are rounded to.
+
+    Where steps are several times the usual one, so many frames are missing.
+    """
+    steps = np.diff(stamps)
+    return float(np.maximum(1.0, np.round(steps / np.median(steps))).sum() / (stamps[-1] - stamps[0]))
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 | kind        | files                                          | one camera's pictures            |
 |-------------|------------------------------------------------|----------------------------------|
-| videos      | FOLDER/<camera>.mp4                            | a video                          |
+| videos      | FOLDER/<camera>.mp4, or <camera>/any name.mp4  | a video, the only one there      |
 | folders     | FOLDER/<camera>/<frame>.png, or .../images/... | the pictures of its folder       |
 | moments     | FOLDER/<frame>/<camera>.png, or .../images/... | one picture of every folder      |
 | photographs | FOLDER/<camera>.png                            | one picture                      |
@@ -13,7 +13,7 @@ Frames come in the order of the numbers in their names.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -85,21 +85,24 @@ def find_places(capture: Path) -> list[Place]:
     Raises:
         InputError: a folder may not be read.
     """
-    return [place for folder in _folders(capture) for place in _places(folder)]
+    return [place for folder, depth in _folders(capture) for place in _places(folder, depth)]
 
 
-def _folders(capture: Path) -> Iterator[Path]:
+def _folders(capture: Path) -> Iterator[tuple[Path, int]]:
+    """Yield folders, and how many below each are looked at."""
     level = [capture]
-    for _ in range(_DEEPEST + 1):
-        yield from level
+    for depth in range(_DEEPEST, -1, -1):
+        yield from ((folder, depth) for folder in level)
         level = [folder / name for folder in level for name in list_folders(folder) if not _SKIPPED.fullmatch(name)]
 
 
-def _places(folder: Path) -> Iterator[Place]:
+def _places(folder: Path, depth: int) -> Iterator[Place]:
     names = sorted(list_folder(folder), key=natural_order)
     if videos := [name for name in names if is_video(name)]:
         yield Place(folder, "videos", tuple(Footage(Path(name).stem, (folder / name,), True) for name in videos))
     below = {name: _pictures(folder / name) for name in list_folders(folder) if not _SKIPPED.fullmatch(name)}
+    if one_each := _one_video_each(folder, depth, sorted(below, key=natural_order), videos):
+        yield Place(folder, "videos", one_each)
     leaves = {name: below[name] for name in sorted(below, key=natural_order) if below[name]}
     if leaves:
         yield Place(folder, "folders", tuple(Footage(name, files) for name, files in leaves.items()))
@@ -114,6 +117,27 @@ def _places(folder: Path) -> Iterator[Place]:
             for file in files
         )
         yield Place(folder, "photographs", tuple(nested))
+
+
+def _one_video_each(folder: Path, depth: int, names: Sequence[str], beside: Sequence[str]) -> tuple[Footage, ...]:
+    """Return the videos of the folders that hold one, perhaps farther below, called as these, and those beside them.
+
+    None if there are no such folders. A video beside a folder of its name counts for it.
+    """
+    found = {Path(name).stem: folder / name for name in beside}
+    folders = {name: videos[0] for name in names if len(videos := _videos_below(folder / name, depth)) == 1}
+    if not folders or len(folders | found) < 2:
+        return ()
+    both = folders | found
+    return tuple(Footage(name, (both[name],), True) for name in sorted(both, key=natural_order))
+
+
+def _videos_below(folder: Path, depth: int) -> list[Path]:
+    own = [folder / name for name in list_folder(folder) if is_video(name)] if depth > 0 else []
+    if own or depth < 1:
+        return own
+    below = (name for name in list_folders(folder) if not _SKIPPED.fullmatch(name))
+    return [file for name in below for file in _videos_below(folder / name, depth - 1)]
 
 
 def _moments(folder: Path, leaves: dict[str, tuple[Path, ...]]) -> Iterator[Place]:

@@ -19,8 +19,9 @@ from hgs_core.capture.cameras.llff import LLFF
 from hgs_core.capture.cameras.opencv_files import OPENCV_FILES
 from hgs_core.capture.cameras.panoptic import PANOPTIC_SPORTS
 from hgs_core.capture.cameras.rig import CameraFormat, Rig
+from hgs_core.capture.cameras.rigid_poses import with_rigid_poses
 from hgs_core.capture.cameras.transforms import NERFSTUDIO
-from hgs_core.capture.clock import Clock, common_clock
+from hgs_core.capture.clock import Clock, common_clock, mean_rate
 from hgs_core.capture.footage import Footage
 from hgs_core.capture.mask_files import find_masks
 from hgs_core.capture.matching import Matched, match_footage
@@ -70,7 +71,7 @@ def load(
         InputError: a file is missing, unreadable, damaged or inconsistent. Damage inside a video or in later pictures
             shows at first use.
     """
-    rig = camera_format.read(capture, file)
+    rig = with_rigid_poses(camera_format.read(capture, file))
     matched = match_footage(capture, rig)
     readers = [_reader(name, one) for name, one in zip(matched.names, matched.footage, strict=True)]
     shapes = show_as_calibrated(rig.cameras, matched.names, readers)
@@ -103,11 +104,14 @@ def load(
         [*rig.files, *times.files, *([sync.file] if sync.file else [])],
         (*rig.notes, *matched.notes, *shapes, *_of_pictures(matched.names, readers), *times.notes, *said, *clock.notes),
         () if times.told else tuple(one.files[0] for one in matched.footage if one.video),
+        matched.left_out,
     )
 
 
-def clock_of_videos(folder: Path, videos: Sequence[VideoReader], found: Path | None = None) -> tuple[Clock, bool]:
-    """Return the clock of videos without poses, called as their files, and whether anything says when they began.
+def clock_of_videos(
+    folder: Path, names: Sequence[str], videos: Sequence[VideoReader], found: Path | None = None
+) -> tuple[Clock, bool]:
+    """Return the clock of videos without poses, and whether anything says when they began.
 
     Raises:
         InputError: what says it is damaged, or they have no moment in common.
@@ -115,7 +119,7 @@ def clock_of_videos(folder: Path, videos: Sequence[VideoReader], found: Path | N
     sync = read_sync(folder)
     if found is not None and sync.file is None:
         sync = read_sync(found)
-    own = [_own_time(video.path.stem, video.path.stem, video) for video in videos]
+    own = [_own_time(name, video.path.stem, video) for name, video in zip(names, videos, strict=True)]
     times = times_of_cameras(folder, videos[0].path.parent, own, sync)
     return common_clock(folder, times.cameras), times.told
 
@@ -126,7 +130,7 @@ def outline(capture: Path, camera_format: CameraFormat, file: Path) -> Outline:
     Raises:
         InputError: as `load`, as far as that is read.
     """
-    rig = camera_format.read(capture, file)
+    rig = with_rigid_poses(camera_format.read(capture, file))
     matched = match_footage(capture, rig)
     first = matched.footage[0]
     if matched.kind == "photographs":
@@ -186,12 +190,12 @@ def _clock(
             own.append(OwnTime(name, other, seconds[index], rate, numbers.unit or 0.0, by=by))
         elif rig.stamps_in_seconds and len(calibrated.stamps) == len(reader) > 1:
             stamps = np.array(calibrated.stamps)
-            own.append(OwnTime(name, other, stamps, 1 / float(np.median(np.diff(stamps)))))
+            own.append(OwnTime(name, other, stamps, mean_rate(stamps)))
         else:
             places = calibrated.stamps if len(calibrated.stamps) == len(reader) else range(len(reader))
             own.append(OwnTime(name, other, np.array(places, np.float64) / rate, rate))
             assumed |= sync.rate is None and rig.rate is None
-    found = times_of_cameras(capture, matched.folder, own, sync)
+    found = times_of_cameras(capture, matched.folder, own, sync, assumed=assumed)
     if assumed and not found.files:
         found.notes.append(f'{rate:g} pictures per second are assumed; {{"rate": ...}} in sync.json says otherwise')
     clock = common_clock(capture, found.cameras)

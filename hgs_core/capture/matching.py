@@ -8,15 +8,19 @@ to the capture's folder first.
 
 from __future__ import annotations
 
+import dataclasses
 import re
+import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.wording import counted
+from hgs_core.base.wording import counted, shown
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
 from hgs_core.capture.footage import Footage, Kind, Place, find_places, is_video
+from hgs_core.capture.named_files import plain_name
+from hgs_core.capture.sound_only import is_sound_only
 
 __all__ = ["Matched", "match_footage"]
 
@@ -24,6 +28,8 @@ _KINDS: tuple[Kind, ...] = ("videos", "folders", "moments", "photographs")
 _LIKELY = ("images", "videos", "recordings", "ims", "frames", "rgb")  # folders, where two are otherwise alike
 _NAME, _NUMBER, _ORDER = range(3)  # by what footage is matched, the surest first
 _LAST_NUMBER = re.compile(r"(\d+)\D*$")
+_LONGEST_NAME = 255  # characters
+_MOST_DIGITS = 18  # of a number in a name
 _MOST_NAMED = 12  # cameras or videos that a message lists
 
 
@@ -36,6 +42,7 @@ class Matched:
     kind: Kind
     folder: Path | None = None  # where it was found; None: the cameras' file names it
     notes: tuple[str, ...] = ()
+    left_out: tuple[str, ...] = ()  # footage that lies beside it and is of no camera
 
 
 def match_footage(capture: Path, rig: Rig) -> Matched:
@@ -44,9 +51,9 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
     Raises:
         InputError: there is no footage, or none that has a picture for every camera, or two places with equal right.
     """
-    if (own := _named(capture, rig)) is not None:
-        return own
     places = find_places(capture)
+    if (own := _named(rig)) is not None:
+        return _with_left_out(own, capture, _place_of(places, own))
     if not places:
         what = f"there are cameras ({_file(rig.files[0], capture)}) but no videos and no folders of pictures"
         raise InputError(capture, what, "put each camera's video beside them, called like the camera")
@@ -55,8 +62,9 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
         raise _nothing_fits(capture, rig, places)
     best, place, match = min(found, key=lambda item: item[0])
     for name in match.names:
-        if not name or PurePosixPath(name).is_absolute() or ".." in PurePosixPath(name).parts:
-            raise InputError(rig.files[0], f"a camera is called {name!r}", "give it a name that a file could have")
+        parts = PurePosixPath(name)
+        if not name or len(name) > _LONGEST_NAME or parts.is_absolute() or ".." in parts.parts:
+            raise InputError(rig.files[0], f"a camera is called {shown(name)}", "give it a name that a file could have")
     for rank, other, equal in found:
         if rank == best and equal.footage != match.footage:
             if other.folder == place.folder:
@@ -65,14 +73,36 @@ def match_footage(capture: Path, rig: Rig) -> Matched:
                 raise InputError(capture, problem, cure)
             both = f"{_shown(place.folder, capture)} and {_shown(other.folder, capture)}"
             raise InputError(capture, f"{both} both hold the cameras' pictures", "keep one of them there")
-    notes = list(match.notes)
-    spare = [footage.name for footage in place.footage if footage not in match.footage]
-    if spare and place.kind != "photographs":
-        notes.append(f"{_listed(spare)} in {_shown(place.folder, capture)} is of no camera and left out")
-    return Matched(match.names, match.footage, place.kind, place.folder, tuple(notes))
+    found_here = Matched(match.names, match.footage, place.kind, place.folder, match.notes)
+    return _with_left_out(found_here, capture, place)
 
 
-def _named(capture: Path, rig: Rig) -> Matched | None:
+def _place_of(places: Sequence[Place], own: Matched) -> Place | None:
+    """Return the place with most of the cameras' footage: of equals the deepest."""
+    used = {file for one in own.footage for file in one.files}
+    shares = [sum(not used.isdisjoint(one.files) for one in place.footage) for place in places]
+    ranked = [(share, len(p.folder.parts), p) for share, p in zip(shares, places, strict=True) if p.kind == own.kind]
+    share, _, place = max(ranked, key=lambda one: one[:2], default=(0, 0, None))
+    return place if share else None
+
+
+def _with_left_out(own: Matched, capture: Path, place: Place | None) -> Matched:
+    """Return it with what else lies in its place, and a word on that."""
+    if place is None:
+        return own
+    used = {file for one in own.footage for file in one.files}
+    spare = [one for one in place.footage if used.isdisjoint(one.files)]
+    silent = [one.name for one in spare if one.video and is_sound_only(one.files[0])]
+    left_out = [one.name for one in spare if one.name not in silent]
+    notes, where = list(own.notes), _shown(place.folder, capture)
+    if silent:
+        notes.append(f"{_listed(silent)} in {where} is sound without pictures and left aside")
+    if left_out:
+        notes.append(f"{_listed(left_out)} in {where} is of no camera and left out")
+    return dataclasses.replace(own, notes=tuple(notes), left_out=tuple(left_out))
+
+
+def _named(rig: Rig) -> Matched | None:
     """Return the footage that the cameras' file names, unless it names none or none of it is there."""
     files = [file for camera in rig.cameras for file in camera.pictures]
     if not all(camera.pictures for camera in rig.cameras) or not any(file.is_file() for file in files):
@@ -104,14 +134,14 @@ _Found = tuple[int, tuple[str, ...], tuple[Footage, ...]]
 
 
 def _by_name(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
-    footage = {one.name.casefold(): one for one in place.footage}
+    footage = {plain_name(one.name): one for one in place.footage}
     if len(footage) < len(place.footage):
         return None
     for names in _levels(cameras):
-        if all(name.casefold() in footage for name in names):
+        if all(plain_name(name) in footage for name in names):
             if place.kind in ("moments", "photographs") and _are_cameras(capture, place, names):
                 return None
-            return _NAME, names, tuple(footage[name.casefold()] for name in names)
+            return _NAME, names, tuple(footage[plain_name(name)] for name in names)
     return None
 
 
@@ -148,19 +178,19 @@ def _levels(cameras: Sequence[CalibratedCamera]) -> list[tuple[str, ...]]:
         return []
     most = max(len(camera.names) for camera in cameras)
     lists = (tuple(camera.names[min(level, len(camera.names) - 1)] for camera in cameras) for level in range(most))
-    return [names for names in lists if len({name.casefold() for name in names}) == len(names)]
+    return [names for names in lists if len({plain_name(name) for name in names}) == len(names)]
 
 
 def _are_cameras(capture: Path, place: Place, names: Sequence[str]) -> bool:
     """Whether the pictures lie in folders that are called like cameras: then each is a frame, not a camera."""
-    wanted = {name.casefold() for name in names}
-    folders = {part.casefold() for file in place.footage[0].files for part in file.relative_to(capture).parts[:-1]}
+    wanted = {plain_name(name) for name in names}
+    folders = {plain_name(part) for file in place.footage[0].files for part in file.relative_to(capture).parts[:-1]}
     return bool(folders & wanted)
 
 
 def _number(name: str) -> int | None:
     found = _LAST_NUMBER.search(name)
-    return int(found[1]) if found else None
+    return int(found[1]) if found and len(found[1]) <= _MOST_DIGITS else None
 
 
 def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputError:
@@ -177,6 +207,8 @@ def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputErro
     def shared(place: Place) -> int:
         return len({one.name.casefold() for one in place.footage} & set(wanted))
 
+    if (chapters := _chapters(capture, places, set(wanted))) is not None:
+        return chapters
     likely = [place for place in places if place.kind in ("videos", "folders")] or places
     nearest = max(likely, key=lambda place: (shared(place), -_KINDS.index(place.kind)))
     listed = {one.name.casefold(): one.name for one in nearest.footage}
@@ -194,6 +226,22 @@ def _nothing_fits(capture: Path, rig: Rig, places: Sequence[Place]) -> InputErro
         if spare:
             problem += f", and no camera for {_listed(spare)}"
     return InputError(capture, problem, "call each video, or folder of pictures, like its camera")
+
+
+def _chapters(capture: Path, places: Sequence[Place], cameras: set[str]) -> InputError | None:
+    """Return the error for a folder that is called like a camera and holds several videos, if there is one."""
+    for place in places:
+        name = place.folder.name
+        if place.kind == "videos" and len(place.footage) > 1 and name.casefold() in cameras:
+            files = [one.files[0].name for one in place.footage]
+            problem = f"holds {len(files)} videos for the one camera that it is called like: {_listed(files)}"
+            paths = [str(one.files[0].absolute()).replace("'", "'\\''") for one in place.footage]
+            listed = " ".join(shlex.quote(f"file 'file:{path}'") for path in paths)
+            joined = place.folder.parent / f"{name}{Path(files[0]).suffix.lower()}"
+            command = f"printf '%s\\n' {listed} | ffmpeg -f concat -safe 0 -protocol_whitelist file,pipe -i - -c copy"
+            cure = f"leave the one of this take there, or join chapters of one: {command} {shlex.quote(str(joined))}"
+            return InputError(place.folder, problem, cure)
+    return None
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.footage import find_places
+from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
 from hgs_core.capture.layout import CAMERA_FORMATS, calibration, load
+from hgs_core.capture.sound_only import is_sound_only
 
 __all__ = ["open_capture"]
 
@@ -70,8 +73,11 @@ def _unknown(path: Path) -> InputError:
     places = find_places(path)
     if not places:
         return InputError(path, "the folder is of no known layout", f"the cameras' formats known are {known}")
-    footage = min(places, key=lambda place: place.kind == "photographs")
-    kind = {"videos": "videos", "folders": "folders of pictures"}.get(footage.kind, "pictures")
-    problem = f"there are {len(footage.footage)} {kind} but no file of the cameras' poses"
-    cure = "have hgs cameras find them" if footage.kind == "videos" else "put a calibration beside them, by COLMAP, say"
-    return InputError(path, problem, f"{cure}; known are {known}")
+    place = min(places, key=lambda place: place.kind == "photographs")
+    count = sum(not (one.video and is_sound_only(one.files[0])) for one in place.footage)
+    what = {"videos": ("video", ""), "folders": ("folder of pictures", "folders of pictures")}.get(place.kind)
+    problem = f"there are {counted(count, *(what or ('picture', '')))} but no file of the cameras' poses"
+    cure = f"put a calibration beside them, by COLMAP, say; known are {known}"
+    if place.kind == "videos" and count >= FEWEST_VIDEOS:
+        cure = f"have them found: hgs cameras {shlex.quote(str(path))}; known are {known}"
+    return InputError(path, problem, cure)

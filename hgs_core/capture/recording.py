@@ -46,6 +46,7 @@ class Recording:
     described_by: Sequence[Path]  # files of poses and times, all of whose content counts
     notes: tuple[str, ...] = ()  # what was left out, for people
     unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
+    left_out: tuple[str, ...] = ()  # footage beside the cameras', of which there is no camera
 
     def capture(
         self,
@@ -91,6 +92,7 @@ class Recording:
             cache_bytes=cache_bytes,
             notes=said,
             unaligned=self.unaligned,
+            left_out=self.left_out,
             videos=[
                 CameraVideo(r.path, r.seconds, r.interlaced) if isinstance(r, VideoReader) else None
                 for r in self.readers

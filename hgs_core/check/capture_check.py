@@ -17,6 +17,7 @@ from hgs_core.check.evidence import Evidence, gather
 from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
 from hgs_core.check.given_masks import judge_masks
 from hgs_core.check.interlacing import judge_interlacing
+from hgs_core.check.left_out import judge_left_out
 from hgs_core.check.motion_energy import energy_offsets
 from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.check.picture_changes import watched_frames
@@ -80,6 +81,7 @@ def check_capture(capture: Capture, progress: ProgressCallback = silent) -> Capt
         )
         for index, name in enumerate(names)
     )
+    findings += judge_left_out(len(names), capture.left_out)
     findings.sort(key=lambda finding: not finding.stops)
     shown = shown_pairs(seen, rig, pair_errors(rig, pairs), suspects)
     return CaptureCheck(results, tuple(findings), shown, seen.frames, max(camera.width for camera in seen.cameras))

@@ -46,7 +46,7 @@ def create_run(
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
-        require_sounding_video(audio, {video.stem: video for video in find_videos(capture)})
+        require_sounding_video(audio, find_videos(capture))
         folder.write_spec(
             RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
         )

@@ -99,13 +99,12 @@ def _of_posed(spec: RunSpec, found: Path | None, by: str, progress: ProgressCall
 
 def _of_unposed(folder: Path, found: Path | None, by: str, progress: ProgressCallback) -> Starts | None:
     files = find_videos(folder)
-    names = [file.stem for file in files]
-    videos = [VideoReader(file) for file in files]
-    clock, told = clock_of_videos(folder, videos, found)
+    names, videos = list(files), [VideoReader(file) for file in files.values()]
+    clock, told = clock_of_videos(folder, names, videos, found)
     if told:
         return None
     if by in ("auto", "audio"):
-        starts = _by_sound(folder, names, files, by, progress)
+        starts = _by_sound(folder, names, list(files.values()), by, progress)
         if starts is not None or by == "audio":
             return starts
 

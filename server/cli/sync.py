@@ -62,7 +62,7 @@ def _starts(path: Path, by: str, progress: ProgressCallback) -> Starts:
 
     if by == "audio" and path.is_dir() and not has_poses(path):
         videos = find_videos(path)
-        return starts_by_sound(path, [video.stem for video in videos], videos, progress)
+        return starts_by_sound(path, list(videos), list(videos.values()), progress)
     capture = open_capture(path)
     _refuse_aligned(path, capture)
     if by == "audio" and not capture.unaligned:

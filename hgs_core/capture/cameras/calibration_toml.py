@@ -7,15 +7,23 @@ counts pixels from the centre of the first one; here it lies at 0.5.
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
+from hgs_core.base.wording import shown
+from hgs_core.capture.cameras.rig import (
+    CalibratedCamera,
+    CameraFormat,
+    Rig,
+    finite,
+    lens_numbers,
+    pose_of,
+    rotation_matrix,
+)
 from hgs_core.capture.lens import opencv_lens
 from hgs_core.capture.picture import list_folder, list_folders
-from hgs_core.capture.unreadable import unreadable
+from hgs_core.capture.text_file import read_toml
 
 __all__ = ["CALIBRATION_TOML", "OPENCV_CENTRE"]
 
@@ -27,11 +35,10 @@ def _read(capture: Path, file: Path) -> Rig:
     others = [other.name for other in _candidates(file.parent) if other != file]
     if others and file.name.lower() != "camera_array.toml":
         raise InputError(file, f"{', '.join(others)} lies beside it", "keep the calibration that is to be used alone")
-    try:
-        content = tomllib.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise unreadable(file, error, "restore the file from its source") from error
+    content = read_toml(file, "restore the file from its source")
     tables = content.get("cameras", content)
+    if not isinstance(tables, dict):
+        raise InputError(file, f"cameras is {shown(tables)}", "each camera has a table with its matrix")
     cameras = {name: table for name, table in tables.items() if isinstance(table, dict) and "matrix" in table}
     used = {name: table for name, table in cameras.items() if table.get("ignore") is not True}
     if not used:
@@ -44,14 +51,16 @@ def _read(capture: Path, file: Path) -> Rig:
 def _camera(name: str, table: dict[str, Any], where: str) -> CalibratedCamera:
     for field in ("size", "rotation", "translation"):
         if table.get(field) is None:
-            cure = "calibrate where the cameras stand, not their lenses alone" if field != "size" else "add it"
+            cure = "add it: size = [width, height]"
+            if field != "size":
+                cure = 'calibrate where the cameras stand, not their lenses alone, or add "ignore = true"'
             raise InputError(where, f"the field {field!r} is missing", cure)
     width, height = finite(table["size"], 2, where, "size")
     matrix = finite(table["matrix"], 9, where, "matrix").reshape(3, 3)
-    distortions = table.get("distortions") or []
+    distortions = lens_numbers(table.get("distortions"), where, "distortions")
     fisheye = table.get("fisheye") is True
     try:
-        lens = opencv_lens(finite(distortions, len(distortions), where, "distortions").tolist(), fisheye)
+        lens = opencv_lens(distortions, fisheye)
     except ValueError as error:
         raise InputError(where, f"distortions: {error}", "undistort the pictures first") from error
     pose = pose_of(rotation_matrix(table["rotation"], f"{where}, rotation"), table["translation"], where)

@@ -11,15 +11,20 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import shown
+from hgs_core.capture.cameras.rig import LARGEST, MOST_CAMERAS
 from hgs_core.capture.colmap_lens import COLMAP_MODELS
+from hgs_core.capture.text_file import text_lines
 from hgs_core.capture.unreadable import unreadable
 
 __all__ = ["ColmapCamera", "ColmapImage", "model_files", "read_model"]
 
+_CURE = "export the model again"
 _BY_NUMBER = {number: (name, len(parameters.split())) for name, (number, parameters) in COLMAP_MODELS.items()}
 _POINT_BYTES = 24  # of a point in images.bin
-_MOST_RECORDS = 10_000_000  # a damaged count must not be believed
-_LONGEST_NAME = 4096
+_LONGEST_IMAGE_LINE = 1 << 13  # characters, name and all; lines of points are far longer
+_LARGEST_SIDE = 10**9  # pixels
+_LONGEST_NAME = 4096  # bytes
 
 
 @dataclass(frozen=True)
@@ -62,7 +67,7 @@ def read_model(cameras: Path, images: Path) -> tuple[dict[int, ColmapCamera], li
     for image in poses:
         if image.camera not in found:
             problem = f"image {image.name} is of camera {image.camera}, which {cameras.name} lacks"
-            raise InputError(images, problem, "export the model again")
+            raise InputError(images, problem, _CURE)
     if not poses:
         raise InputError(images, "lists no image", "export a model with its images")
     return found, sorted(poses, key=lambda image: image.name)
@@ -74,23 +79,24 @@ def _checked(file: Path, read):  # type: ignore[no-untyped-def]
     except (OSError, struct.error, ValueError, IndexError, KeyError, OverflowError) as error:
         if isinstance(error, InputError):
             raise
-        raise unreadable(file, error, "export the model again") from error
+        raise unreadable(file, error, _CURE) from error
 
 
 def _binary_cameras(file: Path) -> dict[int, ColmapCamera]:
-    found = {}
+    found: dict[int, ColmapCamera] = {}
     with file.open("rb") as opened:
         for _ in range(_count(opened)):
             number, model, width, height = _take(opened, "<iiQQ")
             if model not in _BY_NUMBER:
                 raise InputError(file, f"camera {number} is of the unknown model {model}", "export it as OPENCV")
             name, parameters = _BY_NUMBER[model]
+            _require_new(file, number, found)
             found[number] = ColmapCamera(name, width, height, _take(opened, f"<{parameters}d"))
     return found
 
 
 def _binary_images(file: Path) -> list[ColmapImage]:
-    found = []
+    found, size = [], file.stat().st_size
     with file.open("rb") as opened:
         for _ in range(_count(opened)):
             values = _take(opened, "<I7dI")
@@ -100,17 +106,16 @@ def _binary_images(file: Path) -> list[ColmapImage]:
                     raise ValueError("it ends inside the name of an image")
                 name += letter
             (points,) = _take(opened, "<Q")
+            if points * _POINT_BYTES > size - opened.tell():
+                raise ValueError("it ends inside the points of an image")
             opened.seek(points * _POINT_BYTES, 1)
             found.append(ColmapImage(name.decode("utf-8"), values[8], _pose(file, values[1:5], values[5:8])))
-        size = file.stat().st_size
-        if opened.tell() > size:
-            raise ValueError("it ends inside the points of an image")
     return found
 
 
 def _count(opened: BinaryIO) -> int:
     (count,) = _take(opened, "<Q")
-    if count > _MOST_RECORDS:
+    if count > MOST_CAMERAS:
         raise ValueError(f"it announces {count} records")
     return int(count)
 
@@ -120,41 +125,74 @@ def _take(opened: BinaryIO, layout: str) -> tuple:  # type: ignore[type-arg]
 
 
 def _text_cameras(file: Path) -> dict[int, ColmapCamera]:
-    found = {}
-    for line in file.read_text("utf-8").splitlines():
+    found: dict[int, ColmapCamera] = {}
+    for line in text_lines(file, _CURE):
         words = line.split()
-        if words and not line.startswith("#"):
+        if words and not words[0].startswith("#"):
             parameters = tuple(float(word) for word in words[4:])
+            _require_new(file, int(words[0]), found)
+            if max(int(words[2]), int(words[3])) > _LARGEST_SIDE:
+                raise ValueError(f"camera {words[0]} has pictures of {words[2]}x{words[3]} pixels")
             found[int(words[0])] = ColmapCamera(words[1], int(words[2]), int(words[3]), parameters)
     return found
 
 
 def _text_images(file: Path) -> list[ColmapImage]:
-    lines = [line for line in file.read_text("utf-8").splitlines() if not line.startswith("#")]
-    while lines and not lines[0].strip():
-        lines.pop(0)
-    found = []
-    for line in lines[::2]:  # every second line is of the image's points
+    """Read the lines of images, each followed by one of its points, which some tools leave out or leave empty."""
+    found: list[ColmapImage] = []
+    of_points = False  # whether the line may be of the points of the image before
+    for line in text_lines(file, _CURE):
+        if line.startswith("#") or (not of_points and not line.strip()):
+            continue
+        if of_points and _are_points(line):
+            of_points = False
+            continue
         words = line.split(maxsplit=9)
-        if words:
-            pose = _pose(file, [float(word) for word in words[1:5]], [float(word) for word in words[5:8]])
-            found.append(ColmapImage(words[9].strip(), int(words[8]), pose))
+        if len(words) < 10:
+            raise ValueError(f"a line of an image has {len(words)} words, not 10")
+        pose = _pose(file, [float(word) for word in words[1:5]], [float(word) for word in words[5:8]])
+        found.append(ColmapImage(words[9].strip(), int(words[8]), pose))
+        if len(found) > MOST_CAMERAS:
+            raise ValueError(f"it has more than {MOST_CAMERAS} images")
+        of_points = True
     return found
+
+
+def _are_points(line: str) -> bool:
+    """Whether a line holds X, Y, POINT3D_ID of points, perhaps of none: numbers by three, and no image's name."""
+    if len(line) > _LONGEST_IMAGE_LINE:
+        return True
+    words = line.split()
+    return len(words) % 3 == 0 and all(_is_number(word) for word in words)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _require_new(file: Path, number: int, found: dict[int, ColmapCamera]) -> None:
+    if number in found:
+        raise InputError(file, f"camera {number} is there twice", _CURE)
 
 
 def _pose(
     file: Path, quaternion: tuple[float, ...] | list[float], translation: tuple[float, ...] | list[float]
 ) -> npt.NDArray[np.float64]:
     q = np.array(quaternion, np.float64)
-    norm = float(np.linalg.norm(q))
-    if not np.isfinite(norm) or norm == 0 or not np.isfinite(translation).all():
-        raise InputError(file, f"a pose is {[*quaternion, *translation]}", "estimate the cameras again")
-    w, x, y, z = q / norm
+    place = np.array(translation, np.float64)
+    if len(q) != 4 or not np.isfinite(q).all() or not q.any() or len(place) != 3 or not (np.abs(place) < LARGEST).all():
+        raise InputError(file, f"a pose is {shown([*quaternion, *translation])}", "estimate the cameras again")
+    q = q / np.abs(q).max()  # whose square is no infinity
+    w, x, y, z = q / np.linalg.norm(q)
     pose = np.eye(4)
     pose[:3, :3] = [
         [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
         [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
-    pose[:3, 3] = translation
+    pose[:3, 3] = place
     return pose

@@ -7,14 +7,22 @@ angle from the axis.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
+from hgs_core.base.wording import shown
+from hgs_core.capture.cameras.rig import (
+    CalibratedCamera,
+    CameraFormat,
+    Rig,
+    finite,
+    lens_numbers,
+    pose_of,
+    rotation_matrix,
+)
 from hgs_core.capture.lens import Polynomial
-from hgs_core.capture.unreadable import unreadable
+from hgs_core.capture.text_file import read_json
 
 __all__ = ["IMMERSIVE", "MODELS_FILE"]
 
@@ -22,10 +30,7 @@ MODELS_FILE = "models.json"
 
 
 def _read(capture: Path, file: Path) -> Rig:
-    try:
-        models: Any = json.loads(file.read_text("utf-8"))
-    except (OSError, ValueError) as error:
-        raise unreadable(file, error, "restore the file from its source") from error
+    models: Any = read_json(file, "restore the file from its source")
     if not isinstance(models, list) or not models or not all(isinstance(model, dict) for model in models):
         raise InputError(file, "is not a list of cameras", "restore the file from its source")
     return Rig((file,), [_camera(model, f"{file}, camera {number}") for number, model in enumerate(models)])
@@ -38,15 +43,14 @@ def _camera(model: dict[str, Any], where: str) -> CalibratedCamera:
         raise InputError(where, f"the field {missing[0]!r} is missing", "restore the file from its source")
     kind = model.get("projection_type", "fisheye")
     if kind != "fisheye":
-        raise InputError(where, f"projection_type is {kind!r}", "only fisheye cameras are known in this file")
+        raise InputError(where, f"projection_type is {shown(kind)}", "only fisheye cameras are known in this file")
     rotation = rotation_matrix(model["orientation"], f"{where}, orientation")
     position = finite(model["position"], 3, where, "position")
     focal = float(finite([model["focal_length"]], 1, where, "focal_length")[0])
     aspect = float(finite([model.get("pixel_aspect_ratio", 1.0)], 1, where, "pixel_aspect_ratio")[0])
     width, height = finite([model["width"], model["height"]], 2, where, "width, height")
     cx, cy = finite(model["principal_point"], 2, where, "principal_point")
-    distortion = model.get("radial_distortion") or [0.0]
-    coefficients = finite(distortion, len(distortion), where, "radial_distortion")
+    coefficients = lens_numbers(model.get("radial_distortion"), where, "radial_distortion")
     return CalibratedCamera(
         where,
         (str(model["name"]),),
@@ -54,7 +58,7 @@ def _camera(model: dict[str, Any], where: str) -> CalibratedCamera:
         (focal, focal * aspect),
         (float(cx), float(cy)),
         (float(width), float(height)),
-        Polynomial(radial=tuple(float(value) for value in coefficients), fisheye=True),
+        Polynomial(radial=tuple(coefficients), fisheye=True),
     )
 
 

@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
-from hgs_core.capture.unreadable import unreadable
+from hgs_core.capture.array_file import read_array
+from hgs_core.capture.cameras.rig import LARGEST, MOST_CAMERAS, CalibratedCamera, CameraFormat, Rig
 
 __all__ = ["LLFF", "POSES_FILE", "camera_of_row"]
 
@@ -27,8 +27,8 @@ def camera_of_row(row: npt.NDArray[np.float64], where: str) -> CalibratedCamera:
     Raises:
         InputError: values that are no camera.
     """
-    if not np.isfinite(row).all():
-        raise InputError(where, "the pose holds NaN or infinity", "estimate the cameras again")
+    if not (np.abs(row) < LARGEST).all():
+        raise InputError(where, "the pose holds NaN, infinity or more than 1e30", "estimate the cameras again")
     matrix = row[:15].reshape(3, 5)
     height, width, focal = (float(value) for value in matrix[:, 4])
     if not (height > 0 and width > 0 and focal > 0):
@@ -42,12 +42,11 @@ def camera_of_row(row: npt.NDArray[np.float64], where: str) -> CalibratedCamera:
 
 
 def _read(capture: Path, file: Path) -> Rig:
-    try:
-        rows = np.asarray(np.load(file, allow_pickle=False), np.float64)
-    except (OSError, ValueError, EOFError) as error:
-        raise unreadable(file, error, "restore the file from its source") from error
+    rows = read_array(file, "restore the file from its source")
     if rows.ndim != 2 or rows.shape[1] != 17:
         raise InputError(file, f"the array is {rows.shape}", "LLFF writes one row of 17 values per camera")
+    if len(rows) > MOST_CAMERAS:
+        raise InputError(file, f"has {len(rows)} rows", f"a capture has at most {MOST_CAMERAS} cameras, one row each")
     return Rig((file,), [camera_of_row(row, f"{file}, row {number}") for number, row in enumerate(rows)])
 
 

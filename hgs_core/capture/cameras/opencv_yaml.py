@@ -9,22 +9,19 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.unreadable import unreadable
+from hgs_core.base.wording import shown
+from hgs_core.capture.text_file import begins_with, read_text
 
 __all__ = ["OpenCvYaml", "is_opencv_yaml"]
 
-_HEADING = re.compile(r"""^["']?([^\s"':][^"':]*)["']?\s*:\s*(.*)$""")
-_NUMBERS = re.compile(r"\[(.*?)\]", re.DOTALL)
-_FIELD = re.compile(r"^\s*(rows|cols)\s*:\s*(\d+)\s*$", re.MULTILINE)
+# No part of a pattern matches what the next one may begin with: files come from strangers.
+_HEADING = re.compile(r"""^["']?([^\s"':][^"':]*)(?:["'][ \t]*)?:(.*)$""")
+_FIELD = re.compile(r"^[ \t]*(rows|cols)[ \t]*:[ \t]*(\d{1,9})[ \t]*$", re.MULTILINE)
 
 
 def is_opencv_yaml(file: Path) -> bool:
     """Whether the file begins as FileStorage begins it."""
-    try:
-        with file.open("rb") as opened:
-            return opened.read(5) == b"%YAML"
-    except OSError:
-        return False
+    return begins_with(file, "%YAML")
 
 
 class OpenCvYaml:
@@ -37,19 +34,18 @@ class OpenCvYaml:
             InputError: it is missing or not text.
         """
         self.file = file
-        try:
-            text = file.read_text("utf-8")
-        except (OSError, UnicodeDecodeError) as error:
-            raise unreadable(file, error, "restore the file from its source") from error
-        self._blocks: dict[str, str] = {}
+        blocks: dict[str, list[str]] = {}
         name = ""
-        for line in text.splitlines():
+        for line in read_text(file, "restore the file from its source").split("\n"):
             heading = _HEADING.match(line) if line[:1] not in ("%", "#", "-") else None
             if heading:
                 name = heading[1].strip()
-                self._blocks[name] = heading[2]
+                if name in blocks:
+                    raise InputError(file, f"{shown(name)} is there twice", "keep one of them")
+                blocks[name] = [heading[2]]
             elif name:
-                self._blocks[name] += "\n" + line
+                blocks[name].append(line)
+        self._blocks = {name: "\n".join(lines) for name, lines in blocks.items()}
 
     def __contains__(self, name: str) -> bool:
         return name in self._blocks
@@ -69,9 +65,9 @@ class OpenCvYaml:
         if name not in self._blocks:
             raise InputError(where, "is missing", "restore the file from its source")
         block = self._blocks[name]
-        listed = _NUMBERS.search(block)
+        listed = _listed(block)
         try:
-            found = np.array([float(word) for word in (listed[1] if listed else block).replace(",", " ").split()])
+            found = np.array([float(word) for word in (block if listed is None else listed).replace(",", " ").split()])
         except ValueError as error:
             raise InputError(where, f"is not made of numbers ({error})", "restore the file from its source") from error
         shape = {field: int(count) for field, count in _FIELD.findall(block)}
@@ -81,12 +77,20 @@ class OpenCvYaml:
                 raise InputError(where, problem, "restore the file from its source")
             found = found.reshape(shape["rows"], shape["cols"])
         if found.size == 0 or not np.isfinite(found).all():
-            raise InputError(where, f"is {found.tolist()}", "calibrate again: it is made of finite numbers")
+            raise InputError(where, f"is {shown(found.tolist())}", "calibrate again: it is made of finite numbers")
         return found
 
     def words(self, name: str) -> list[str]:
         """Return a list of words; empty if there is no such value."""
         block = self._blocks.get(name, "")
-        listed = _NUMBERS.search(block)
-        parts = listed[1].split(",") if listed else [line.strip()[1:] for line in block.splitlines() if "-" in line]
+        listed = _listed(block)
+        lines = block.split("\n")
+        parts = [line.strip()[1:] for line in lines if "-" in line] if listed is None else listed.split(",")
         return [part.strip().strip("\"'") for part in parts if part.strip()]
+
+
+def _listed(block: str) -> str | None:
+    """Return what stands in the first brackets."""
+    start = block.find("[")
+    end = block.find("]", start)
+    return block[start + 1 : end] if 0 <= start < end else None

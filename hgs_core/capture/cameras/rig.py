@@ -12,11 +12,30 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.wording import shown
 from hgs_core.capture.lens import PINHOLE, Lens
 from hgs_core.scene.camera import Camera
 
-__all__ = ["CalibratedCamera", "CameraFormat", "Rig", "finite", "pose_of", "rotation_matrix"]
+__all__ = [
+    "LARGEST",
+    "MOST_CAMERAS",
+    "CalibratedCamera",
+    "CameraFormat",
+    "Rig",
+    "finite",
+    "lens_numbers",
+    "pose_of",
+    "rotation_matrix",
+]
 
+MOST_CAMERAS = 100_000
+"""Of a calibration; poses of every picture of a long capture are as many."""
+
+LARGEST = 1e30
+"""Of a number in a calibration: products of more may overflow."""
+
+_LARGEST_RATIO = 1e5  # of a focal length to the width of the picture, and its inverse
+_MOST_COEFFICIENTS = 14  # of a lens
 _ROUNDING = 2.0  # pixels by which a scaled picture's side may differ: encoders round to whole and even ones
 
 
@@ -54,6 +73,10 @@ class CalibratedCamera:
         sx, sy = width / calibrated[0], height / calibrated[1]
         if not self.fits(width, height):
             raise InputError(self.where, *_other_shape(calibrated, (width, height)))
+        for focal in self.focal:
+            if focal > 0 and not 1 / _LARGEST_RATIO < focal / calibrated[0] < _LARGEST_RATIO:
+                problem = f"the focal length is {focal:g} pixels, and the picture has {calibrated[0]:g}"
+                raise InputError(self.where, problem, "calibrate again: no lens sees so")
         centre = self.centre or (calibrated[0] / 2, calibrated[1] / 2)
         try:
             return Camera(
@@ -61,7 +84,9 @@ class CalibratedCamera:
                 self.world_to_camera,
             )  # fmt: skip
         except InputError as error:
-            raise InputError(self.where, error.problem, error.cure) from error
+            raise InputError(
+                self.where, error.problem, error.cure or "calibrate again, or correct the number"
+            ) from error
 
 
 @dataclass(frozen=True)
@@ -99,15 +124,15 @@ def rotation_matrix(values: Any, where: str) -> npt.NDArray[np.float64]:
     Raises:
         InputError: the values are neither.
     """
+    cure = "it is a 3x3 matrix, or 3 numbers, the axis times the angle in radians"
     try:
         found = np.array(values, np.float64)
-    except (TypeError, ValueError) as error:
-        raise InputError(where, f"the rotation is not made of numbers ({error})") from error
-    if found.shape == (3, 3):
-        return found
-    if found.size != 3 or not np.isfinite(found).all():
-        cure = "it is a 3x3 matrix, or 3 numbers, the axis times the angle in radians"
-        raise InputError(where, f"the rotation is {found.tolist()}", cure)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(where, f"the rotation is {shown(values)}", cure) from error
+    if found.size not in (3, 9) or not (np.abs(found) < LARGEST).all():  # NaN is less than nothing
+        raise InputError(where, f"the rotation is {shown(found.tolist())}", cure)
+    if found.size == 9:
+        return found.reshape(3, 3)
     x, y, z = found.reshape(3)
     angle = math.sqrt(x * x + y * y + z * z)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -135,8 +160,25 @@ def finite(values: Any, count: int, where: str, what: str) -> npt.NDArray[np.flo
     """
     try:
         found = np.array(values, np.float64).reshape(-1)
-    except (TypeError, ValueError) as error:
-        raise InputError(where, f"{what} is {values!r}", f"it is {count} numbers") from error
-    if len(found) != count or not np.isfinite(found).all():
-        raise InputError(where, f"{what} is {found.tolist()}", f"it is {count} finite numbers")
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(where, f"{what} is {shown(values)}", f"it is {count} numbers") from error
+    if len(found) != count or not (np.abs(found) < LARGEST).all():
+        raise InputError(where, f"{what} is {shown(found.tolist())}", f"it is {count} finite numbers")
     return found
+
+
+def lens_numbers(values: Any, where: str, what: str) -> list[float]:
+    """Return the coefficients of a lens, a list that may be missing, empty or nested.
+
+    Raises:
+        InputError: there are more than any lens has, or something else than finite numbers.
+    """
+    if values is None or values is False or values == []:
+        return []
+    try:
+        count = np.size(values)
+    except (TypeError, ValueError) as error:
+        raise InputError(where, f"{what} is {shown(values)}", "it is a list of numbers") from error
+    if count > _MOST_COEFFICIENTS:
+        raise InputError(where, f"{what} has {count} numbers", f"{_MOST_COEFFICIENTS} are the most that a lens has")
+    return [float(value) for value in finite(values, count, where, what)]

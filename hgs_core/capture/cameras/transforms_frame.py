@@ -8,10 +8,18 @@ from typing import Any
 import numpy as np
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cameras.rig import CalibratedCamera
+from hgs_core.base.wording import shown
+from hgs_core.capture.cameras.rig import LARGEST, CalibratedCamera
 from hgs_core.capture.lens import PINHOLE, Lens, Polynomial
 
-__all__ = ["camera_of_frame", "number_of"]
+__all__ = ["INTRINSICS", "camera_of_frame", "number_of"]
+
+INTRINSICS = (
+    *("fl_x", "fl_y", "camera_angle_x", "camera_angle_y", "cx", "cy", "w", "h"),
+    *("k1", "k2", "k3", "k4", "p1", "p2", "camera_model", "is_fisheye"),
+)
+"""The fields that may hold for all frames of a file."""
+
 
 _PERSPECTIVE = ("", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV")
 _FISHEYE = ("OPENCV_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE")
@@ -37,9 +45,10 @@ def camera_of_frame(values: dict[str, Any], size: tuple[int, int] | None, where:
         centre = number_of(values, "cx", where), number_of(values, "cy", where)
     try:
         pose = np.array(values["transform_matrix"], np.float64)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(where, f"transform_matrix is not a matrix of numbers ({error!r})") from error
-    if pose.shape not in ((4, 4), (3, 4)) or not np.isfinite(pose).all():
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
+        problem = f"transform_matrix is not a matrix of numbers ({shown(values.get('transform_matrix'))})"
+        raise InputError(where, problem, "it is 4x4 numbers, camera-to-world") from error
+    if pose.shape not in ((4, 4), (3, 4)) or not (np.abs(pose) < LARGEST).all():
         raise InputError(where, "transform_matrix is not a finite 4x4 matrix", "restore the poses")
     world_to_camera = np.eye(4)
     # Rows are the camera's axes in the world; OpenGL's y and z axes point the other way.
@@ -53,7 +62,7 @@ def _lens(values: dict[str, Any], where: str) -> Lens:
     fisheye = kind in _FISHEYE or bool(values.get("is_fisheye"))
     if not fisheye and kind not in _PERSPECTIVE:
         cure = f"undistort the pictures to pinhole cameras first, or give {', '.join((*_PERSPECTIVE[1:], *_FISHEYE))}"
-        raise InputError(where, f"camera_model is {kind}", cure)
+        raise InputError(where, f"camera_model is {shown(kind)[1:-1]}", cure)
     k = tuple(number_of(values, name, where, 0.0) for name in ("k1", "k2", "k3", "k4"))
     p1, p2 = (number_of(values, name, where, 0.0) for name in ("p1", "p2"))
     if fisheye:
@@ -82,6 +91,6 @@ def number_of(values: dict[str, Any], name: str, where: str, default: float | No
         InputError: it is missing and has no default, or is something else.
     """
     value = values.get(name, default)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(where, f"{name} is {value!r}", "it is a number")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < LARGEST:
+        raise InputError(where, f"{name} is {shown(value)}", "it is a number")
     return float(value)

@@ -16,17 +16,17 @@ def touch(folder: Path, *names: str) -> None:
 
 def test_videos_come_in_the_order_of_their_numbers_whatever_they_are_called(tmp_path: Path) -> None:
     touch(tmp_path, "cam10.mp4", "cam2.MP4", "cam1.mov", "notes.txt", "poster.jpg")
-    assert [file.name for file in find_videos(tmp_path)] == ["cam1.mov", "cam2.MP4", "cam10.mp4"]
+    assert [file.name for file in find_videos(tmp_path).values()] == ["cam1.mov", "cam2.MP4", "cam10.mp4"]
 
 
 def test_videos_in_a_folder_of_their_own_are_found(tmp_path: Path) -> None:
     touch(tmp_path, "videos/a.mkv", "videos/b.mkv")
-    assert [file.stem for file in find_videos(tmp_path)] == ["a", "b"]
+    assert [file.stem for file in find_videos(tmp_path).values()] == ["a", "b"]
 
 
 def test_every_ending_that_captures_may_have_is_a_video_here_too(tmp_path: Path) -> None:
     touch(tmp_path, "left.MTS", "right.3gp")
-    assert [file.name for file in find_videos(tmp_path)] == ["left.MTS", "right.3gp"]
+    assert [file.name for file in find_videos(tmp_path).values()] == ["left.MTS", "right.3gp"]
 
 
 def test_two_videos_of_one_name_and_too_few_are_refused(tmp_path: Path) -> None:

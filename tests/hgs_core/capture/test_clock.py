@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.clock import CameraTime, common_clock
+from hgs_core.capture.clock import CameraTime, common_clock, mean_rate
 
 
 def camera(name: str, count: int, *, rate: float = 30.0, start: float = 0.0, tolerance: float = 0.0) -> CameraTime:
@@ -81,3 +81,11 @@ def test_cameras_without_a_common_moment_are_refused() -> None:
 def test_stamps_that_do_not_increase_are_refused() -> None:
     with pytest.raises(InputError, match="the times of camera b do not increase"):
         common_clock("x", [camera("a", 3), CameraTime("b", np.array([0.0, 0.1, 0.1]), 30.0)])
+
+
+@pytest.mark.parametrize("rate", [24.0, 30.0, 59.94, 120.0])
+def test_a_rate_is_that_of_all_stamps_however_they_are_rounded(rate: float) -> None:
+    """Steps of 33 and 34 ms are 30 per second, not 30.3; a missing frame is no slower one."""
+    stamps = np.round(np.arange(300) / rate, 3)
+    assert mean_rate(stamps) == pytest.approx(rate, rel=1e-3)
+    assert mean_rate(np.delete(stamps, [7, 8, 100])) == pytest.approx(rate, rel=1e-3)

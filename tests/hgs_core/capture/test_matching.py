@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +12,8 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
 from hgs_core.capture.matching import Matched, match_footage
+from hgs_core.capture.video import VideoReader
+from tests.hgs_core.capture.layouts import picture, write_video
 
 
 def rig(root: Path, *names: tuple[str, ...] | str, nameless: int = 0) -> Rig:
@@ -135,3 +139,54 @@ def test_names_that_lead_out_of_a_folder_are_refused(tmp_path: Path, name: str) 
     touch(tmp_path, "1.mp4", "2.mp4")
     with pytest.raises(InputError, match="poses: a camera is called"):
         match_footage(tmp_path, rig(tmp_path, name, "cam2"))
+
+
+def test_one_video_in_each_folder_is_its_camera_s(tmp_path: Path) -> None:
+    touch(
+        tmp_path, "cam00/GX010031.MP4", "Cam01/GX010007.MP4", "cam02/DCIM/100GOPRO/GX010031.MP4", "cam02/GX010031.THM"
+    )
+    found = match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
+    assert [one[0].split("/")[-1] for one in files(tmp_path, found).values()] == [
+        "GX010031.MP4",
+        "GX010007.MP4",
+        "GX010031.MP4",
+    ]
+    assert found.kind == "videos"
+
+
+def test_a_folder_without_a_camera_among_folders_of_cameras_is_left_out(tmp_path: Path) -> None:
+    touch(tmp_path, *(f"takes/cam{i}/GX01.MP4" for i in range(5)))
+    found = match_footage(tmp_path, rig(tmp_path, "cam0", "cam1", "cam2", "cam3"))
+    assert found.left_out == ("cam4",)
+
+
+def test_chapters_in_a_camera_s_folder_are_refused_by_name(tmp_path: Path) -> None:
+    touch(tmp_path, "cam00/GX010031.MP4", "cam00/GX020031.MP4", "cam01/GX010007.MP4", "cam02/GX010008.MP4")
+    with pytest.raises(
+        InputError, match=r"cam00: holds 2 videos .*: GX010031\.MP4, GX020031\.MP4; leave the one of"
+    ) as caught:
+        match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
+    assert f"-c copy {tmp_path}/cam00.mp4" in str(caught.value)
+    if shutil.which("ffmpeg"):
+        for chapter in (tmp_path / "cam00").iterdir():
+            chapter.unlink()
+            write_video(chapter, [picture(0, frame) for frame in range(3)])
+        command = str(caught.value).partition("join chapters of one: ")[2]
+        subprocess.run(command, shell=True, check=True, stdin=subprocess.DEVNULL, capture_output=True)
+        assert len(VideoReader(tmp_path / "cam00.mp4")) == 6
+    touch(tmp_path, "cam00.mp4")  # as the command in the refusal makes it
+    found = match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
+    assert files(tmp_path, found)["cam00"] == ["cam00.mp4"]
+
+
+def test_videos_beside_folders_of_cameras_count_first(tmp_path: Path) -> None:
+    touch(tmp_path, *(f"cam{i}.mp4" for i in range(3)), *(f"cam{i}/raw.mp4" for i in range(3)))
+    found = match_footage(tmp_path, rig(tmp_path, "cam0", "cam1", "cam2"))
+    assert files(tmp_path, found)["cam2"] == ["cam2.mp4"]
+
+
+@pytest.mark.parametrize("name", ["cam 1", "cam%201", "CAM 1", " cam 1", "x\\cam 1"])
+def test_names_that_another_system_wrote_agree(tmp_path: Path, name: str) -> None:
+    touch(tmp_path, "cam 1.mp4", "other.mp4")
+    cameras = rig(tmp_path, (name, name.rpartition("\\")[2]), ("other", "other"))
+    assert list(files(tmp_path, match_footage(tmp_path, cameras)).values()) == [["cam 1.mp4"], ["other.mp4"]]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -93,3 +94,63 @@ def test_a_panorama_is_refused(tmp_path: Path) -> None:
     write_text(tmp_path / "sparse/0", {"a.png": (0, 0, 0)}, "EQUIRECTANGULAR 48 24 48 24")
     with pytest.raises(InputError, match=r"image a\.png: .*EQUIRECTANGULAR is a panorama"):
         read(tmp_path)
+
+
+PLACES = {f"cam{i}.png": (i % 3, i // 3, 0) for i in range(6)}
+
+
+def without_cameras(count: int) -> dict[str, tuple[float, float, float]]:
+    return dict(list(PLACES.items())[count:])
+
+
+@pytest.mark.parametrize("order", list(itertools.permutations(range(4)))[::5])
+@pytest.mark.parametrize("folder", ["sparse", "colmap/sparse"])
+def test_the_model_with_most_cameras_counts_whatever_its_number(
+    tmp_path: Path, order: tuple[int, ...], folder: str
+) -> None:
+    """Structure from motion writes what it cannot join as models of their own, in no order that counts."""
+    models = [PLACES, without_cameras(4), without_cameras(3), {"x.png": (0, 0, 0), "y.png": (1, 0, 0)}]
+    for number, which in enumerate(order):
+        write_text(tmp_path / folder / str(number), models[which])
+    for name in PLACES:
+        (tmp_path / name).with_suffix(".mp4").touch()
+    rig = read(tmp_path)
+    assert [camera.names[0] for camera in rig.cameras] == [name[:-4] for name in PLACES]
+    assert rig.notes[0].startswith(f"the cameras are those of {folder}/{order.index(0)} (6 cameras); ")
+    assert rig.notes[0].endswith("is left aside")
+
+
+def test_cameras_with_footage_count_for_more_than_others(tmp_path: Path) -> None:
+    write_text(tmp_path / "sparse/0", {f"other{i}.png": (i, 0, 0) for i in range(9)})
+    write_text(tmp_path / "sparse/1", PLACES)
+    for name in PLACES:
+        (tmp_path / name).with_suffix(".mp4").touch()
+    assert len(read(tmp_path).cameras) == 6
+
+
+def test_a_damaged_model_is_left_aside_where_another_is_whole(tmp_path: Path) -> None:
+    write_text(tmp_path / "sparse/0", PLACES)
+    (tmp_path / "sparse/0/images.txt").write_text("1 2 3\n")
+    write_text(tmp_path / "sparse/1", PLACES)
+    assert len(read(tmp_path).cameras) == 6
+    (tmp_path / "sparse/1/images.txt").write_text("1 2 3\n")
+    with pytest.raises(InputError, match=r"images\.txt: unreadable"):
+        read(tmp_path)
+
+
+def test_the_median_of_a_camera_s_poses_counts_and_their_spread_is_said(tmp_path: Path) -> None:
+    offsets = (0.0001, -0.0001, 0.0, 0.0004, 0.0)
+    poses = {f"{name}/{i}.png": (x + d, 0.0, 0.0) for name, x in (("a", 0), ("b", 1)) for i, d in enumerate(offsets)}
+    write_text(tmp_path / "sparse/0", poses)
+    rig = read(tmp_path)
+    assert [camera.world_to_camera[0, 3] for camera in rig.cameras] == pytest.approx([0, 1])
+    assert "differ by up to 0 degrees and 0.0003 units of length" in rig.notes[0]
+
+
+@pytest.mark.parametrize(
+    "name", ["cam{}\\0000.png", "C:\\scan\\cam{}\\0000.png", "cam{}.png", "/data/scan/images/cam{}.png"]
+)
+def test_names_of_windows_and_of_other_machines_are_cameras(tmp_path: Path, name: str) -> None:
+    write_text(tmp_path / "sparse/0", {name.format(i): (i, 0, 0) for i in range(4)})
+    layouts.videos(names=[f"CAM{i}" for i in range(4)])(tmp_path)
+    assert [camera.name.lower() for camera in open_capture(tmp_path).cameras] == [f"cam{i}" for i in range(4)]

@@ -72,3 +72,48 @@ def test_bad_values_are_named(tmp_path: Path, file: str, content: str, problem: 
     (tmp_path / file).write_text(content)
     with pytest.raises(InputError, match=rf"{file}: {problem}"):
         read_model(tmp_path / "cameras.txt", tmp_path / "images.txt")
+
+
+IMAGES = ["1 1 0 0 0 0 0 0 1 a.png", "2 1 0 0 0 1 0 0 1 b 1.png", "3 1 0 0 0 2 0 0 1 c", "4 1 0 0 0 3 0 0 1 0004"]
+NAMES = ["0004", "a.png", "b 1.png", "c"]
+POINTS = "10.5 20.5 -1 11 21 7"
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        [""] * 4,
+        [POINTS] * 4,
+        [None] * 4,
+        ["", POINTS, None, ""],
+        [None, "", POINTS, None],
+        ["  ", POINTS * 4000, None, ""],
+    ],
+)
+@pytest.mark.parametrize("between", ["", "\n", "# a comment\n"])
+def test_lines_of_points_may_be_empty_or_left_out(tmp_path: Path, points: list[str | None], between: str) -> None:
+    layouts.colmap(False, ".")(tmp_path)
+    lines = "# a comment\n\n"
+    for image, own in zip(IMAGES, points, strict=True):
+        lines += image + "\n" + ("" if own is None else own + "\n" + between)
+    (tmp_path / "images.txt").write_text(lines)
+    _, images = read_model(tmp_path / "cameras.txt", tmp_path / "images.txt")
+    assert [image.name for image in images] == NAMES
+
+
+def test_a_camera_that_is_there_twice_is_refused(tmp_path: Path) -> None:
+    layouts.colmap(False, ".")(tmp_path)
+    with (tmp_path / "cameras.txt").open("a") as opened:
+        opened.write("1 PINHOLE 48 32 40 40 24 16\n")
+    with pytest.raises(InputError, match=r"cameras\.txt: camera 1 is there twice; export the model again"):
+        read_model(tmp_path / "cameras.txt", tmp_path / "images.txt")
+
+
+def test_points_beyond_the_end_of_the_file_are_refused(tmp_path: Path) -> None:
+    layouts.colmap(True, ".")(tmp_path)
+    path = tmp_path / "images.bin"
+    data = bytearray(path.read_bytes())
+    data[-8:] = (2**60).to_bytes(8, "little")
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"images\.bin: unreadable \(it ends inside the points of an image\)"):
+        read_model(tmp_path / "cameras.bin", path)

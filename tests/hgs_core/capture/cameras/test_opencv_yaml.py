@@ -75,5 +75,5 @@ def test_a_file_is_known_by_its_beginning(tmp_path: Path) -> None:
 
 def test_binary_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.yml").write_bytes(b"%YAML\xff\xfe")
-    with pytest.raises(InputError, match=r"a\.yml: unreadable"):
+    with pytest.raises(InputError, match=r"a\.yml: is not UTF-8"):
         OpenCvYaml(tmp_path / "a.yml")

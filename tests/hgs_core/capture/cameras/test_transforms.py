@@ -182,7 +182,7 @@ def test_bad_values_are_named(photographs: Path, change: Edit, problem: str) -> 
 
 def test_unreadable_files_are_named(photographs: Path) -> None:
     (photographs / "images" / "0001.png").write_bytes(b"no picture")
-    with pytest.raises(InputError, match=r"0001\.png: the picture is unreadable"):
+    with pytest.raises(InputError, match=r"0001\.png: the file is no picture of a known kind"):
         open_capture(photographs)
     (photographs / "transforms.json").write_text("{")
     with pytest.raises(InputError, match=r"transforms\.json: unreadable"):
@@ -309,3 +309,58 @@ def test_fox_with_two_mirrored_axes_would_not_pass(
         fixed = camera_of_frame(values, (camera.width, camera.height), camera.name)
         turned.append(fixed.camera(camera.name, camera.width, camera.height))
     assert min(_errors(turned, matches)) > 3
+
+
+PATTERN = "images/{camera}/{frame:04d}.png"
+
+
+def timed_frames() -> list[dict[str, Any]]:
+    return layouts.frames_of_pictures(PATTERN, lambda frame: frame / 30)
+
+
+@pytest.mark.parametrize("times", ["times", "no times", "one folder"])
+def test_poses_that_jitter_are_one_camera_and_their_median_counts(tmp_path: Path, times: str) -> None:
+    pattern = "images/{camera}_{frame:04d}.png" if times == "one folder" else PATTERN
+    layouts.folders(pattern)(tmp_path)
+    frames = layouts.frames_of_pictures(pattern, None if times == "no times" else lambda frame: frame / 30)
+    chance = np.random.default_rng(0)
+    for frame in frames:
+        pose = np.array(frame["transform_matrix"])
+        turn = np.eye(3) + np.cross(np.eye(3), chance.normal(0, 1e-4, 3))
+        pose[:3, :3] = np.linalg.qr(turn)[0] @ np.diag(np.sign(np.diag(np.linalg.qr(turn)[1]))) @ pose[:3, :3]
+        pose[:3, 3] += chance.normal(0, 2e-4, 3)
+        frame["transform_matrix"] = pose.tolist()
+    layouts.transforms(frames)(tmp_path)
+    capture = open_capture(tmp_path)
+    assert (len(capture.cameras), len(capture.times)) == (4, layouts.FRAMES)
+    for camera, true in zip(capture.cameras, layouts.truth(), strict=True):
+        np.testing.assert_allclose(camera.world_to_camera, true.world_to_camera, atol=2e-3)
+    assert sum("from picture to picture; their median is taken" in note for note in capture.notes) == 1
+
+
+@pytest.mark.parametrize("step", [0.0005, 0.02])
+def test_a_camera_that_moves_slowly_is_no_rig(tmp_path: Path, step: float) -> None:
+    """Neighbours on its way are as near as poses that jitter; they are no cameras that last."""
+    layouts.folders(PATTERN)(tmp_path)
+    frames = timed_frames()[: layouts.FRAMES]
+    for number, frame in enumerate(frames):
+        frame["transform_matrix"][0][3] += step * number
+    layouts.transforms(frames)(tmp_path)
+    with pytest.raises(InputError, match="one camera that moves"):
+        open_capture(tmp_path)
+
+
+def test_two_pictures_at_one_time_are_refused_and_both_cures_cure(tmp_path: Path) -> None:
+    layouts.folders(PATTERN)(tmp_path)
+    frames = timed_frames()
+    frames[3]["time"] = frames[2]["time"]
+    layouts.transforms(frames)(tmp_path)
+    problem = (
+        r"transforms\.json: 0002\.png and 0003\.png of cam01 both have the time 0\.0666667; correct one of them, or re"
+    )
+    with pytest.raises(InputError, match=problem):
+        open_capture(tmp_path)
+    layouts.transforms([{key: frame[key] for key in frame if key != "time"} for frame in frames])(tmp_path)
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
+    layouts.transforms(timed_frames())(tmp_path)
+    assert len(open_capture(tmp_path).times) == layouts.FRAMES
