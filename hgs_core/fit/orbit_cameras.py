@@ -16,6 +16,7 @@ import torch
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
+from hgs_core.fit.detail_cameras import DIRECTIONS, best_directions, detail_distances
 from hgs_core.render.contribution import contributions
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.camera import Camera, looking_at
@@ -33,7 +34,9 @@ RINGS = (("", 8, 10.0), ("high", 6, 45.0), ("low", 4, -30.0), ("top", 1, 85.0), 
 """Cameras around the whole: their name, their number and their elevation in degrees; the first ring begins in front."""
 
 SIDES = ("front", "front-right", "right", "back-right", "back", "back-left", "left", "front-left")
-CLOSER = ((20, 0.5), (20, 0.25))  # cameras, and their distance in those of the whole
+CLOSER = ((14, 0.5), (6, 0.25))  # cameras, and their distance in those of the whole
+DETAIL = 20  # cameras that stand where splats are as large as training leaves them
+COARSE = 4  # by which pictures are smaller in which splats are only counted
 INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` times these splats may be out of frame
 OUTLYING = 1.5
 REACH = 2.0  # standard deviations of a splat that belong to it
@@ -48,7 +51,8 @@ class OrbitCameras:
     """Made-up cameras."""
 
     whole: tuple[Camera, ...]  # show the scene from all sides; the first one from its front
-    closer: tuple[Camera, ...]  # parts of it in more detail
+    closer: tuple[Camera, ...]  # parts of it, from any side
+    detail: tuple[Camera, ...]  # where splats are as large as training leaves them, from the side that shows most
 
 
 def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
@@ -72,7 +76,36 @@ def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
         for count, share in CLOSER
         for i, target in enumerate(_spread(places, weights, count))
     ]
-    return OrbitCameras(tuple(whole), tuple(closer))
+    return OrbitCameras(tuple(whole), tuple(closer), tuple(_detail(scene, places, weights, distance)))
+
+
+def _detail(scene: HybridScene[Floats], places: Doubles, weights: Doubles, whole: float) -> list[Camera]:
+    """Return cameras that look at detail from where most of it shows."""
+    targets = _spread(places, weights, DETAIL)
+    distances = detail_distances(targets, places, _log_scales(scene), FOCAL, whole)
+    directions = np.array([_direction(i, DIRECTIONS) for i in range(DIRECTIONS)])
+
+    def small(target: Doubles, aside: Doubles) -> Camera:
+        return _smaller(_looking("", target, aside), COARSE)
+
+    chosen = best_directions(targets, distances, directions, small, lambda camera: _splats_seen(scene, camera))
+    return [
+        _looking(f"detail-{i}", target, distance * direction)
+        for i, (target, distance, direction) in enumerate(zip(targets, distances, chosen, strict=True))
+    ]
+
+
+def _log_scales(scene: HybridScene[Floats]) -> Floats:
+    """Return the log-scales of the places of `_places`."""
+    moving = [segment.dynamic.log_scales for segment in scene.segments for _ in MOMENTS]
+    return np.concatenate([scene.static.log_scales, *moving])
+
+
+def _smaller(camera: Camera, factor: int) -> Camera:
+    return dataclasses.replace(
+        camera, width=camera.width // factor, height=camera.height // factor, fx=camera.fx / factor,
+        fy=camera.fy / factor, cx=camera.cx / factor, cy=camera.cy / factor,
+    )  # fmt: skip
 
 
 def _places(scene: HybridScene[Floats]) -> tuple[Doubles, Doubles, Doubles]:

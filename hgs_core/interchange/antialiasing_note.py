@@ -13,8 +13,8 @@ NOTE = "hgs_antialiased"
 
 UNTOLD = Change.whole(
     Action.ASSUMED, "drawing without antialiasing",
-    "the file does not say how its splats were trained; if antialiased (gsplat, Nerfstudio and Mip-Splatting can, "
-    "and hgs does), import it with --antialiased; --no-antialiased confirms",
+    "the file does not say; if its splats were trained antialiased (hgs does so, Mip-Splatting, and gsplat and "
+    "Nerfstudio when told to), import it with --antialiased; --no-antialiased says that they were not",
 )  # fmt: skip
 
 

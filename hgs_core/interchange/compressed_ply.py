@@ -1,8 +1,8 @@
 """Compressed .ply files of PlayCanvas and SuperSplat: four words of 32 bits a splat, and bounds for every 256 splats.
 
-Positions and logarithms of scales have 11, 10 and 11 bits between the bounds, colours and opacities 8 bits each (colours
-between bounds, too, where the file has them), rotations the number of their largest component and 10 bits for each of
-the others.
+Positions and logarithms of scales have 11, 10 and 11 bits between the bounds, colours and opacities 8 bits each
+(colours between bounds, too, where the file has them), rotations the number of their largest component and 10 bits for
+each of the others.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ MOST = 80.0  # per cent of the splats whose extent counts
 
 
 def middle_if_far(places: Doubles) -> Doubles | None:
-    """Return the middle of places [N, 3], in round numbers, if it is far from the origin; those not finite are apart."""
+    """Return the middle of those places [N, 3] that are finite, in round numbers, if it is far from the origin."""
     finite = places[np.isfinite(places).all(axis=1)]
     if not len(finite):
         return None

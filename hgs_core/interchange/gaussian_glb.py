@@ -72,7 +72,8 @@ def glb_file(splats: StaticSplats[Floats], antialiased: bool = False) -> Written
         "extensions": {EXTENSION: {"kernel": "ellipse", "colorSpace": SRGB}},
     }  # fmt: skip
     document = {
-        "asset": {"version": "2.0", "generator": "HGS", "extras": {NOTE: antialiased}}, "extensionsUsed": [EXTENSION], "scene": 0,
+        "asset": {"version": "2.0", "generator": "HGS", "extras": {NOTE: antialiased}},
+        "extensionsUsed": [EXTENSION], "scene": 0,
         "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": at}],
     }  # fmt: skip

@@ -128,7 +128,7 @@ def _of_text(path: Path, data: bytes, at: int, element: PlyElement, needed: bool
         lines = _lines(path, data, at, element)
         if not needed:
             return {}, max([at, *(line.end() for line in lines)])
-        return _of_lines(path, [line for line in lines], element), len(data)
+        return _of_lines(path, list(lines), element), len(data)
     numbers = element.count * width
     if 2 * numbers - 1 > len(data) - at:
         problem = f"has {len(data) - at} bytes of text for the {numbers} numbers of its element {element.name}"

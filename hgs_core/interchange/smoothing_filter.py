@@ -1,4 +1,4 @@
-"""The 3D smoothing filter of Mip-Splatting (Yu et al., 2024): a width for each splat that its trainer adds when drawing.
+"""The 3D smoothing filter of Mip-Splatting (Yu et al., 2024): a width for each splat that its renderer adds.
 
 Fused with it, as the trainer's own export for other viewers does, scales and opacities are plain ones: variances grow
 by the filter's square, and opacities fall by the square root of how much the determinant grows.

@@ -36,7 +36,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: 30)")
     parser.add_argument(
         "--antialiased", action=argparse.BooleanOptionalAction,
-        help="whether the splats were trained to be drawn antialiased (default: as the file or --capture tells, else not)",
+        help="whether the splats were trained antialiased (default: as the file or --capture tells, else not)",
     )  # fmt: skip
     parser.add_argument(
         "--activated", action=argparse.BooleanOptionalAction,
