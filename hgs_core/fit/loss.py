@@ -18,7 +18,7 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Decibels", "Loss"]
 
-LOSS_VIEWS = 12  # in which the loss is measured, or a third less in each of several groups of cameras
+LOSS_VIEWS = 12  # in which the loss is measured, or half as many in each of several groups of cameras
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
@@ -59,7 +59,7 @@ class Loss:
         """
         self._cameras, self._times, self._moment = cameras, views.times, views.moment
         groups = [[i for i in group if i in cameras] for group in views.groups] or [sorted(cameras)]
-        count = LOSS_VIEWS if len(groups) == 1 else 2 * LOSS_VIEWS // 3
+        count = LOSS_VIEWS if len(groups) == 1 else LOSS_VIEWS // 2
         self._groups = [slice(number * count, (number + 1) * count) for number in range(len(groups))]
         self._views = [
             (indices[i * len(indices) // count], int(i * GOLDEN_RATIO % 1 * len(views.times)))

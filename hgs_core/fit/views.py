@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -70,6 +71,6 @@ def views_around(scene: HybridScene[Floats], title: str) -> EncodeViews:
     frames = max(1, round((scene.end - scene.start) * IMPORTED_FRAME_RATE))
     times = scene.start + np.arange(frames) / IMPORTED_FRAME_RATE
     seen = dict(enumerate((*found.whole, *found.closer, *found.detail)))
-    afar = range(len(found.whole) + len(found.closer))
-    groups = tuple(afar), tuple(range(len(afar), len(seen)))
+    edges = 0, len(found.whole), len(found.whole) + len(found.closer), len(seen)
+    groups = tuple(tuple(range(*between)) for between in itertools.pairwise(edges))
     return EncodeViews(title, found.whole, seen, times, None, closer=(*found.closer, *found.detail), groups=groups)

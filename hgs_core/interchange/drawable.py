@@ -78,7 +78,7 @@ def _finite(splats: S, lost: Counter[str]) -> S:
         numbers = valid.reshape(len(splats), -1) if len(splats) else np.ones((0, 1), np.bool_)
         left(~numbers.all(axis=1), f"{_WORDS[name]} is no finite number")
     places = splats.means if isinstance(splats, StaticSplats) else splats.motion
-    size = np.abs(places).reshape(len(splats), -1).max(axis=1) if len(splats) else np.zeros(0)
+    size = np.abs(places.astype(np.float64)).reshape(len(splats), -1).max(axis=1) if len(splats) else np.zeros(0)
     left(size > LARGEST_COORDINATE, BEYOND)
     return splats.take(good)
 

@@ -166,9 +166,7 @@ def read_fourdgs(path: Path) -> ReadSplats:
         logits_of_any(found.colors[:, 3]),
         rgb.astype(np.float32),
     )
-    antialiased = noted(
-        f"{name} {value}" for entry in scene.metadata for name, value in entry.entries.items() if name == NOTE
-    )
+    antialiased = noted(f"{NOTE} {value}" for value in _said(scene, NOTE))
     if always.all():
         return ReadSplats(still, antialiased=antialiased, changes=tuple(changes))
     if not 0 < length < np.inf:
@@ -216,11 +214,16 @@ def _segment(
 
 def _space(path: Path, scene: Any) -> str:
     """Return the colour space that a file declares; without, colours are sRGB, as the format's registry says."""
-    declared = [entry.entries[SPACE] for entry in scene.metadata if SPACE in entry.entries]
-    space = str((declared or [scene.header.attributes.get(SPACE, SRGB)])[0])
+    space = next(iter(_said(scene, SPACE)), SRGB)
     if space not in (SRGB, LINEAR):
         raise InputError(path, f"has colours in {space}", f"export it in {SRGB}")
     return space
+
+
+def _said(scene: Any, name: str) -> list[str]:
+    """Return what a file declares under a name, the latest records first."""
+    entries = [*(entry.entries for entry in scene.metadata), scene.header.attributes]
+    return [str(one[name]) for one in entries if name in one]
 
 
 def _untold(path: Path, scene: Any) -> list[Change]:

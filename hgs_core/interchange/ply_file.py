@@ -18,11 +18,13 @@ __all__ = ["PLY"]
 def _read(path: Path, reading: Reading) -> ReadSplats:
     file = read_ply(path)
     table = file.vertices
+    antialiased = noted(file.comments)
     if is_compressed(table):
         table = unpacked(path, table, file.chunks)
+    if is_compressed(file.vertices) or antialiased is not None:  # of programs that know what belongs there
         reading = dataclasses.replace(reading, activated=False)
     found = (spacetime_splats if is_spacetime(table) else gaussian_splats)(path, table, reading)
-    return dataclasses.replace(found, antialiased=noted(file.comments), changes=(*file.changes, *found.changes))
+    return dataclasses.replace(found, antialiased=antialiased, changes=(*file.changes, *found.changes))
 
 
 PLY = FileFormat(

@@ -21,7 +21,8 @@ from hgs_core.interchange.gaussian_ply import gaussian_ply
 from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.ply_file import PLY
 from hgs_core.scene.at_rest import at_rest
-from hgs_core.scene.splats import HybridScene, StaticSplats
+from hgs_core.scene.rows import rows_of
+from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
 __all__ = ["frame_files", "is_sequence", "read_sequence", "write_sequence"]
@@ -138,16 +139,16 @@ def read_sequence(folder: Path, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
             said = ["antialiased" if one.antialiased else "not antialiased" for one in (found, start)]
             raise InputError(file, f"is drawn {said[0]}, and {files[0].name} {said[1]}", "export the frames again")
         changes += found.changes
-        rows, counts = np.unique(_rows(found.static), return_counts=True)
+        rows, counts = np.unique(rows_of(found.static), return_counts=True)
         once = rows[counts == 1]
         common = once if common is None else np.intersect1d(common, once, assume_unique=True)
     assert common is not None
     first = _still(files[0], reading).static
-    static = first.take(np.isin(_rows(first), common))
+    static = first.take(np.isin(rows_of(first), common))
     frames = []
     for file in files:
         splats = _still(file, reading).static
-        frames.append(at_rest(splats.take(~np.isin(_rows(splats), common))))
+        frames.append(at_rest(splats.take(~np.isin(rows_of(splats), common))))
     return ReadSplats(
         static, tuple(frames), lasts=True, antialiased=start.antialiased, middle=start.middle,
         changes=most_of_any(changes),
@@ -160,10 +161,3 @@ def _still(file: Path, reading: Reading) -> ReadSplats:
     if found.lasts:
         raise InputError(file, "holds all times of an STGS scene, and no frame", "import it alone")
     return found
-
-
-def _rows(splats: StaticSplats[Floats]) -> NDArray[np.void]:
-    """Return the numbers of each splat as one value [N]."""
-    rows = np.concatenate([array.reshape(len(splats), -1) for _, array in splats.items()], axis=1)
-    rows = np.ascontiguousarray(rows, "<f4")
-    return rows.view(np.dtype((np.void, rows.shape[1] * 4)))[:, 0]

@@ -8,6 +8,7 @@ import pytest
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.fit.orbit_cameras import orbit_cameras
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.scene.splats import joined
 
 
 def cloud(means: np.ndarray) -> StaticSplats[np.ndarray]:
@@ -46,12 +47,41 @@ def test_a_floater_far_away_does_not_make_the_rest_small() -> None:
 def test_the_closer_cameras_look_at_splats_wherever_they_are() -> None:
     given = orbit_cameras(still(pillar()))
     distance = float(np.linalg.norm(given.whole[0].position - [5, 0, 0]))
-    for share in (0.5, 0.25):
-        cameras = [camera for camera in given.closer if camera.name.startswith(f"close{share}-")]
-        targets = np.array([c.position + share * distance * c.world_to_camera[2, :3] for c in cameras])
-        away = np.linalg.norm(targets[:, None] - pillar()[None], axis=2).min(axis=1)
-        assert away.max() < 0.2
-        assert np.ptp(targets[:, 1]) > 1
+    targets = np.array([c.position + 0.5 * distance * c.world_to_camera[2, :3] for c in given.closer])
+    away = np.linalg.norm(targets[:, None] - pillar()[None], axis=2).min(axis=1)
+    assert away.max() < 0.2
+    assert np.ptp(targets[:, 1]) > 1
+
+
+def test_detail_is_looked_at_from_where_its_splats_have_two_pixels() -> None:
+    """A pillar of fine splats beside one of coarse ones, in the same frame: the fine one is looked at from near."""
+    fine, coarse = cloud(pillar()), cloud(pillar() + [4, 0, 0])
+    fine.log_scales[:], coarse.log_scales[:] = np.log(0.002), np.log(0.012)
+    scene = HybridScene(joined([fine, coarse]), (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    distances = {False: [], True: []}
+    for camera in orbit_cameras(scene).detail:
+        pixels, depth = camera.project(scene.static.means)
+        ahead = np.linalg.norm(pixels - (camera.cx, camera.cy), axis=1)
+        looked = int(np.where(depth > 0, ahead, np.inf).argmin())
+        distances[bool(looked >= len(fine))].append(float(depth[looked]))
+        size = np.exp(scene.static.log_scales[looked, 0]) * camera.fx / depth[looked]
+        assert 1.5 < size < 2.6
+    assert min(distances[True]) > 4 * max(distances[False]) > 0
+
+
+def test_a_closed_room_is_looked_at_from_its_inside() -> None:
+    """Six walls and a table: from outside each wall hides the rest."""
+    rng = np.random.default_rng(0)
+    walls = rng.uniform(-1, 1, (3000, 3))
+    walls[np.arange(3000), rng.integers(0, 3, 3000)] = rng.choice([-1.0, 1.0], 3000)
+    table = rng.uniform(-0.3, 0.3, (300, 3)) * [1, 0.1, 1] + [0, 0.5, 0]
+    room = cloud(np.concatenate([walls, table]) * [3, 1.5, 4])
+    room.log_scales[:], room.opacity_logits[:] = np.log(0.06), 6.0
+    scene = HybridScene(room, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    found = orbit_cameras(scene)
+    for camera in (*found.whole, *found.detail):
+        assert (np.abs(camera.position) < [3, 1.5, 4]).all()
+    assert len(found.closer) == 20  # the outside
 
 
 @pytest.mark.parametrize("side", [(-1, 0), (1, 0), (0, -1), (0, 1)])
