@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 
-from hgs_core.base.arrays import Doubles, Floats, Mask
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
 from hgs_core.fit.detail_cameras import DIRECTIONS, best_directions, detail_distances
 from hgs_core.fit.standpoints import standpoints
@@ -46,6 +46,8 @@ REACH = 2.0  # standard deviations of a splat that belong to it
 MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
 CLEARLY_MORE = 1.05
 SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
+UNHIDDEN = 0.3  # the least of one that is not behind others
+MOST = 0.5  # of what is seen inside
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
@@ -61,7 +63,8 @@ class OrbitCameras:
 def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
     """Return cameras that look at a scene from its front, its other sides, above, below, and more closely.
 
-    Of a room, which shows clearly more splats from its inside, those named are inside. What stands far outside of the rest (floaters) may be out of every picture.
+    Of a room, of which most that is seen inside is hidden from outside, those named are inside. What stands far outside
+    of the rest (floaters) may be out of every picture.
     """
     places, sizes, weights = _places(scene)
     middle, radius = _ball(places, sizes, weights)
@@ -81,7 +84,7 @@ def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
     targets = _spread(places, weights, DETAIL)
     distances = detail_distances(targets, places, _log_scales(scene), FOCAL, distance)
     inner = _inner(targets, distances, standpoints(scene, places, sizes, weights))
-    if inner and _seen_by(scene, inner) > CLEARLY_MORE * _seen_by(scene, whole):  # a room: nobody is outside
+    if inner and _hidden_share(scene, inner, whole) > MOST:  # a room: nobody is outside
         return OrbitCameras(tuple(inner), tuple(whole), tuple(_nearer(targets, distances, inner)))
     detail = _detail(scene, targets, distances)
     if inner:
@@ -180,16 +183,19 @@ def _spread(places: Doubles, weights: Doubles, count: int) -> Doubles:
 
 
 def _splats_seen(scene: HybridScene[Floats], camera: Camera) -> int:
-    return int(_shown(scene, camera).sum())
+    return int((_peaks(scene, camera) >= SHOWN).sum())
 
 
-def _seen_by(scene: HybridScene[Floats], cameras: Sequence[Camera]) -> int:
-    """Return how many splats at least one of some cameras sees."""
-    return int(np.any([_shown(scene, camera) for camera in cameras], axis=0).sum())
+def _hidden_share(scene: HybridScene[Floats], inner: Sequence[Camera], outer: Sequence[Camera]) -> float:
+    """Return which share of the splats that inner cameras see is hidden from all outer ones."""
+    inside, outside = (
+        np.max([_peaks(scene, camera) for camera in cameras], axis=0) >= UNHIDDEN for cameras in (inner, outer)
+    )
+    return float((inside & ~outside).sum() / max(int(inside.sum()), 1))
 
 
-def _shown(scene: HybridScene[Floats], camera: Camera) -> Mask:
-    """Return which splats a camera sees in the middle of the scene's time."""
+def _peaks(scene: HybridScene[Floats], camera: Camera) -> Floats:
+    """Return the largest weight that each splat has in a pixel of a camera, in the middle of the scene's time."""
     seconds = (scene.start + scene.end) / 2
     segment = scene.segment_at(seconds)
     with one_torch_thread():
@@ -197,7 +203,7 @@ def _shown(scene: HybridScene[Floats], camera: Camera) -> Mask:
             scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
             segment.normalised(seconds), antialiased=scene.antialiased,
         )  # fmt: skip
-    return np.asarray(found.peak >= SHOWN)
+    return np.asarray(found.peak)
 
 
 def _name(ring: str, count: int, number: int) -> str:

@@ -17,6 +17,7 @@ __all__ = ["Stored", "as_stored"]
 
 ENOUGH = 30  # splats, of which fewer tell nothing together
 SPREAD = 0.5  # between the least and the largest opacity: logits that differ so little all stay beyond [0, 1]
+EVEN = 1.0  # between the least and the largest scale: logarithms that differ so little are rare
 TOO_LARGE = 8.0  # standard deviations, in gaps between neighbours
 SAMPLE = 64  # splats whose neighbours are looked for
 
@@ -51,8 +52,8 @@ def as_stored(
     many = int(finite.sum()) >= ENOUGH
     if positive and share:
         return _stored(scales, opacities, True, True)
-    if positive and many and _larger_than_gaps(shown, places[finite]):
-        _ask(path, "all scales are positive, and much larger than the gaps between splats if they are logarithms")
+    if positive and many and (float(np.ptp(shown)) < EVEN or _larger_than_gaps(shown, places[finite])):
+        _ask(path, f"all scales are positive, {shown.min():.3g} to {shown.max():.3g}, which logarithms seldom are")
     if share and many:
         if float(np.ptp(opaque)) > SPREAD:
             return _stored(scales, opacities, False, True)

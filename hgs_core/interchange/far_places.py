@@ -24,7 +24,7 @@ def middle_if_far(places: Doubles) -> Doubles | None:
     if not float(np.abs(middle).max()) > (FAR * extent if extent > 0 else FAR_ALONE):
         return None
     step = 10.0 ** np.floor(np.log10(extent)) if extent > 1e-30 else 1.0
-    middle = np.round(middle / step) * step
+    middle = np.round(middle / step) * step + 0.0  # no -0
     return middle if np.isfinite(middle).all() and middle.any() else None
 
 

@@ -24,6 +24,21 @@ def pillar(count: int = 400) -> np.ndarray:
     return np.stack([rng.normal(5, 0.1, count), height, rng.normal(0, 0.1, count)], axis=1)
 
 
+ROOM = np.array([3.0, 1.5, 4.0])  # half its sides
+
+
+def box(count: int = 300) -> np.ndarray:
+    return np.random.default_rng(1).uniform(-1, 1, (count, 3))
+
+
+def walls(count: int) -> np.ndarray:
+    """Places on the six sides of a cube from -1 to 1."""
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-1, 1, (count, 3))
+    places[np.arange(count), rng.integers(0, 3, count)] = rng.choice([-1.0, 1.0], count)
+    return places
+
+
 def still(means: np.ndarray) -> HybridScene[np.ndarray]:
     return HybridScene(cloud(means), (Segment(0.0, 0.0, DynamicSplats.empty()),))
 
@@ -55,7 +70,7 @@ def test_the_closer_cameras_look_at_splats_wherever_they_are() -> None:
 
 def test_detail_is_looked_at_from_where_its_splats_have_two_pixels() -> None:
     """A pillar of fine splats beside one of coarse ones, in the same frame: the fine one is looked at from near."""
-    fine, coarse = cloud(pillar()), cloud(pillar() + [4, 0, 0])
+    fine, coarse = cloud(pillar()), cloud(pillar() + np.array([4.0, 0, 0]))
     fine.log_scales[:], coarse.log_scales[:] = np.log(0.002), np.log(0.012)
     scene = HybridScene(joined([fine, coarse]), (Segment(0.0, 0.0, DynamicSplats.empty()),))
     distances = {False: [], True: []}
@@ -70,18 +85,23 @@ def test_detail_is_looked_at_from_where_its_splats_have_two_pixels() -> None:
 
 
 def test_a_closed_room_is_looked_at_from_its_inside() -> None:
-    """Six walls and a table: from outside each wall hides the rest."""
-    rng = np.random.default_rng(0)
-    walls = rng.uniform(-1, 1, (3000, 3))
-    walls[np.arange(3000), rng.integers(0, 3, 3000)] = rng.choice([-1.0, 1.0], 3000)
-    table = rng.uniform(-0.3, 0.3, (300, 3)) * [1, 0.1, 1] + [0, 0.5, 0]
-    room = cloud(np.concatenate([walls, table]) * [3, 1.5, 4])
-    room.log_scales[:], room.opacity_logits[:] = np.log(0.06), 6.0
+    """Six walls with paper on them, and a table: from outside each wall hides the rest."""
+    room = cloud(np.concatenate([walls(3000), 0.95 * walls(3000), box() * [0.3, 0.03, 0.3] + [0, 0.5, 0]]) * ROOM)
+    room.log_scales[:], room.opacity_logits[:] = np.log(0.15), 6.0
     scene = HybridScene(room, (Segment(0.0, 0.0, DynamicSplats.empty()),))
     found = orbit_cameras(scene)
     for camera in (*found.whole, *found.detail):
-        assert (np.abs(camera.position) < [3, 1.5, 4]).all()
+        assert (np.abs(camera.position) < ROOM).all()
     assert len(found.closer) == 20  # the outside
+
+
+def test_a_hollow_thing_is_begun_with_from_outside_and_looked_at_from_inside_as_well() -> None:
+    shell = cloud(walls(3000) * ROOM)
+    shell.log_scales[:], shell.opacity_logits[:] = np.log(0.15), 6.0
+    found = orbit_cameras(HybridScene(shell, (Segment(0.0, 0.0, DynamicSplats.empty()),)))
+    assert all((np.abs(camera.position) > ROOM).any() for camera in found.whole)
+    inside = [bool((np.abs(camera.position) < ROOM).all()) for camera in found.detail]
+    assert inside.count(True) == inside.count(False) == 10
 
 
 @pytest.mark.parametrize("side", [(-1, 0), (1, 0), (0, -1), (0, 1)])
