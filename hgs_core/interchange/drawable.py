@@ -79,7 +79,7 @@ def _finite(splats: S, lost: Counter[str]) -> S:
         left(~numbers.all(axis=1), f"{_WORDS[name]} is no finite number")
     places = splats.means if isinstance(splats, StaticSplats) else splats.motion
     size = np.abs(places.astype(np.float64)).reshape(len(splats), -1).max(axis=1) if len(splats) else np.zeros(0)
-    left(size > LARGEST_COORDINATE, BEYOND)
+    left(np.asarray(size > LARGEST_COORDINATE), BEYOND)
     return splats.take(good)
 
 

@@ -97,11 +97,13 @@ def test_a_torn_or_scribbled_file_is_read_or_refused_in_one_line(data: bytes, at
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "x.ply"
         path.write_bytes(torn)
+        told = ""
         try:
             import_scene(path)
         except InputError as error:
-            assert "\n" not in str(error)
-            assert str(error).startswith(str(path))
+            told = str(error)
+    assert "\n" not in told
+    assert not told or told.startswith(str(path))
 
 
 @pytest.mark.parametrize("element", ["vertex 9999999999", "face 9999999999"])

@@ -148,7 +148,7 @@ def test_far_away_places_look_as_they_do_near_the_origin(written: Write, offset:
     near = [offset, 12 * offset, 0] - middle
     pictures = []
     for splats, eye in ((found.scene.static, near), (statics(COUNT), np.zeros(3))):
-        camera = Camera("", 64, 64, 60, 60, 32, 32, looking_at(eye + [0, 0, -8.0], eye))
+        camera = Camera("", 64, 64, 60, 60, 32, 32, looking_at(eye + np.array([0, 0, -8.0]), eye))
         drawn = rasterize(splats.map(torch.from_numpy), None, camera, gradients="none")
         pictures.append(drawn.rgb.numpy())
     assert -10 * np.log10(((pictures[0] - pictures[1]) ** 2).mean() + 1e-12) > 50
