@@ -68,10 +68,10 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
     instants = sum(len(s.dynamic) for s in (*a.segments, *second.scene.segments) if s.end == s.start)
     instants = instants if merged.end > merged.start else 0
     copies = merged.dynamic_splats - stored + instants - a.dynamic_splats - b.dynamic_splats
-    shown = f"both scenes show them: the second's while it alone lasts, else the first's; {stored:,} copies in segments"
+    by_time = f"both scenes show them: the second's while it alone lasts, else the first's; {stored:,} copies"
     changes = (
         Change(Action.LEFT_OUT, "splats", statics.twice, total, "both scenes have them"),
-        Change(Action.REPLACED, "static splats", statics.by_time, total, f"by some that live for a time: {shown}"),
+        Change(Action.REPLACED, "static splats", statics.by_time, total, f"by some that live for a time: {by_time}"),
         Change(Action.LEFT_OUT, "splats", instants, total, "their segment lasts no time"),
         Change(Action.REPLACED, "segments", max(copies, 0), total, "they live across a border of the other's segments, "
                "and are stored on both sides of it"),

@@ -104,7 +104,7 @@ def _inner(targets: Doubles, distances: Doubles, stands: Doubles) -> list[Camera
 
 def _nearer(targets: Doubles, distances: Doubles, inner: Sequence[Camera]) -> list[Camera]:
     """Return cameras that look at targets along the lines of inner cameras, from as near as is asked for."""
-    found = []
+    found: list[Camera] = []
     for target, distance in zip(targets, distances, strict=True):
         looks = [np.linalg.norm(np.cross(camera.world_to_camera[2, :3], target - camera.position)) for camera in inner]
         aside = inner[int(np.argmin(looks))].position - target

@@ -76,7 +76,7 @@ def _finite(splats: S, lost: Counter[str]) -> S:
         if name == "opacity_logits":
             valid |= np.isinf(array)
         numbers = valid.reshape(len(splats), -1) if len(splats) else np.ones((0, 1), np.bool_)
-        left(~numbers.all(axis=1), f"{_WORDS[name]} is no finite number")
+        left(np.asarray(~numbers.all(axis=1)), f"{_WORDS[name]} is no finite number")
     places = splats.means if isinstance(splats, StaticSplats) else splats.motion
     size = np.abs(places.astype(np.float64)).reshape(len(splats), -1).max(axis=1) if len(splats) else np.zeros(0)
     left(np.asarray(size > LARGEST_COORDINATE), BEYOND)
