@@ -21,7 +21,7 @@ NEIGHBOURS = 8
 LIKE = 0.15  # largest difference of a channel
 TOUCHING = 2.0  # sums of largest standard deviations
 ONE_SET = 0.5  # of a take's splats that lie where the other has such, from which both show one set
-WHOLE_SET = 0.8  # from which the rest is of it, too
+WHOLE_SET = 0.7  # from which the rest is of it, too
 SEEN = 0.05  # opacity of splats that tell
 
 
@@ -44,13 +44,14 @@ def shared_statics(first: StaticSplats[Floats], second: StaticSplats[Floats]) ->
     """Tell apart what two scenes have of one set, and what each has alone.
 
     Splats that both have to the bit are kept once. If half of the others of either lie on others of the same colour of
-    the other scene, these are shown by time; of a scene with four fifths such, all its others are.
+    the other scene, these are shown by time; of a scene with seven tenths such, all its others are.
     """
     again = np.isin(rows_of(second), rows_of(first))
     same = np.isin(rows_of(first), rows_of(second))
     own = second.take(~again)
     lies = _on_the_other(first.take(~same), own)
-    shares = [float(part.mean()) if len(part) else 0.0 for part in lies]
+    shown = (_seen(first.take(~same)), _seen(own))
+    shares = [float(part[seen].mean()) if seen.any() else 0.0 for part, seen in zip(lies, shown, strict=True)]
     if max(shares) < ONE_SET:
         return SharedStatics(joined([first, own]), first.take(slice(0, 0)), own.take(slice(0, 0)), int(again.sum()))
     rest = first.take(~same)
@@ -59,12 +60,16 @@ def shared_statics(first: StaticSplats[Floats], second: StaticSplats[Floats]) ->
     return SharedStatics(always, rest.take(parts[0]), own.take(parts[1]), int(again.sum()))
 
 
+def _seen(splats: StaticSplats[Floats]) -> Mask:
+    return np.asarray(opacities_of(splats.opacity_logits) >= SEEN)
+
+
 def _on_the_other(first: StaticSplats[Floats], second: StaticSplats[Floats]) -> tuple[Mask, Mask]:
     """Return which splats of each scene lie on one of the other that has their colour."""
     both = joined([first, second])
     of_first = np.arange(len(both)) < len(first)
     found = np.zeros(len(both), np.bool_)
-    seen = np.flatnonzero(opacities_of(both.opacity_logits) >= SEEN)
+    seen = np.flatnonzero(_seen(both))
     if len(seen) > NEIGHBOURS and len(first) and len(second):
         places, rgb = both.means[seen].astype(np.float64), both.rgb[seen].astype(np.float64)
         sizes = np.exp(both.log_scales[seen].astype(np.float64).max(axis=1))

@@ -40,7 +40,7 @@ def photographed_errors(
             for antialiased, found in errors.items():
                 drawn = rasterize(
                     tensors.static, segment.dynamic, camera, segment.normalised(seconds), antialiased=antialiased,
-                    background=torch.tensor(scene.background, dtype=torch.float32), gradients="none",
+                    background=scene.background, gradients="none",
                 )  # fmt: skip
                 found.append(float(((drawn.rgb.clamp(0, 1) - true) ** 2).mean()))
     return {antialiased: float(np.mean(found)) for antialiased, found in errors.items()}

@@ -13,6 +13,7 @@ __all__ = ["rows_of"]
 
 def rows_of(splats: StaticSplats[Floats]) -> NDArray[np.void]:
     """Return the numbers of each splat as one value [N]."""
-    rows = np.concatenate([array.reshape(len(splats), -1) for _, array in splats.items()], axis=1)
+    flat = [array if array.ndim == 2 else array[:, None] for _, array in splats.items()]
+    rows = np.concatenate(flat, axis=1)
     rows = np.ascontiguousarray(rows, "<f4")
     return rows.view(np.dtype((np.void, rows.shape[1] * 4)))[:, 0]
