@@ -42,6 +42,7 @@ NEAREST_SHARE = 0.2  # of the way to a wall that is left at least
 COARSE = 4  # by which pictures are smaller in which splats are only counted
 INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` times these splats may be out of frame
 OUTLYING = 1.5
+GIANT = 4.0  # balls of all places, or splats of the usual size: what reaches farther is no measure of a scene
 REACH = 2.0  # standard deviations of a splat that belong to it
 MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
 CLEARLY_MORE = 1.05
@@ -162,7 +163,9 @@ def _ball(places: Doubles, sizes: Doubles, weights: Doubles) -> tuple[Doubles, f
     inner = away <= OUTLYING * _quantile(away, weights, INNER)
     middle = (places[inner].min(axis=0) + places[inner].max(axis=0)) / 2
     away = np.linalg.norm(places[inner] - middle, axis=1)
-    radius = max(float(away.max()), _quantile(away + sizes[inner], weights[inner], INNER))
+    largest = GIANT * max(float(away.max()), _quantile(sizes[inner], weights[inner], 0.5))
+    reach = away + np.minimum(sizes[inner], largest)
+    radius = max(float(away.max()), _quantile(reach, weights[inner], INNER))
     return middle, max(radius, 1e-9)
 
 
