@@ -10,9 +10,11 @@ import numpy as np
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
+from hgs_core.edit.shared_statics import SharedStatics, shared_statics
 from hgs_core.edit.trim import SHORTEST_SHARE, cut, seen_until
 from hgs_core.edit.viewed_scene import Edit, ViewedScene, shown_until
 from hgs_core.interchange.changes import Action, Change, nonzero
+from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, joined
 
@@ -23,11 +25,13 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
     """Return both scenes in one, on the clock of the first; the second begins at second `at` of it, or with it.
 
     The second must lie in the same world (`orient` brings it there). Each scene's moving splats are there while it
-    lasts, its static splats always. Where segments of both overlap in part they are cut at each other's borders, so
-    that splats that live across a cut are stored on both sides of it.
+    lasts, its static splats always, unless both are takes of one set (`shared_statics.py`): what both show of it is
+    that of the second while it lasts and the first does not, else that of the first. Where segments of both overlap in
+    part they are cut at each other's borders, so that splats that live across a cut are stored on both sides of it.
 
     Raises:
-        InputError: the scenes are drawn differently, or `at` is before the first begins or leaves too short a segment.
+        InputError: the scenes are drawn differently, `at` is before the first begins or leaves too short a segment, or
+            both show one set, and one of them lasts no time.
     """
     a, b = first.scene, second.scene
     if a.antialiased != b.antialiased:
@@ -45,14 +49,29 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
     if at is not None and not at >= a.start:
         raise InputError("--at", f"{at:g} s is before the scene begins", f"give {a.start:g} or more")
     second = _shifted(second, (a.start if at is None else at) - b.start)
+    statics = shared_statics(a.static, b.static)
+    if statics.by_time and not (a.end > a.start and b.end > b.start):
+        raise InputError(
+            "--merge",
+            f"{len(statics.first):,} static splats of the scene and {len(statics.second):,} of the other fill the same "
+            "places, and a still scene is always shown: everything there would stand twice",
+            "cut out of one of them what the other has: hgs edit with --box or --sphere, and --inverse",
+        )  # fmt: skip
     parts = _segments(a, second.scene)
+    stored = 0
+    if statics.by_time:
+        parts = tuple(_with_statics(part, a, second.scene, statics) for part in parts)
+        stored = sum(len(s.dynamic) for s in parts) - sum(len(s.dynamic) for s in _segments(a, second.scene))
     cameras, renamed = _cameras(first.cameras, second.cameras)
-    merged = HybridScene(joined([a.static, b.static]), parts, a.background, a.antialiased)
+    merged = HybridScene(statics.always, parts, a.background, a.antialiased)
     total = len(a.static) + len(b.static) + a.dynamic_splats + b.dynamic_splats
     instants = sum(len(s.dynamic) for s in (*a.segments, *second.scene.segments) if s.end == s.start)
     instants = instants if merged.end > merged.start else 0
-    copies = len(merged.static) + merged.dynamic_splats + instants - total
+    copies = merged.dynamic_splats - stored + instants - a.dynamic_splats - b.dynamic_splats
+    by_time = f"both scenes show them: the second's while it alone lasts, else the first's; {stored:,} copies"
     changes = (
+        Change(Action.LEFT_OUT, "splats", statics.twice, total, "both scenes have them"),
+        Change(Action.REPLACED, "static splats", statics.by_time, total, f"by some that live for a time: {by_time}"),
         Change(Action.LEFT_OUT, "splats", instants, total, "their segment lasts no time"),
         Change(Action.REPLACED, "segments", max(copies, 0), total, "they live across a border of the other's segments, "
                "and are stored on both sides of it"),
@@ -61,6 +80,15 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
     )  # fmt: skip
     times = _clock(first.times, second.times, merged)
     return Edit(ViewedScene(merged, cameras, times, first.up, first.begins), nonzero(changes))
+
+
+def _with_statics(
+    part: Segment[Floats], a: HybridScene[Floats], b: HybridScene[Floats], statics: SharedStatics
+) -> Segment[Floats]:
+    """Add to a segment of a merged scene the static splats that are shown for its time alone."""
+    of_second = b.start <= part.start < b.end and not a.start <= part.start < a.end
+    shown = statics.second if of_second else statics.first
+    return dataclasses.replace(part, dynamic=joined([part.dynamic, at_rest(shown)]))
 
 
 def _shifted(viewed: ViewedScene, by: float) -> ViewedScene:

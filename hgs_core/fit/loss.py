@@ -18,7 +18,7 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Decibels", "Loss"]
 
-LOSS_VIEWS = 12  # in which the loss is measured
+LOSS_VIEWS = 12  # in which the loss is measured, or half as many in each of several groups of cameras
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
@@ -27,7 +27,7 @@ IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to hav
 class Decibels:
     """What views lose of their PSNR, dB; below 0 where they gain."""
 
-    whole: float  # the mean over views of what each loses, of all its pixels
+    whole: float  # the mean over views of what each loses, of all its pixels; of groups of views the largest
     moving: float | None  # of the moving pixels of all views together; None: which ones move is not known, or none does
 
     @property
@@ -45,7 +45,8 @@ class Loss:
     """What quantisation costs some views.
 
     Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
-    add; it may then stand before anything, so that the loss is the larger one of those on black and on white.
+    add; it may then stand before anything, so that the loss is the larger one of those on black and on white. Where
+    made-up cameras see different things, from afar and from near, it is that of the group that loses most.
     """
 
     def __init__(self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera]) -> None:
@@ -57,10 +58,13 @@ class Loss:
             InputError: a frame or a mask cannot be read.
         """
         self._cameras, self._times, self._moment = cameras, views.times, views.moment
-        indices = sorted(cameras)
+        groups = [[i for i in group if i in cameras] for group in views.groups] or [sorted(cameras)]
+        count = LOSS_VIEWS if len(groups) == 1 else LOSS_VIEWS // 2
+        self._groups = [slice(number * count, (number + 1) * count) for number in range(len(groups))]
         self._views = [
-            (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
-            for i in range(LOSS_VIEWS)
+            (indices[i * len(indices) // count], int(i * GOLDEN_RATIO % 1 * len(views.times)))
+            for indices in groups
+            for i in range(count)
         ]
         self._backgrounds = (0.0, 1.0) if views.any_background else (0.0,)
         own = self._pictures(scene)
@@ -78,10 +82,11 @@ class Loss:
         return Decibels(whole, None if moving is None or self._psnr_moving is None else self._psnr_moving - moving)
 
     def _whole(self, pictures: Sequence[Tensor]) -> Doubles:
-        """Return the mean PSNR on each background, [B]."""
+        """Return the mean PSNR of each group of views on each background, [G, B]."""
         pairs = zip(pictures, self._reference, strict=True)
         errors = np.array([((picture - true) ** 2).mean(dim=(1, 2, 3)).double().numpy() for picture, true in pairs])
-        return np.asarray(-10 * np.log10(errors + self._least).mean(axis=0))
+        decibels = -10 * np.log10(errors + self._least)
+        return np.stack([decibels[group].mean(axis=0) for group in self._groups])
 
     def _of_moving(self, pictures: Sequence[Tensor]) -> float | None:
         """Return the PSNR of all moving pixels together: views in which little moves would count too much in a mean."""

@@ -9,6 +9,7 @@ taken for it.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,8 @@ import torch
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
+from hgs_core.fit.detail_cameras import DIRECTIONS, best_directions, detail_distances
+from hgs_core.fit.standpoints import standpoints
 from hgs_core.render.contribution import contributions
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.camera import Camera, looking_at
@@ -33,13 +36,19 @@ RINGS = (("", 8, 10.0), ("high", 6, 45.0), ("low", 4, -30.0), ("top", 1, 85.0), 
 """Cameras around the whole: their name, their number and their elevation in degrees; the first ring begins in front."""
 
 SIDES = ("front", "front-right", "right", "back-right", "back", "back-left", "left", "front-left")
-CLOSER = ((20, 0.5), (20, 0.25))  # cameras, and their distance in those of the whole
+CLOSER, CLOSER_SHARE = 20, 0.5  # cameras, and their distance in those of the whole
+DETAIL = 20  # cameras that stand where splats are as large as training leaves them
+NEAREST_SHARE = 0.2  # of the way to a wall that is left at least
+COARSE = 4  # by which pictures are smaller in which splats are only counted
 INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` times these splats may be out of frame
 OUTLYING = 1.5
+GIANT = 4.0  # balls of all places, or splats of the usual size: what reaches farther is no measure of a scene
 REACH = 2.0  # standard deviations of a splat that belong to it
 MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
 CLEARLY_MORE = 1.05
 SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
+UNHIDDEN = 0.3  # the least of one that is not behind others
+MOST = 0.5  # of what is seen inside
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
@@ -47,14 +56,16 @@ GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 class OrbitCameras:
     """Made-up cameras."""
 
-    whole: tuple[Camera, ...]  # show the scene from all sides; the first one from its front
-    closer: tuple[Camera, ...]  # parts of it in more detail
+    whole: tuple[Camera, ...]  # show the scene from all sides, the first one from its front; of a room from inside
+    closer: tuple[Camera, ...]  # parts of it, from any side; of a room its outside
+    detail: tuple[Camera, ...]  # where splats are as large as training leaves them, from the side that shows most
 
 
 def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
     """Return cameras that look at a scene from its front, its other sides, above, below, and more closely.
 
-    What stands far outside of the rest (floaters) may be out of every picture.
+    Of a room, of which most that is seen inside is hidden from outside, those named are inside. What stands far outside
+    of the rest (floaters) may be out of every picture.
     """
     places, sizes, weights = _places(scene)
     middle, radius = _ball(places, sizes, weights)
@@ -68,11 +79,67 @@ def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:
         for i in range(count)
     ]
     closer = [
-        _looking(f"close{share}-{i}", target, share * distance * _direction(i, count))
-        for count, share in CLOSER
-        for i, target in enumerate(_spread(places, weights, count))
+        _looking(f"close{CLOSER_SHARE}-{i}", target, CLOSER_SHARE * distance * _direction(i, CLOSER))
+        for i, target in enumerate(_spread(places, weights, CLOSER))
     ]
-    return OrbitCameras(tuple(whole), tuple(closer))
+    targets = _spread(places, weights, DETAIL)
+    distances = detail_distances(targets, places, _log_scales(scene), FOCAL, distance)
+    inner = _inner(targets, distances, standpoints(scene, places, sizes, weights))
+    if inner and _hidden_share(scene, inner, whole) > MOST:  # a room: nobody is outside
+        return OrbitCameras(tuple(inner), tuple(whole), tuple(_nearer(targets, distances, inner)))
+    detail = _detail(scene, targets, distances)
+    if inner:
+        detail = [*detail[::2], *_nearer(targets, distances, inner)[1::2]]
+    return OrbitCameras(tuple(whole), tuple(closer), tuple(detail))
+
+
+def _inner(targets: Doubles, distances: Doubles, stands: Doubles) -> list[Camera]:
+    """Return cameras that look at targets from the places to stand, each from one about as far away as is asked for."""
+    if not len(stands):
+        return []
+    away = np.linalg.norm(stands - targets[:, None], axis=2)  # [targets, stands]
+    chosen = np.abs(np.log(np.maximum(away, 1e-9) / distances[:, None])).argmin(axis=1)
+    order = np.argsort(-away[np.arange(len(targets)), chosen], kind="stable")  # the first one shows most
+    return [_looking(f"inside-{i}", targets[k], stands[chosen[k]] - targets[k]) for i, k in enumerate(order)]
+
+
+def _nearer(targets: Doubles, distances: Doubles, inner: Sequence[Camera]) -> list[Camera]:
+    """Return cameras that look at targets along the lines of inner cameras, from as near as is asked for."""
+    found: list[Camera] = []
+    for target, distance in zip(targets, distances, strict=True):
+        looks = [np.linalg.norm(np.cross(camera.world_to_camera[2, :3], target - camera.position)) for camera in inner]
+        aside = inner[int(np.argmin(looks))].position - target
+        length = float(np.linalg.norm(aside))
+        share = min(1.0, distance / max(length, 1e-9))
+        found.append(_looking(f"detail-{len(found)}", target, max(share, NEAREST_SHARE) * aside))
+    return found
+
+
+def _detail(scene: HybridScene[Floats], targets: Doubles, distances: Doubles) -> list[Camera]:
+    """Return cameras that look at targets from where most splats show."""
+    directions = np.array([_direction(i, DIRECTIONS) for i in range(DIRECTIONS)])
+
+    def small(target: Doubles, aside: Doubles) -> Camera:
+        return _smaller(_looking("", target, aside), COARSE)
+
+    chosen = best_directions(targets, distances, directions, small, lambda camera: _splats_seen(scene, camera))
+    return [
+        _looking(f"detail-{i}", target, distance * direction)
+        for i, (target, distance, direction) in enumerate(zip(targets, distances, chosen, strict=True))
+    ]
+
+
+def _log_scales(scene: HybridScene[Floats]) -> Floats:
+    """Return the log-scales of the places of `_places`."""
+    moving = [segment.dynamic.log_scales for segment in scene.segments for _ in MOMENTS]
+    return np.concatenate([scene.static.log_scales, *moving])
+
+
+def _smaller(camera: Camera, factor: int) -> Camera:
+    return dataclasses.replace(
+        camera, width=camera.width // factor, height=camera.height // factor, fx=camera.fx / factor,
+        fy=camera.fy / factor, cx=camera.cx / factor, cy=camera.cy / factor,
+    )  # fmt: skip
 
 
 def _places(scene: HybridScene[Floats]) -> tuple[Doubles, Doubles, Doubles]:
@@ -96,7 +163,9 @@ def _ball(places: Doubles, sizes: Doubles, weights: Doubles) -> tuple[Doubles, f
     inner = away <= OUTLYING * _quantile(away, weights, INNER)
     middle = (places[inner].min(axis=0) + places[inner].max(axis=0)) / 2
     away = np.linalg.norm(places[inner] - middle, axis=1)
-    radius = max(float(away.max()), _quantile(away + sizes[inner], weights[inner], INNER))
+    largest = GIANT * max(float(away.max()), _quantile(sizes[inner], weights[inner], 0.5))
+    reach = away + np.minimum(sizes[inner], largest)
+    radius = max(float(away.max()), _quantile(reach, weights[inner], INNER))
     return middle, max(radius, 1e-9)
 
 
@@ -117,6 +186,19 @@ def _spread(places: Doubles, weights: Doubles, count: int) -> Doubles:
 
 
 def _splats_seen(scene: HybridScene[Floats], camera: Camera) -> int:
+    return int((_peaks(scene, camera) >= SHOWN).sum())
+
+
+def _hidden_share(scene: HybridScene[Floats], inner: Sequence[Camera], outer: Sequence[Camera]) -> float:
+    """Return which share of the splats that inner cameras see is hidden from all outer ones."""
+    inside, outside = (
+        np.max([_peaks(scene, camera) for camera in cameras], axis=0) >= UNHIDDEN for cameras in (inner, outer)
+    )
+    return float((inside & ~outside).sum() / max(int(inside.sum()), 1))
+
+
+def _peaks(scene: HybridScene[Floats], camera: Camera) -> Floats:
+    """Return the largest weight that each splat has in a pixel of a camera, in the middle of the scene's time."""
     seconds = (scene.start + scene.end) / 2
     segment = scene.segment_at(seconds)
     with one_torch_thread():
@@ -124,7 +206,7 @@ def _splats_seen(scene: HybridScene[Floats], camera: Camera) -> int:
             scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
             segment.normalised(seconds), antialiased=scene.antialiased,
         )  # fmt: skip
-    return int((found.peak >= SHOWN).sum())
+    return np.asarray(found.peak)
 
 
 def _name(ring: str, count: int, number: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -33,6 +34,7 @@ class EncodeViews:
     capture: Capture | None = None  # to train further with
     moving: Callable[[int, int], Tensor] | None = None  # the mask [H, W] bool of a trained camera and a frame, if known
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
+    groups: tuple[tuple[int, ...], ...] = ()  # of `trained`, that see different things; none: they are one
     photographed: bool = False  # `trained` took pictures: they tell from where the scene may be looked at
     first: int = 0  # of the capture's frames, where these are not all of them
     up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
@@ -68,5 +70,7 @@ def views_around(scene: HybridScene[Floats], title: str) -> EncodeViews:
     found = orbit_cameras(scene)
     frames = max(1, round((scene.end - scene.start) * IMPORTED_FRAME_RATE))
     times = scene.start + np.arange(frames) / IMPORTED_FRAME_RATE
-    seen = dict(enumerate((*found.whole, *found.closer)))
-    return EncodeViews(title, found.whole, seen, times, None, closer=found.closer)
+    seen = dict(enumerate((*found.whole, *found.closer, *found.detail)))
+    edges = 0, len(found.whole), len(found.whole) + len(found.closer), len(seen)
+    groups = tuple(tuple(range(*between)) for between in itertools.pairwise(edges))
+    return EncodeViews(title, found.whole, seen, times, None, closer=(*found.closer, *found.detail), groups=groups)

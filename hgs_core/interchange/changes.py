@@ -20,6 +20,7 @@ class Action(StrEnum):
     LIMITED = "limited"  # to the range that can be held
     ROUNDED = "rounded"
     REPLACED = "replaced"  # by the nearest that can be held
+    ASSUMED = "assumed"  # where the file does not say
 
 
 @dataclass(frozen=True)

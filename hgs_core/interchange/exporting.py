@@ -13,7 +13,6 @@ from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.cubic import as_cubics
 from hgs_core.interchange.formats import format_of
 from hgs_core.interchange.moment import scene_at
-from hgs_core.interchange.ply_file import PLY
 from hgs_core.interchange.ply_sequence import write_sequence
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
@@ -48,7 +47,7 @@ def export_scene(
             "--spz-version", f"{version} is none of {path.suffix}", "leave it out, or give 2 to 4 for .spz"
         )
     moving = scene.dynamic_splats > 0
-    changes = _unsaid(scene, target.says_antialiased)
+    changes = _unsaid(scene)
     more: list[Change] = []
     if target.write_whole is not None and segment is not None:
         raise InputError("--segment", f"is not for {path.suffix}, which holds all of them", "leave it out")
@@ -60,7 +59,7 @@ def export_scene(
         written = target.write_whole(scene)
     elif target.write_moving is not None and (target.write_still is None or (time is None and moving)):
         dynamic, more = _as_cubics(scene, segment)
-        written = target.write_moving(scene.static, dynamic, cameras)
+        written = target.write_moving(scene.static, dynamic, cameras, scene.antialiased)
     elif moving and time is None:
         raise InputError(path, "holds one moment, and this scene moves", f"add --time {scene.start:g} to {scene.end:g}")
     else:
@@ -82,18 +81,14 @@ def export_sequence(
         InputError: see `write_sequence`.
     """
     changes = write_sequence(scene, folder, frame_rate, progress)
-    return nonzero((*_unsaid(scene, PLY.says_antialiased), *changes))
+    return nonzero((*_unsaid(scene), *changes))
 
 
-def _unsaid(scene: HybridScene[Floats], says_antialiased: bool) -> list[Change]:
-    """Return what of how a scene is drawn a format cannot say."""
-    changes: list[Change] = []
-    if scene.antialiased and not says_antialiased:
-        reason = "the format cannot say that the scene was trained so, and without it thin splats show too strong"
-        changes.append(Change.whole(Action.LEFT_OUT, "antialiasing", reason))
-    if scene.background != BLACK:
-        changes.append(Change.whole(Action.LEFT_OUT, "background", "the format has none"))
-    return changes
+def _unsaid(scene: HybridScene[Floats]) -> list[Change]:
+    """Return what of how a scene is drawn no format can say."""
+    if scene.background == BLACK:
+        return []
+    return [Change.whole(Action.LEFT_OUT, "background", "the format has none")]
 
 
 def _as_cubics(scene: HybridScene[Floats], number: int | None) -> tuple[DynamicSplats[Floats], list[Change]]:

@@ -6,15 +6,27 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from hgs_core.base.arrays import Floats
+from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.interchange.changes import Change, Written
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
-__all__ = ["FileFormat", "ReadSplats", "WriteStill"]
+__all__ = ["NOTHING_KNOWN", "FileFormat", "ReadSplats", "Reading", "WriteStill"]
 
 WriteStill = Callable[[StaticSplats[Floats], bool], Written]
 """Takes the splats, and whether they are drawn antialiased."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What is known beforehand of a file that is to be read."""
+
+    activated: bool | None = None  # whether scales and opacities stand there as they are drawn; None: find out
+    centred: bool = True  # places far from the origin may be moved there
+    middle: Doubles | None = None  # what is subtracted from places [3] in any case
+
+
+NOTHING_KNOWN = Reading()
 
 
 @dataclass(frozen=True)
@@ -25,7 +37,8 @@ class ReadSplats:
     dynamic: tuple[DynamicSplats[Floats], ...] = ()  # one set for each segment
     lasts: bool = False  # whether the file holds a stretch of time
     ends: tuple[float, ...] = ()  # of segments, seconds, where the file tells; otherwise they are of equal lengths
-    antialiased: bool = False  # whether the file says that the splats are drawn so
+    antialiased: bool | None = None  # whether the splats are drawn so; None: the file does not say
+    middle: Doubles | None = None  # what was subtracted from all places [3], where they were far from the origin
     changes: tuple[Change, ...] = ()  # what was left out or changed in reading
 
 
@@ -34,10 +47,9 @@ class FileFormat:
     """How files of one suffix are read and written; None where they cannot be."""
 
     suffix: str
-    read: Callable[[Path], ReadSplats] | None = None
+    read: Callable[[Path, Reading], ReadSplats] | None = None
     write_still: WriteStill | None = None
     versions: Mapping[int, WriteStill] = field(default_factory=dict)  # where there are several
-    # Takes one segment and the scene's cameras.
-    write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera]], Written] | None = None
+    # Takes one segment, the scene's cameras, and whether it is drawn antialiased.
+    write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera], bool], Written] | None = None
     write_whole: Callable[[HybridScene[Floats]], Written] | None = None  # takes all times of a scene
-    says_antialiased: bool = False

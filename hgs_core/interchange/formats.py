@@ -6,29 +6,72 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
-from hgs_core.interchange.file_format import FileFormat
+from hgs_core.interchange.file_format import FileFormat, Reading, ReadSplats
 from hgs_core.interchange.fourdgs_file import FOURDGS
 from hgs_core.interchange.gaussian_glb import GLB
 from hgs_core.interchange.ply_file import PLY
+from hgs_core.interchange.sog_file import META, SOG
 from hgs_core.interchange.splat_file import SPLAT
 from hgs_core.interchange.splatv_file import SPLATV
 from hgs_core.interchange.spz_file import SPZ
 
-__all__ = ["FORMATS", "IMPORTED", "format_of"]
+__all__ = ["FORMATS", "IMPORTED", "format_of", "read_splats"]
 
-FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS)
+FORMATS = (PLY, SPLAT, SPLATV, SPZ, GLB, FOURDGS, SOG)
 
 IMPORTED = tuple(one.suffix for one in FORMATS if one.read is not None)
 """The suffixes of files that can be read."""
 
+CONVERTED = (".ksplat", ".lcc", ".lcc2")
+"""The suffixes of files that another program makes a .ply of."""
+
+_BEGINNINGS = {
+    b"ply": (".ply",), b"glTF": (".glb",), b"NGSP": (".spz",), b"\x1f\x8b": (".spz",), b"PK\x03\x04": (".sog",),
+}  # fmt: skip
+
 
 def format_of(path: Path, fits: Callable[[FileFormat], bool]) -> FileFormat:
-    """Return the format of a file by its suffix, among those that fit.
+    """Return the format of a file by its suffix, in capitals or not, among those that fit.
 
     Raises:
         InputError: there is none.
     """
     fitting = {one.suffix: one for one in FORMATS if fits(one)}
-    if path.suffix not in fitting:
+    suffix = path.suffix.lower()
+    if suffix not in fitting:
         raise InputError(path, f"has the suffix {path.suffix or 'none'!r}", f"give one of {', '.join(fitting)}")
-    return fitting[path.suffix]
+    return fitting[suffix]
+
+
+def read_splats(path: Path, reading: Reading) -> ReadSplats:
+    """Read a file of splats, or a folder that holds one scene.
+
+    Raises:
+        InputError: its format is not known or not read, it holds another one than its suffix says, or is damaged.
+    """
+    if path.is_dir() or path.name == META:
+        assert SOG.read is not None
+        return SOG.read(path if path.is_dir() else path.parent, reading)
+    if path.suffix.lower() in CONVERTED:
+        cure = f"npx @playcanvas/splat-transform {path.name} {path.stem}.ply, and import that"
+        raise InputError(path, f"is a file of a kind that is not read ({path.suffix})", cure)
+    _check_beginning(path)
+    read = format_of(path, lambda one: one.read is not None).read
+    assert read is not None
+    return read(path, reading)
+
+
+def _check_beginning(path: Path) -> None:
+    """Refuse a file that begins as one of another format does.
+
+    Raises:
+        InputError: it does; the message names the suffix that it should have.
+    """
+    try:
+        with path.open("rb") as file:
+            beginning = file.read(8)
+    except OSError:
+        return  # whoever reads it tells
+    suffixes = next((found for word, found in _BEGINNINGS.items() if beginning.startswith(word)), None)
+    if suffixes is not None and path.suffix.lower() not in suffixes and path.suffix.lower() != ".4dgs":
+        raise InputError(path, f"begins as a {suffixes[0]} file", f"rename it to {path.stem}{suffixes[0]}")

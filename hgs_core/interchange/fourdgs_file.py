@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.antialiasing_note import NOTE, noted, noted_for_us
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.deviations import deviations_limited, deviations_of, log_scales_of
 from hgs_core.interchange.file_bytes import file_bytes
@@ -71,7 +72,7 @@ def fourdgs_file(scene: HybridScene[Floats]) -> Written:
     columns["win_hi"][columns["win_hi"] >= length * (1 - 1e-9)] = length + 1e-6  # the last moment is shown
     frame = package.CoordinateFrame(handedness=RIGHT_HANDED, up_axis=DOWN, forward_axis=FORWARD)
     options = package.WriteOptions(
-        profile=PROFILE, cutoff=CUTOFF, library="HGS", metadata={SPACE: SRGB},
+        profile=PROFILE, cutoff=CUTOFF, library="HGS", metadata={SPACE: SRGB, NOTE: str(int(scene.antialiased))},
         provenance=package.Provenance(frames=[frame]),
     )  # fmt: skip
     buffer = io.BytesIO()
@@ -84,7 +85,9 @@ def fourdgs_file(scene: HybridScene[Floats]) -> Written:
     paths = f"by {pieces:,} straight pieces that do not turn, off by at most {error:.3g} world units"
     stretch = f"0 to {length:g} s of the file stand for {scene.start:g} to {scene.end:g} s"
     same = (scene.start, scene.end) == (0.0, length)
+    note = noted_for_us(scene.antialiased)
     changes = (
+        *([] if note is None else [note]),
         *([] if same else [Change.whole(Action.REPLACED, "time", stretch)]),
         Change(Action.LEFT_OUT, "splats", scene.dynamic_splats - shown, total, "they are never seen"),
         Change(Action.REPLACED, "motion and turning", shown, total, paths),
@@ -163,8 +166,9 @@ def read_fourdgs(path: Path) -> ReadSplats:
         logits_of_any(found.colors[:, 3]),
         rgb.astype(np.float32),
     )
+    antialiased = noted(f"{NOTE} {value}" for value in _said(scene, NOTE))
     if always.all():
-        return ReadSplats(still, changes=tuple(changes))
+        return ReadSplats(still, antialiased=antialiased, changes=tuple(changes))
     if not 0 < length < np.inf:
         raise InputError(path, f"lasts {length} s, and not all of it stands still", "export it again")
     edges = np.unique(np.clip(np.concatenate([[0.0, length], low[~always], high[~always]]), 0, length))
@@ -180,8 +184,9 @@ def read_fourdgs(path: Path) -> ReadSplats:
         Change.whole(Action.REPLACED, "windows", f"by {len(segments)} segments, with {max(copies, 0):,} further copies")
     )
     return ReadSplats(
-        still.take(always), tuple(segments), lasts=True, ends=tuple(edges[1:].tolist()), changes=tuple(changes)
-    )
+        still.take(always), tuple(segments), lasts=True, ends=tuple(edges[1:].tolist()), antialiased=antialiased,
+        changes=tuple(changes),
+    )  # fmt: skip
 
 
 def _segment(
@@ -209,11 +214,16 @@ def _segment(
 
 def _space(path: Path, scene: Any) -> str:
     """Return the colour space that a file declares; without, colours are sRGB, as the format's registry says."""
-    declared = [entry.entries[SPACE] for entry in scene.metadata if SPACE in entry.entries]
-    space = str((declared or [scene.header.attributes.get(SPACE, SRGB)])[0])
+    space = next(iter(_said(scene, SPACE)), SRGB)
     if space not in (SRGB, LINEAR):
         raise InputError(path, f"has colours in {space}", f"export it in {SRGB}")
     return space
+
+
+def _said(scene: Any, name: str) -> list[str]:
+    """Return what a file declares under a name, the latest records first."""
+    entries = [*(entry.entries for entry in scene.metadata), scene.header.attributes]
+    return [str(one[name]) for one in entries if name in one]
 
 
 def _untold(path: Path, scene: Any) -> list[Change]:
@@ -236,4 +246,4 @@ def _untold(path: Path, scene: Any) -> list[Change]:
     return changes
 
 
-FOURDGS = FileFormat(".4dgs", read=read_fourdgs, write_whole=fourdgs_file)
+FOURDGS = FileFormat(".4dgs", read=lambda path, reading: read_fourdgs(path), write_whole=fourdgs_file)

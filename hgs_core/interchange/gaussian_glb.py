@@ -15,14 +15,17 @@ import numpy as np
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.antialiasing_note import NOTE, noted_for_us
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.deviations import deviations_limited, deviations_of, log_scales_of
-from hgs_core.interchange.file_format import FileFormat, ReadSplats
-from hgs_core.interchange.gaussian_ply import NO_NEGATIVE_COLOUR, SH_0, harmonics
+from hgs_core.interchange.far_places import middle_if_far, moved
+from hgs_core.interchange.file_format import NOTHING_KNOWN, FileFormat, Reading, ReadSplats
+from hgs_core.interchange.gaussian_ply import NO_NEGATIVE_COLOUR, harmonics
 from hgs_core.interchange.glb_container import glb_bytes, read_glb
 from hgs_core.interchange.gltf_asset import GltfAsset
 from hgs_core.interchange.light import srgb_replaced, to_light, to_srgb
 from hgs_core.interchange.right_up_back import other_way_up, our_rotations, stored_rotations
+from hgs_core.interchange.splat_properties import SH_0
 from hgs_core.scene.opacities import logits_of_any, opacities_of
 from hgs_core.scene.rotations import matrices, quaternions_of, unit_quaternions
 from hgs_core.scene.splats import StaticSplats, joined
@@ -37,8 +40,8 @@ _COLOUR = f"{EXTENSION}:SH_DEGREE_0_COEF_0"
 _HARMONICS = [[f"{EXTENSION}:SH_DEGREE_{degree}_COEF_{n}" for n in range(2 * degree + 1)] for degree in (1, 2, 3)]
 
 
-def glb_file(splats: StaticSplats[Floats]) -> Written:
-    """Return a GLB file of degree 0, 60 bytes a splat.
+def glb_file(splats: StaticSplats[Floats], antialiased: bool = False) -> Written:
+    """Return a GLB file of degree 0, 60 bytes a splat, whose asset has a note on how it is drawn.
 
     Raises:
         InputError: there are no splats: glTF knows no empty arrays.
@@ -69,18 +72,21 @@ def glb_file(splats: StaticSplats[Floats]) -> Written:
         "extensions": {EXTENSION: {"kernel": "ellipse", "colorSpace": SRGB}},
     }  # fmt: skip
     document = {
-        "asset": {"version": "2.0", "generator": "HGS"}, "extensionsUsed": [EXTENSION], "scene": 0,
+        "asset": {"version": "2.0", "generator": "HGS", "extras": {NOTE: antialiased}},
+        "extensionsUsed": [EXTENSION], "scene": 0,
         "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
         "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": at}],
     }  # fmt: skip
+    note = noted_for_us(antialiased)
     changes = (
+        *([] if note is None else [note]),
         deviations_limited(splats.log_scales),
         Change.where(Action.LIMITED, "colour", splats.rgb < 0, NO_NEGATIVE_COLOUR),
     )
     return Written(glb_bytes(document, b"".join(array.tobytes() for array in arrays.values())), changes)
 
 
-def read_gaussian_glb(path: Path) -> ReadSplats:
+def read_gaussian_glb(path: Path, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
     """Read the splats of the scene that a GLB file shows, in the places that its nodes give them.
 
     Raises:
@@ -88,12 +94,12 @@ def read_gaussian_glb(path: Path) -> ReadSplats:
     """
     asset = GltfAsset(path, *read_glb(path))
     try:
-        return _read(asset)
+        return _read(asset, reading)
     except (AttributeError, TypeError) as error:
         raise InputError(path, f"holds JSON that is no glTF ({error})", "export it again") from error
 
 
-def _read(asset: GltfAsset) -> ReadSplats:
+def _read(asset: GltfAsset, reading: Reading) -> ReadSplats:
     for name in asset.document.get("extensionsRequired", []):
         if name not in UNDERSTOOD:
             raise InputError(asset.path, f"needs the extension {name}", "export it without, as plain numbers")
@@ -113,7 +119,14 @@ def _read(asset: GltfAsset) -> ReadSplats:
         changes.append(Change.whole(Action.LEFT_OUT, f"{others} parts of meshes", "they are no splats"))
     if asset.items("animations"):
         changes.append(Change.whole(Action.LEFT_OUT, "animations", "splats are taken as the nodes place them"))
-    return ReadSplats(joined(sets), changes=tuple(changes))
+    middle = middle_if_far(np.concatenate([one.means for one in sets])) if reading.centred else None
+    changes += [] if middle is None else [moved(middle)]
+    extras = asset.document.get("asset", {}).get("extras", {})
+    note = extras.get(NOTE) if isinstance(extras, dict) else None
+    return ReadSplats(
+        joined([_in_floats(one, middle) for one in sets]), changes=tuple(changes), middle=middle,
+        antialiased=note if isinstance(note, bool) else None,
+    )  # fmt: skip
 
 
 class _Ellipsoids(NamedTuple):
@@ -159,7 +172,7 @@ def _ellipsoids(
     return _Ellipsoids(means, scales, quats, np.clip(opacities[:, 0], 0, 1), rgb), changes
 
 
-def _placed(found: _Ellipsoids, world: Doubles) -> StaticSplats[Floats]:
+def _placed(found: _Ellipsoids, world: Doubles) -> _Ellipsoids:
     """Return splats where a node's matrix [4, 4] puts them, in our axes.
 
     Under a matrix that is no identity an ellipsoid M R S becomes the one of its singular values and left vectors.
@@ -174,13 +187,19 @@ def _placed(found: _Ellipsoids, world: Doubles) -> StaticSplats[Floats]:
         axes[:, :, 2] *= np.sign(np.linalg.det(axes))[:, None]
         deviations = np.where(finite[:, None], deviations, np.nan)
         xyzw = quaternions_of(axes)[:, [1, 2, 3, 0]]
+    return _Ellipsoids(other_way_up(means), deviations, xyzw, opacities, rgb)
+
+
+def _in_floats(found: _Ellipsoids, middle: Doubles | None) -> StaticSplats[Floats]:
+    """Return splats in numbers of 32 bits, less what is subtracted from all places."""
+    means = found.means if middle is None else found.means - middle
     return StaticSplats(
-        other_way_up(means).astype(np.float32),
-        log_scales_of(deviations),
-        our_rotations(xyzw).astype(np.float32),
-        logits_of_any(opacities),
-        rgb.astype(np.float32),
+        means.astype(np.float32),
+        log_scales_of(found.deviations),
+        our_rotations(found.xyzw).astype(np.float32),
+        logits_of_any(found.opacities),
+        found.rgb.astype(np.float32),
     )
 
 
-GLB = FileFormat(".glb", read=read_gaussian_glb, write_still=lambda splats, antialiased: glb_file(splats))
+GLB = FileFormat(".glb", read=read_gaussian_glb, write_still=glb_file)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import re
 import secrets
 import shutil
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +16,13 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.interchange.changes import Action, Change, most_of_any
-from hgs_core.interchange.file_format import ReadSplats
+from hgs_core.interchange.file_format import NOTHING_KNOWN, Reading, ReadSplats
 from hgs_core.interchange.gaussian_ply import gaussian_ply
 from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.ply_file import PLY
 from hgs_core.scene.at_rest import at_rest
-from hgs_core.scene.splats import HybridScene, StaticSplats
+from hgs_core.scene.rows import rows_of
+from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime
 
 __all__ = ["frame_files", "is_sequence", "read_sequence", "write_sequence"]
@@ -65,7 +66,7 @@ def write_sequence(
     changes: list[Change] = []
     try:
         for number, seconds in enumerate(times):
-            written = gaussian_ply(scene_at(scene, float(seconds)))
+            written = gaussian_ply(scene_at(scene, float(seconds)), scene.antialiased)
             (temporary / f"frame_{number:0{max(4, len(str(count - 1)))}}.ply").write_bytes(written.data)
             changes += written.changes
             progress(Progress("export", number + 1, count))
@@ -119,41 +120,44 @@ def frame_files(folder: Path) -> list[Path]:
     return [numbers[number] for number in order]
 
 
-def read_sequence(folder: Path) -> ReadSplats:
+def read_sequence(folder: Path, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
     """Read the frames of a folder: splats that are in all of them are static, the others stand still for one frame.
 
+    All frames are moved as the first one is, if its places are far from the origin.
+
     Raises:
-        InputError: see `frame_files`; or a file is damaged or no still 3DGS .ply.
+        InputError: see `frame_files`; or a file is damaged or no still 3DGS .ply, or frames are drawn differently.
     """
     files = frame_files(folder)
+    start = _still(files[0], reading)
+    reading = dataclasses.replace(reading, middle=start.middle, centred=False)
     common: NDArray[np.void] | None = None
-    changes: list[Change] = []
+    changes: list[Change] = [change for change in start.changes if start.middle is not None and change.count is None]
     for file in files:
-        splats, more = _still(file)
-        changes += more
-        rows, counts = np.unique(_rows(splats), return_counts=True)
+        found = _still(file, reading)
+        if found.antialiased != start.antialiased:
+            said = ["antialiased" if one.antialiased else "not antialiased" for one in (found, start)]
+            raise InputError(file, f"is drawn {said[0]}, and {files[0].name} {said[1]}", "export the frames again")
+        changes += found.changes
+        rows, counts = np.unique(rows_of(found.static), return_counts=True)
         once = rows[counts == 1]
         common = once if common is None else np.intersect1d(common, once, assume_unique=True)
     assert common is not None
-    first = _still(files[0])[0]
-    static = first.take(np.isin(_rows(first), common))
+    first = _still(files[0], reading).static
+    static = first.take(np.isin(rows_of(first), common))
     frames = []
     for file in files:
-        splats = _still(file)[0]
-        frames.append(at_rest(splats.take(~np.isin(_rows(splats), common))))
-    return ReadSplats(static, tuple(frames), lasts=True, changes=tuple(most_of_any(changes)))
+        splats = _still(file, reading).static
+        frames.append(at_rest(splats.take(~np.isin(rows_of(splats), common))))
+    return ReadSplats(
+        static, tuple(frames), lasts=True, antialiased=start.antialiased, middle=start.middle,
+        changes=most_of_any(changes),
+    )  # fmt: skip
 
 
-def _still(file: Path) -> tuple[StaticSplats[Floats], Iterable[Change]]:
+def _still(file: Path, reading: Reading) -> ReadSplats:
     assert PLY.read is not None
-    found = PLY.read(file)
+    found = PLY.read(file, reading)
     if found.lasts:
         raise InputError(file, "holds all times of an STGS scene, and no frame", "import it alone")
-    return found.static, found.changes
-
-
-def _rows(splats: StaticSplats[Floats]) -> NDArray[np.void]:
-    """Return the numbers of each splat as one value [N]."""
-    rows = np.concatenate([array.reshape(len(splats), -1) for _, array in splats.items()], axis=1)
-    rows = np.ascontiguousarray(rows, "<f4")
-    return rows.view(np.dtype((np.void, rows.shape[1] * 4)))[:, 0]
+    return found

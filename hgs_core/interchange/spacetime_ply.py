@@ -6,15 +6,17 @@ sigmoid(opacity) exp(-(d / exp(trbf_scale))^2): our equations, with ln s = -2 tr
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from hgs_core.base.arrays import Floats
+from hgs_core.interchange.antialiasing_note import note_of, noted_for_us
 from hgs_core.interchange.changes import Action, Change, Written
-from hgs_core.interchange.gaussian_ply import LARGEST_LOGIT, NO_NEGATIVE_COLOUR, ROT, SCALE
-from hgs_core.interchange.ply_table import columns, left_over, write_ply
+from hgs_core.interchange.file_format import NOTHING_KNOWN, Reading, ReadSplats
+from hgs_core.interchange.gaussian_ply import LARGEST_LOGIT, NO_NEGATIVE_COLOUR
+from hgs_core.interchange.ply_table import Table, columns, left_over, write_ply
+from hgs_core.interchange.splat_properties import DC, ROT, SCALE, read_properties
 from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
@@ -24,52 +26,49 @@ __all__ = ["BRIEFEST", "STEADIEST", "is_spacetime", "life_limited", "spacetime_p
 CLOCK = ("trbf_center", "trbf_scale")
 MOTION = tuple(f"motion_{i}" for i in range(9))
 OMEGA = tuple(f"omega_{i}" for i in range(4))
-DC = ("f_dc_0", "f_dc_1", "f_dc_2")
 FEATURES = ("f_t", "f_dir", "f_rest")  # prefixes of what the full model's network takes
 STEADY = 5.0  # trbf_scale with which an opacity changes by less than 1 / 20,000 in [0, 1]
 STEADIEST = 10.0  # trbf_scale written for splats that never fade, and the largest
 BRIEFEST = -20.0  # of splats that live for one instant, and the least
 
 
-def is_spacetime(table: Mapping[str, Floats]) -> bool:
+def is_spacetime(table: Table) -> bool:
     """Return whether a point cloud has times."""
     return CLOCK[0] in table
 
 
-def spacetime_splats(
-    path: Path, table: Mapping[str, Floats]
-) -> tuple[StaticSplats[Floats], DynamicSplats[Floats], list[Change]]:
+def spacetime_splats(path: Path, table: Table, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
     """Return the splats of a table that `read_ply` read, and what was left out.
 
     A splat that neither moves nor turns nor fades becomes static.
 
     Raises:
-        InputError: a property is missing.
+        InputError: a property is missing, or may mean one thing or another.
     """
-    means, motion = columns(path, table, ("x", "y", "z")), columns(path, table, MOTION)
-    quats, omega = columns(path, table, ROT), columns(path, table, OMEGA)
+    found = read_properties(path, table, reading)
+    motion, omega = columns(path, table, MOTION), columns(path, table, OMEGA)
     center, scale = columns(path, table, CLOCK).T
     dynamic = DynamicSplats(
-        np.concatenate([means[:, None], motion.reshape(-1, 3, 3)], axis=1),
-        np.stack([quats, omega], axis=1),
-        columns(path, table, SCALE),
-        columns(path, table, ("opacity",))[:, 0],
+        np.concatenate([found.places[:, None], motion.reshape(-1, 3, 3)], axis=1),
+        np.stack([found.quats, omega], axis=1),
+        found.log_scales,
+        found.logits,
         center.copy(),
         -2 * scale,
-        columns(path, table, DC),
+        found.colours,
     )
     still = (motion == 0).all(axis=1) & (omega == 0).all(axis=1) & (scale >= STEADY)
     kept = dynamic.take(still)
     static = StaticSplats(kept.motion[:, 0], kept.log_scales, kept.rotation[:, 0], kept.opacity_logits, kept.rgb)
-    known = ("x", "y", "z", *MOTION, *ROT, *OMEGA, *CLOCK, *SCALE, "opacity", *DC)
-    changes = left_over(table, known, FEATURES)
+    changes = [*found.changes, *left_over(table, (*found.known, *MOTION, *OMEGA, *CLOCK), FEATURES)]
     features = {name: array for name, array in table.items() if name.startswith(FEATURES)}
     if features:
         names = ", ".join(sorted({name.rpartition("_")[0] for name in features}))
         met = np.stack(list(features.values()), axis=1) != 0
         reason = "colours are those without the network"
         changes.append(Change.where(Action.LEFT_OUT, f"features {names}", met, reason))
-    return static, dynamic.take(~still), changes
+    moving = (dynamic.take(~still),)
+    return ReadSplats(static, moving, lasts=True, middle=found.middle, changes=tuple(changes))
 
 
 def life_limited(dynamic: DynamicSplats[Floats], briefest: float) -> Change:
@@ -79,7 +78,7 @@ def life_limited(dynamic: DynamicSplats[Floats], briefest: float) -> Change:
     return Change.where(Action.LIMITED, "life", (width < briefest) | (width > STEADIEST), reason)
 
 
-def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) -> Written:
+def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], antialiased: bool = False) -> Written:
     """Return a .ply file of both sets, statics first; splats that never live are left out."""
     start, end = lifetime(dynamic)
     living = dynamic.take(start <= end)
@@ -100,10 +99,13 @@ def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats]) 
             )
         )  # fmt: skip
     names = ("x", "y", "z", *CLOCK, "nx", "ny", "nz", *MOTION, *DC, "opacity", *SCALE, *ROT, *OMEGA)
-    data = write_ply(dict(zip(names, np.concatenate(parts).astype(np.float32).T, strict=True)))
+    table = dict(zip(names, np.concatenate(parts).astype(np.float32).T, strict=True))
+    data = write_ply(table, [note_of(antialiased)])
+    note = noted_for_us(antialiased)
     logits, rgb = (np.concatenate([getattr(part, name) for part in sets]) for name in ("opacity_logits", "rgb"))
     reason = f"to logits of {LARGEST_LOGIT:g}"
     changes = (
+        *([] if note is None else [note]),
         Change(Action.LEFT_OUT, "splats", len(dynamic) - len(living), total, "they are never seen"),
         Change.where(Action.LIMITED, "opacity", np.abs(logits) > LARGEST_LOGIT, reason),
         Change.where(Action.LIMITED, "colour", rgb < 0, NO_NEGATIVE_COLOUR),

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Floats
+from hgs_core.interchange.antialiasing_note import NOTE, noted_for_us
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.file_format import FileFormat
 from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST, life_limited
@@ -38,7 +39,9 @@ _ROW = np.dtype(
 )  # fmt: skip
 
 
-def splatv_file(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], cameras: Sequence[Camera]) -> Written:
+def splatv_file(
+    static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], cameras: Sequence[Camera], antialiased: bool = False
+) -> Written:
     """Return the file; the first camera is the one that the viewer starts from."""
     sets = [at_rest(static), dynamic]
     total = len(static) + len(dynamic)
@@ -59,11 +62,12 @@ def splatv_file(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], ca
         part["clock"] = _half(np.stack([splats.time_centers, np.maximum(width, NARROWEST)], axis=1))
     chunk = {
         "type": "splat", "size": rows.nbytes, "texwidth": 4 * ROW_SPLATS, "texheight": texture_rows,
-        "cameras": [_camera(i, camera) for i, camera in enumerate(cameras)],
+        "cameras": [_camera(i, camera) for i, camera in enumerate(cameras)], NOTE: antialiased,
     }  # fmt: skip
     text = json.dumps([chunk], separators=(",", ":")).encode()
     data = np.array([MAGIC, len(text)], "<u4").tobytes() + text + rows.tobytes()
-    return Written(data, tuple(_changes(static, dynamic, rows[:total])))
+    note = noted_for_us(antialiased)
+    return Written(data, (*([] if note is None else [note]), *_changes(static, dynamic, rows[:total])))
 
 
 def _changes(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], rows: NDArray[np.void]) -> list[Change]:

@@ -22,7 +22,7 @@ from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.file_bytes import file_bytes
-from hgs_core.interchange.file_format import FileFormat, ReadSplats, WriteStill
+from hgs_core.interchange.file_format import FileFormat, Reading, ReadSplats, WriteStill
 from hgs_core.interchange.spz_planes import DEGREES, Planes, pack, unpack, widths
 from hgs_core.scene.splats import StaticSplats
 
@@ -170,7 +170,7 @@ def _extensions(path: Path, records: bytes) -> list[Change]:
     return left
 
 
-def _read(path: Path) -> ReadSplats:
+def _read(path: Path, reading: Reading) -> ReadSplats:
     splats, antialiased, changes = read_spz(path)
     return ReadSplats(splats, antialiased=antialiased, changes=tuple(changes))
 
@@ -184,5 +184,4 @@ SPZ = FileFormat(
     read=_read,
     write_still=_writer(USUAL),
     versions={version: _writer(version) for version in (2, 3, 4)},
-    says_antialiased=True,
 )

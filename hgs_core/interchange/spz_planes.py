@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.changes import Action, Change
-from hgs_core.interchange.gaussian_ply import SH_0, harmonics
+from hgs_core.interchange.gaussian_ply import harmonics
 from hgs_core.interchange.right_up_back import other_way_up, our_rotations, stored_rotations
 from hgs_core.interchange.splat_file import opacity_changes
+from hgs_core.interchange.splat_properties import SH_0
 from hgs_core.interchange.spz_rotations import (
     pack_first_three,
     pack_smallest_three,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import json
 import shutil
@@ -15,15 +16,19 @@ from numpy.typing import NDArray
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
+from hgs_core.capture.open import open_capture
 from hgs_core.codec import load_manifest
+from hgs_core.interchange.antialiasing_note import UNTOLD
 from hgs_core.interchange.changes import Action, Change, nonzero
 from hgs_core.interchange.importing import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
 from hgs_core.interchange.ply_sequence import frame_files
+from hgs_core.interchange.sog_file import META
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode
 from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.photographed_errors import photographed_errors
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene
 
@@ -52,14 +57,16 @@ def import_run(
     frame_rate: float | None = None,
     capture: Path | None,
     config: RunConfig,
-    antialiased: bool,
+    antialiased: bool | None = None,
+    activated: bool | None = None,
 ) -> ImportedRun:
     """Make a run folder of a file of splats and encode it; returns what was left out or changed.
 
     `duration` is how long a 4D file lasts, seconds; `frame_rate` how many files of a folder a second has. With a
     `capture`, the pictures the splats were made of, the loss of encoding is measured on its cameras that `config` does
-    not hold out, and the run can be evaluated; without, views are made up around the splats. `antialiased` says that
-    the splats are to be drawn so, if the file cannot.
+    not hold out, and the run can be evaluated; without, views are made up around the splats. `antialiased` says whether
+    the splats are to be drawn so, `activated` whether scales and opacities stand in the file as they are drawn; None:
+    the file tells, and of the first the capture's pictures, if there are any.
 
     Raises:
         InputError: the file, the capture or the config are unusable, `run` holds something else, or no splat is left.
@@ -77,15 +84,20 @@ def import_run(
     elif not frame_rate > 0 or not file.is_dir():
         problem = f"{frame_rate} is not positive" if file.is_dir() else "is for a folder of frames"
         raise InputError("--fps", problem, "give frames for each second" if file.is_dir() else "give --duration")
-    imported = import_scene(file, duration, frame_rate)
-    config = config.changed({"train.antialiased": imported.scene.antialiased or antialiased})
+    imported = import_scene(
+        file, duration, frame_rate, antialiased=antialiased, activated=activated, centred=capture is None
+    )
     fresh = not run.exists()
     if capture is None:
         if config.capture.hold_out:
             raise InputError("--hold-out", "needs the capture's cameras", "name the capture with --capture")
+        config = config.changed({"train.antialiased": imported.scene.antialiased})
         fingerprint = _fingerprint(file)
         RunFolder(run).write_spec(RunSpec(file.resolve(), fingerprint, config, without_capture=True))
     else:
+        if imported.antialiased is None:
+            imported = _as_photographed(imported, capture, config)
+        config = config.changed({"train.antialiased": imported.scene.antialiased})
         create_run(run, capture, config)
     folder = RunFolder(run)
     with folder.exclusive():
@@ -97,21 +109,43 @@ def import_run(
             kept = totals.splats_static + totals.splats_dynamic
             if kept == 0:
                 raise InputError(file, f"holds {imported.splats:,} splats, none of which shows in any picture")
-        except InputError:
+        except BaseException:  # a folder without a scene is of no use: reading the file again costs little
             if fresh:
-                shutil.rmtree(run)
+                shutil.rmtree(run, ignore_errors=True)
             raise
     encoded = len(imported.scene.static) + imported.scene.dynamic_splats
     missed = Change(Action.LEFT_OUT, "splats", encoded - kept, encoded, "no picture misses them")
     return ImportedRun(imported.splats, kept, nonzero((*imported.changes, missed)))
 
 
+def _as_photographed(imported: Imported, capture: Path, config: RunConfig) -> Imported:
+    """Return the scene drawn antialiased or not, whichever is nearer to the pictures of a capture."""
+    scene = imported.scene
+    errors = photographed_errors(scene, open_capture(capture), config)
+    nearer = errors[True] < errors[False]
+    names = ("with antialiasing", "without antialiasing")[:: 1 if nearer else -1]
+    decibels = [f"{-10 * np.log10(errors[drawn] + 1e-12):.1f} dB" for drawn in (nearer, not nearer)]
+    reason = f"the capture's pictures are {decibels[0]} from it so, and {decibels[1]} {names[1]}"
+    changes = [change for change in imported.changes if change != UNTOLD]
+    changes.append(Change.whole(Action.ASSUMED, f"drawing {names[0]}", reason))
+    return dataclasses.replace(
+        imported, scene=dataclasses.replace(scene, antialiased=nearer), changes=tuple(changes), antialiased=nearer
+    )
+
+
 def _fingerprint(file: Path) -> str:
-    """Return the SHA-256 of a file, or of all frames of a folder."""
+    """Return the SHA-256 of a file, or of all files of a scene in a folder."""
     found = hashlib.sha256()
-    for part in frame_files(file) if file.is_dir() else [file]:
+    for part in _parts(file):
         found.update(part.read_bytes())
     return found.hexdigest()
+
+
+def _parts(file: Path) -> list[Path]:
+    folder = file.parent if file.name == META else file
+    if (folder / META).is_file():
+        return sorted([folder / META, *folder.glob("*.webp")])
+    return frame_files(file) if file.is_dir() else [file]
 
 
 def _write(folder: RunFolder, file: Path, imported: Imported) -> None:

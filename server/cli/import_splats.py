@@ -20,7 +20,8 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "import",
         help="make a run of a file of splats",
-        description="Make a run of a .ply (3DGS, STGS), .splat, .spz, .glb or .4dgs file or of .ply frames; encode it.",
+        description="Make a run of a .ply (3DGS, STGS), .splat, .spz, .glb, .sog or .4dgs file, or of .ply frames; "
+        "encode it.",
     )
     parser.add_argument(
         "file", metavar="FILE|FOLDER", type=Path, help="the file; its suffix tells the format. A folder: .ply frames"
@@ -33,7 +34,15 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras that encoding must not look at")
     parser.add_argument("--duration", metavar="S", type=float, help="seconds that a 4D file lasts (default: 50 / 30)")
     parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: 30)")
-    parser.add_argument("--antialiased", action="store_true", help="the splats were trained to be drawn antialiased")
+    parser.add_argument(
+        "--antialiased", action=argparse.BooleanOptionalAction,
+        help="whether the splats were trained antialiased (default: as the file or --capture tells, else not)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--activated", action=argparse.BooleanOptionalAction,
+        help="whether scales and opacities stand in a .ply as they are drawn, not as logarithms and logits (default: "
+        "their ranges tell)",
+    )  # fmt: skip
     parser.add_argument("--budget", choices=list(BUDGETS), default="default", help="what encoding may lose")
     parser.add_argument("--json", metavar="FILE", help="write what is left out or changed as JSON; -: in place of text")
     parser.set_defaults(run=_run)
@@ -48,7 +57,7 @@ def _run(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         imported = import_run(
             options.file, options.out, bars, duration=options.duration, frame_rate=options.fps,
-            capture=options.capture, config=config, antialiased=options.antialiased,
+            capture=options.capture, config=config, antialiased=options.antialiased, activated=options.activated,
         )  # fmt: skip
     for change in imported.changes:
         print(f"{options.file}: {change}", file=sys.stderr)

@@ -18,6 +18,7 @@ from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import SetUtility, estimated_utility, pixels_per_unit
 from hgs_core.codec.format.attributes import MOTION_ORDERS
 from hgs_core.scene.camera import Camera
+from hgs_core.scene.limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARGEST_LOG_SCALE
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.rotations import product, unit_quaternions, units_and_norms
@@ -26,10 +27,7 @@ from hgs_core.scene.temporal import lifetime
 
 __all__ = ["Prepared", "prepare_dynamic", "prepare_static"]
 
-LARGEST_COORDINATE = 1e30
 LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
-LARGEST_LOG_SCALE = 30.0
-LARGEST_COLOUR = 8.0  # either sign; training keeps colours near [0, 1]
 LEAST_UTILITY = 1e-4  # what shows less has the steps of this
 NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
 STEADY_LOG_OPACITY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade

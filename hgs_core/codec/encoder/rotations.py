@@ -60,12 +60,15 @@ def canonical(quats: Doubles, log_scales: Doubles) -> tuple[Doubles, Doubles]:
 def shape_error(
     quats: Doubles, log_scales: Doubles, other_quats: Doubles, other_log_scales: Doubles, blur: float
 ) -> Doubles:
-    """Return the largest |ln| [N] of the ratio of standard deviations in any direction, both shapes blurred."""
-    a, b = (
-        (axes * (np.exp(2 * scales) + blur * blur)[:, None, :]) @ np.swapaxes(axes, 1, 2)
-        for axes, scales in ((matrices(quats), log_scales), (matrices(other_quats), other_log_scales))
+    """Return the largest |ln| [N] of the ratio of standard deviations in any direction, both shapes blurred.
+
+    That is the larger one of ln |Db^-1 Rb^T Ra Da| and ln |Da^-1 Ra^T Rb Db|, with rotations R and blurred deviations
+    D: no matrix is inverted, so that axes may differ by as much as numbers hold.
+    """
+    turn = np.swapaxes(matrices(quats), 1, 2) @ matrices(other_quats)
+    deviations, others = (
+        np.exp(np.logaddexp(2 * scales, 2 * np.log(blur)) / 2) for scales in (log_scales, other_log_scales)
     )
-    size = np.trace(a, axis1=1, axis2=2)[:, None, None]
-    lower = np.linalg.inv(np.linalg.cholesky(a / size))
-    ratio = np.linalg.eigvalsh(lower @ (b / size) @ np.swapaxes(lower, 1, 2))
-    return np.asarray(np.abs(np.log(np.maximum(ratio, 1e-300))).max(axis=1) / 2)
+    larger = np.linalg.norm(turn * others[:, None, :] / deviations[:, :, None], 2, axis=(1, 2))
+    smaller = np.linalg.norm(np.swapaxes(turn, 1, 2) * deviations[:, None, :] / others[:, :, None], 2, axis=(1, 2))
+    return np.asarray(np.log(np.maximum(larger, smaller)))

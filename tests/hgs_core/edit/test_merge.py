@@ -9,7 +9,10 @@ import pytest
 import torch
 
 from hgs_core.base.errors import InputError
+from hgs_core.edit.crop import crop
 from hgs_core.edit.merge import merge
+from hgs_core.edit.regions import box_of
+from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import ViewedScene
 from hgs_core.interchange.moment import scene_at
 from hgs_core.render.rasterize import rasterize
@@ -57,6 +60,73 @@ def test_a_still_scene_stays_for_all_time_and_leaves_segments_as_they_are() -> N
 def test_two_still_scenes_make_one() -> None:
     merged = merge(still(1), still(2)).viewed
     assert (splats(merged), merged.scene.start, merged.scene.end) == (240, 0.0, 0.0)
+
+
+def take(viewed: ViewedScene, seed: int = 0) -> ViewedScene:
+    """Another training of the same set: a tenth of the splats less, others a little beside, of nearly their colour."""
+    rng = np.random.default_rng(seed)
+    given = viewed.scene.static
+    kept = given.take(rng.random(len(given)) < 0.9)
+    means = kept.means + rng.normal(0, 0.2, kept.means.shape) * np.exp(kept.log_scales.min(axis=1, keepdims=True))
+    rgb = kept.rgb + rng.uniform(-0.05, 0.05, kept.rgb.shape)
+    static = dataclasses.replace(kept, means=means.astype(np.float32), rgb=rgb.astype(np.float32))
+    return dataclasses.replace(viewed, scene=dataclasses.replace(viewed.scene, static=static))
+
+
+def same(merged: ViewedScene, seconds: float, alone: ViewedScene, at: float) -> None:
+    np.testing.assert_allclose(
+        picture(merged, CAMERAS[1], seconds), picture(alone, CAMERAS[1], at), RTOL, 5 * ATOL
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("at", [6.0, 5.3, 4.0])
+def test_two_takes_of_one_set_show_each_its_own_at_its_time(at: float) -> None:
+    """After one another, with a pause and without, and overlapping: then the first one's set is shown."""
+    a = moving(0)
+    b = take(moving(0))
+    edit = merge(a, b, at)
+    same(edit.viewed, 2.5, a, 2.5)
+    if at >= 5.3:
+        same(edit.viewed, 5.2, a, 5.2)
+        same(edit.viewed, at + 0.9, b, 2.9)
+    else:
+        same(edit.viewed, 5.9, b, 5.9 - at + 2.0)
+    (told,) = [change for change in edit.changes if change.what == "static splats"]
+    assert told.count == len(a.scene.static) + len(b.scene.static)
+    assert "the second's while it alone lasts, else the first's" in str(told)
+
+
+def test_what_both_have_to_the_bit_is_kept_once() -> None:
+    """A take that was cut out of the other."""
+    a = moving(0)
+    later = trim(a, 2.2, 3.2).viewed
+    edit = merge(a, later, 5.3)
+    assert len(edit.viewed.scene.static) == len(a.scene.static)
+    assert (edit.changes[0].count, edit.changes[0].reason) == (120, "both scenes have them")
+    for seconds in (2.4, 5.2):
+        same(edit.viewed, seconds, a, seconds)
+    same(edit.viewed, 5.7, a, 2.6)
+
+
+def test_what_moved_between_the_takes_is_where_each_has_it() -> None:
+    """A chair of a tenth of the splats that stands elsewhere in the second take."""
+    a = moving(0)
+    b = take(moving(0))
+    b.scene.static.means[:10] += 3.0
+    edit = merge(a, b, 6.0)
+    same(edit.viewed, 5.2, a, 5.2)
+    same(edit.viewed, 6.9, b, 2.9)
+
+
+def test_a_still_scene_of_the_same_set_is_refused_with_a_cure() -> None:
+    a = moving(0)
+    b = dataclasses.replace(still(), scene=dataclasses.replace(still().scene, static=take(moving(0)).scene.static))
+    for first, second in ((a, b), (b, a)):
+        with pytest.raises(InputError, match=r"--merge: .* fill the same places.*; cut out of one of them"):
+            merge(first, second)
+    outside = crop(b, box_of([0, 0, 0, 4, 4, 4]), inverse=False).viewed
+    left = crop(a, box_of([0, 0, 0, 4, 4, 4]), inverse=True, touching=True).viewed
+    assert len(merge(left, outside).viewed.scene.static) == len(outside.scene.static)  # the cure
 
 
 def test_copies_on_both_sides_of_a_cut_are_counted() -> None:

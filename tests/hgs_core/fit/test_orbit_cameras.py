@@ -8,6 +8,7 @@ import pytest
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.fit.orbit_cameras import orbit_cameras
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
+from hgs_core.scene.splats import joined
 
 
 def cloud(means: np.ndarray) -> StaticSplats[np.ndarray]:
@@ -21,6 +22,21 @@ def pillar(count: int = 400) -> np.ndarray:
     rng = np.random.default_rng(0)
     height = np.concatenate([rng.normal(0, 0.3, count - 20), np.repeat([-1.6, 1.6], 10)])
     return np.stack([rng.normal(5, 0.1, count), height, rng.normal(0, 0.1, count)], axis=1)
+
+
+ROOM = np.array([3.0, 1.5, 4.0])  # half its sides
+
+
+def box(count: int = 300) -> np.ndarray:
+    return np.random.default_rng(1).uniform(-1, 1, (count, 3))
+
+
+def walls(count: int) -> np.ndarray:
+    """Places on the six sides of a cube from -1 to 1."""
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-1, 1, (count, 3))
+    places[np.arange(count), rng.integers(0, 3, count)] = rng.choice([-1.0, 1.0], count)
+    return places
 
 
 def still(means: np.ndarray) -> HybridScene[np.ndarray]:
@@ -46,12 +62,46 @@ def test_a_floater_far_away_does_not_make_the_rest_small() -> None:
 def test_the_closer_cameras_look_at_splats_wherever_they_are() -> None:
     given = orbit_cameras(still(pillar()))
     distance = float(np.linalg.norm(given.whole[0].position - [5, 0, 0]))
-    for share in (0.5, 0.25):
-        cameras = [camera for camera in given.closer if camera.name.startswith(f"close{share}-")]
-        targets = np.array([c.position + share * distance * c.world_to_camera[2, :3] for c in cameras])
-        away = np.linalg.norm(targets[:, None] - pillar()[None], axis=2).min(axis=1)
-        assert away.max() < 0.2
-        assert np.ptp(targets[:, 1]) > 1
+    targets = np.array([c.position + 0.5 * distance * c.world_to_camera[2, :3] for c in given.closer])
+    away = np.linalg.norm(targets[:, None] - pillar()[None], axis=2).min(axis=1)
+    assert away.max() < 0.2
+    assert np.ptp(targets[:, 1]) > 1
+
+
+def test_detail_is_looked_at_from_where_its_splats_have_two_pixels() -> None:
+    """A pillar of fine splats beside one of coarse ones, in the same frame: the fine one is looked at from near."""
+    fine, coarse = cloud(pillar()), cloud(pillar() + np.array([4.0, 0, 0]))
+    fine.log_scales[:], coarse.log_scales[:] = np.log(0.002), np.log(0.012)
+    scene = HybridScene(joined([fine, coarse]), (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    distances = {False: [], True: []}
+    for camera in orbit_cameras(scene).detail:
+        pixels, depth = camera.project(scene.static.means)
+        ahead = np.linalg.norm(pixels - (camera.cx, camera.cy), axis=1)
+        looked = int(np.where(depth > 0, ahead, np.inf).argmin())
+        distances[bool(looked >= len(fine))].append(float(depth[looked]))
+        size = np.exp(scene.static.log_scales[looked, 0]) * camera.fx / depth[looked]
+        assert 1.5 < size < 2.6
+    assert min(distances[True]) > 4 * max(distances[False]) > 0
+
+
+def test_a_closed_room_is_looked_at_from_its_inside() -> None:
+    """Six walls with paper on them, and a table: from outside each wall hides the rest."""
+    room = cloud(np.concatenate([walls(3000), 0.95 * walls(3000), box() * [0.3, 0.03, 0.3] + [0, 0.5, 0]]) * ROOM)
+    room.log_scales[:], room.opacity_logits[:] = np.log(0.15), 6.0
+    scene = HybridScene(room, (Segment(0.0, 0.0, DynamicSplats.empty()),))
+    found = orbit_cameras(scene)
+    for camera in (*found.whole, *found.detail):
+        assert (np.abs(camera.position) < ROOM).all()
+    assert len(found.closer) == 20  # the outside
+
+
+def test_a_hollow_thing_is_begun_with_from_outside_and_looked_at_from_inside_as_well() -> None:
+    shell = cloud(walls(3000) * ROOM)
+    shell.log_scales[:], shell.opacity_logits[:] = np.log(0.15), 6.0
+    found = orbit_cameras(HybridScene(shell, (Segment(0.0, 0.0, DynamicSplats.empty()),)))
+    assert all((np.abs(camera.position) > ROOM).any() for camera in found.whole)
+    inside = [bool((np.abs(camera.position) < ROOM).all()) for camera in found.detail]
+    assert inside.count(True) == inside.count(False) == 10
 
 
 @pytest.mark.parametrize("side", [(-1, 0), (1, 0), (0, -1), (0, 1)])

@@ -34,7 +34,7 @@ def test_a_moving_scene_is_looked_at_30_times_a_second() -> None:
 
 def test_every_made_up_camera_may_be_looked_at_and_the_manifest_names_the_whole_ones(still: EncodeViews) -> None:
     found = orbit_cameras(scene(1.0))
-    names = [camera.name for camera in (*found.whole, *found.closer)]
+    names = [camera.name for camera in (*found.whole, *found.closer, *found.detail)]
     assert [camera.name for camera in still.trained.values()] == names
     assert list(still.trained) == list(range(len(names)))
     assert [camera.name for camera in still.cameras] == [camera.name for camera in found.whole]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from hgs_core.interchange import Change, export_scene
+from hgs_core.interchange.antialiasing_note import note_of
 from hgs_core.interchange.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera
@@ -75,11 +76,12 @@ def export(scene: HybridScene[np.ndarray], path: Path, **more: object) -> tuple[
 
 
 def gaussian_ply_of(splats: StaticSplats[np.ndarray], **more: np.ndarray) -> bytes:
-    """A 3DGS file with the splats' own logits, infinite ones too, and further properties."""
+    """A 3DGS file with the splats' own logits, infinite ones too, and further properties; not drawn antialiased."""
     names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity"]
     dc = (splats.rgb - 0.5) / 0.28209479
     table = np.concatenate([splats.means, splats.log_scales, splats.quats, splats.opacity_logits[:, None], dc], axis=1)
-    return write_ply(dict(zip([*names, "f_dc_0", "f_dc_1", "f_dc_2"], table.T, strict=True)) | more)
+    columns = dict(zip([*names, "f_dc_0", "f_dc_1", "f_dc_2"], table.T, strict=True)) | more
+    return write_ply(columns, [note_of(False)])
 
 
 def axes_of(quats: np.ndarray) -> np.ndarray:

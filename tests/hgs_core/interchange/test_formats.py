@@ -21,7 +21,7 @@ SMALL = HybridScene(plain(), (Segment(0.0, 0.0, DynamicSplats.empty()),))
 
 
 def test_a_files_format_goes_by_its_suffix() -> None:
-    names = [".ply", ".splat", ".splatv", ".spz", ".glb", ".4dgs"]
+    names = [".ply", ".splat", ".splatv", ".spz", ".glb", ".4dgs", ".sog"]
     assert [format_of(Path(f"folder.obj/x{name}"), lambda one: True).suffix for name in names] == names
 
 
@@ -29,12 +29,12 @@ def test_a_files_format_goes_by_its_suffix() -> None:
 def test_a_suffix_that_does_not_fit_is_told_those_that_do(name: str, suffix: str) -> None:
     with pytest.raises(InputError) as caught:
         format_of(Path(name), lambda one: one.read is not None)
-    assert str(caught.value) == f"{name}: has the suffix {suffix}; give one of .ply, .splat, .spz, .glb, .4dgs"
+    assert str(caught.value) == f"{name}: has the suffix {suffix}; give one of .ply, .splat, .spz, .glb, .4dgs, .sog"
 
 
 def test_no_suffix_is_taken_twice_and_those_imported_can_be_read() -> None:
     assert len({one.suffix for one in FORMATS}) == len(FORMATS)
-    assert IMPORTED == (".ply", ".splat", ".spz", ".glb", ".4dgs")
+    assert IMPORTED == (".ply", ".splat", ".spz", ".glb", ".4dgs", ".sog")
 
 
 STEPS = {  # of the numbers that a file stores: log-scale, colour, entry of a rotation's matrix, opacity
@@ -84,3 +84,33 @@ def test_a_damaged_file_is_refused_or_read_and_nothing_else(name: str, seed: int
         path.write_bytes(data[: rng.integers(len(data) // 2, 2 * len(data))])
         with contextlib.suppress(InputError):
             import_scene(path)
+
+
+@pytest.mark.parametrize("suffix", [".ksplat", ".lcc", ".lcc2"])
+def test_a_kind_that_another_program_reads_has_the_command_in_the_line(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"statue{suffix}"
+    path.write_bytes(b"\0" * 64)
+    with pytest.raises(InputError, match=rf"npx @playcanvas/splat-transform statue\{suffix} statue\.ply, and import"):
+        import_scene(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "right"),
+    [
+        ("x.splat", b"ply\nformat ascii 1.0\n", ".ply"),
+        ("x.ply", b"\x1f\x8b\x08\x00", ".spz"),
+        ("x.ply", b"glTF\x02\0\0\0", ".glb"),
+        ("x", b"ply\r\n", ".ply"),
+        ("x.zip", b"PK\x03\x04", ".sog"),
+    ],
+)
+def test_a_file_of_another_suffix_is_told_its_own(tmp_path: Path, name: str, data: bytes, right: str) -> None:
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(InputError, match=rf"begins as a \{right} file; rename it to x\{right}$"):
+        import_scene(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", ["X.PLY", "x.Splat", "x.SPZ"])
+def test_suffixes_in_capitals_are_known(tmp_path: Path, name: str) -> None:
+    export(SMALL, tmp_path / name)
+    assert len(import_scene(tmp_path / name).scene.static) == 20

@@ -6,7 +6,6 @@ import dataclasses
 import json
 import struct
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.gaussian_glb import GLB, glb_file, read_gaussian_glb
-from hgs_core.interchange.glb_container import glb_bytes
+from hgs_core.interchange.glb_container import glb_bytes, read_glb
 from hgs_core.scene import HybridScene, StaticSplats
 from tests.conftest import REPOSITORY
 from tests.hgs_core.interchange.scenes import Write, axes_of, counted, plain_but, statics
@@ -217,5 +216,15 @@ def test_logarithms_of_a_draft_are_no_deviations(written: Write) -> None:
         read_gaussian_glb(path)
 
 
-def test_the_format_holds_still_scenes_and_cannot_tell_antialiasing(tmp_path: Path) -> None:
-    assert (GLB.write_moving, GLB.says_antialiased) == (None, False)
+@pytest.mark.parametrize("antialiased", [False, True])
+def test_a_note_in_the_asset_says_how_still_scenes_are_drawn(written: Write, antialiased: bool) -> None:
+    assert GLB.write_moving is None
+    found = read_gaussian_glb(written("x.glb", glb_file(statics(), antialiased).data))
+    assert found.antialiased is antialiased
+
+
+@pytest.mark.parametrize("extras", [None, [], {"hgs_antialiased": "yes"}, 3])
+def test_other_notes_say_nothing(written: Write, extras: object) -> None:
+    document, binary = read_glb(written("x.glb", glb_file(statics(), True).data))
+    document["asset"]["extras"] = extras
+    assert read_gaussian_glb(written("y.glb", glb_bytes(document, binary))).antialiased is None

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.interchange.changes import Action, Change
-from hgs_core.interchange.gaussian_ply import SH_0, gaussian_ply, gaussian_splats
+from hgs_core.interchange.changes import Action, Change, nonzero
+from hgs_core.interchange.gaussian_ply import gaussian_ply, gaussian_splats
 from hgs_core.interchange.ply_table import read_ply
+from hgs_core.interchange.splat_properties import SH_0
 from tests.hgs_core.interchange.scenes import Write, counted, plain, plain_but, statics
 
 FIELDS = ("x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
@@ -23,13 +24,14 @@ def table(**more: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def test_every_property_goes_where_it_belongs() -> None:
-    splats, changes = gaussian_splats(Path("x.ply"), table())
+    found = gaussian_splats(Path("x.ply"), table())
+    splats = found.static
     assert splats.means.tolist()[1] == [100, 101, 102]
     assert splats.log_scales.tolist()[0] == [10, 11, 12]
     assert splats.quats.tolist()[2] == [213, 214, 215, 216]
     assert splats.opacity_logits.tolist() == [9, 109, 209]
     np.testing.assert_allclose(splats.rgb[1], 0.5 + 0.28209479 * np.array([106, 107, 108]), rtol=1e-6)
-    assert changes == []
+    assert nonzero(found.changes) == ()
 
 
 def test_the_constant_harmonic_is_half_the_root_of_one_over_pi() -> None:
@@ -39,9 +41,9 @@ def test_the_constant_harmonic_is_half_the_root_of_one_over_pi() -> None:
 def test_a_file_has_the_properties_of_its_trainer_in_order_and_gives_the_same_floats(written: Write) -> None:
     given = statics()
     path = written("x.ply", gaussian_ply(given).data)
-    found, _ = read_ply(path)
+    found = read_ply(path).vertices
     assert tuple(found) == FIELDS
-    splats, _ = gaussian_splats(path, found)
+    splats = gaussian_splats(path, found).static
     for name in ("means", "log_scales", "quats", "opacity_logits"):
         np.testing.assert_array_equal(getattr(splats, name), getattr(given, name))
     np.testing.assert_allclose(splats.rgb, given.rgb, atol=1e-6)
@@ -53,13 +55,13 @@ def test_higher_harmonics_are_left_out_and_only_splats_that_have_some_are_counte
 ) -> None:
     rest = {f"f_rest_{i}": np.float32([0, i == 4, 0]) for i in range(coefficients)}
     reason = f"spherical harmonics of degree 1 to {degree}: colours are the same from every direction"
-    _, changes = gaussian_splats(Path("x.ply"), table(**rest))
-    assert changes == [Change(Action.LEFT_OUT, "view-dependent colour", 1, 3, reason)]
+    changes = gaussian_splats(Path("x.ply"), table(**rest)).changes
+    assert list(nonzero(changes)) == [Change(Action.LEFT_OUT, "view-dependent colour", 1, 3, reason)]
 
 
 def test_further_properties_are_told_and_a_missing_one_is_named() -> None:
-    _, changes = gaussian_splats(Path("x.ply"), table(label=np.zeros(3, np.float32)))
-    assert counted(changes) == {("left out", "properties label"): None}
+    changes = gaussian_splats(Path("x.ply"), table(label=np.zeros(3, np.float32))).changes
+    assert counted(nonzero(changes)) == {("left out", "properties label"): None}
     missing = table()
     del missing["rot_2"]
     with pytest.raises(InputError, match="has no vertex property rot_2"):
@@ -70,7 +72,7 @@ def test_logits_that_viewers_cannot_take_are_limited_and_dark_colours_told(writt
     given = plain_but(opacity_logits={0: np.inf, 1: -31.0, 2: 30.0}, rgb={3: -0.25, 4: 1.75}).static
     data, changes = gaussian_ply(given).data, gaussian_ply(given).changes
     assert counted(changes) == {("limited", "opacity"): 2, ("limited", "colour"): 1}
-    found, _ = gaussian_splats(Path("x.ply"), read_ply(written("x.ply", data))[0])
+    found = gaussian_splats(Path("x.ply"), read_ply(written("x.ply", data)).vertices).static
     assert found.opacity_logits[:3].tolist() == [30, -30, 30]
 
 

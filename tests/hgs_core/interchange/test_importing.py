@@ -19,6 +19,8 @@ from hgs_core.interchange.spz_file import spz_file
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from tests.hgs_core.interchange.scenes import Write, counted, export, gaussian_ply_of, plain, plain_but, statics
 
+NOT_SAID = ("assumed", "drawing without antialiasing")
+
 
 def test_a_still_file_lasts_no_time_and_a_moving_one_as_long_as_asked(
     scene: HybridScene[np.ndarray], written: Write
@@ -71,7 +73,7 @@ def test_a_deviation_below_0_is_no_scale_and_one_of_0_a_thin_one(written: Write)
     rows[0, 3] = -1.0
     rows[1:4, 4] = 0.0
     found = counted(import_scene(written("x.splat", rows.tobytes()), 1.0).changes)
-    assert found == {("left out", "splats"): 1, ("limited", "scale"): 3}
+    assert found == {("left out", "splats"): 1, ("limited", "scale"): 3, NOT_SAID: None}
 
 
 @pytest.mark.parametrize(
@@ -124,5 +126,8 @@ def test_what_overflows_on_its_way_is_told_like_what_is_not_finite_in_the_file(w
     document, binary = read_glb(written("x.glb", glb_file(plain()).data))
     document["nodes"][0]["scale"] = [2e39] * 3
     found = import_scene(written("x.glb", glb_bytes(document, binary)))
+    told = {change.reason: change.count for change in found.changes}
     beyond = np.abs(plain().means[:, 0].astype(np.float64) * 2e39) > np.finfo(np.float32).max
-    assert counted(found.changes)["left out", "splats"] == beyond.sum() == 9
+    assert told["position is no finite number"] == beyond.sum() == 9
+    assert told["position is beyond 1e+30"] == 10
+    assert len(found.scene.static) == 1

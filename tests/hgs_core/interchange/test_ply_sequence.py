@@ -10,6 +10,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped, silent
+from hgs_core.interchange.file_format import NOTHING_KNOWN
 from hgs_core.interchange.gaussian_ply import gaussian_ply
 from hgs_core.interchange.moment import scene_at
 from hgs_core.interchange.ply_file import PLY
@@ -22,7 +23,7 @@ from tests.hgs_core.interchange.scenes import counted, dynamics, gaussian_ply_of
 
 def read(path: Path) -> StaticSplats[np.ndarray]:
     assert PLY.read is not None
-    return PLY.read(path).static
+    return PLY.read(path, NOTHING_KNOWN).static
 
 
 def test_a_folder_or_a_name_without_suffix_stands_for_frames(tmp_path: Path) -> None:

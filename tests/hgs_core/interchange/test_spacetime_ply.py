@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.interchange.changes import nonzero
 from hgs_core.interchange.ply_table import read_ply
 from hgs_core.interchange.spacetime_ply import is_spacetime, spacetime_ply, spacetime_splats
 from hgs_core.scene import DynamicSplats, HybridScene, evaluate
@@ -20,7 +21,7 @@ NAMES = (FIELDS + " omega_0 omega_1 omega_2 omega_3").split()
 
 def table_of(scene: HybridScene[np.ndarray], written: Write) -> dict[str, np.ndarray]:
     data = spacetime_ply(scene.static, scene.segments[0].dynamic).data
-    return read_ply(written("x.ply", data))[0]
+    return dict(read_ply(written("x.ply", data)).vertices)
 
 
 def test_a_file_has_the_fields_and_the_size_of_its_trainer(scene: HybridScene[np.ndarray]) -> None:
@@ -52,12 +53,13 @@ def test_the_trainers_equations_draw_the_scene(scene: HybridScene[np.ndarray], w
 
 
 def test_splats_of_both_kinds_come_back(scene: HybridScene[np.ndarray], written: Write) -> None:
-    static, dynamic, changes = spacetime_splats(Path("x.ply"), table_of(scene, written))
+    found = spacetime_splats(Path("x.ply"), table_of(scene, written))
+    static, (dynamic,) = found.static, found.dynamic
     for name, array in scene.static.items():
         np.testing.assert_array_equal(getattr(static, name), array)
     for name, array in scene.segments[0].dynamic.items():
         np.testing.assert_allclose(getattr(dynamic, name), array, rtol=1e-6, atol=1e-6)
-    assert changes == []
+    assert nonzero(found.changes) == ()
 
 
 @pytest.mark.parametrize(("field", "value"), [("motion_8", 1e-9), ("omega_3", 1e-9), ("trbf_scale", 4.9)])
@@ -65,16 +67,18 @@ def test_what_moves_turns_or_fades_in_the_least_is_dynamic(
     scene: HybridScene[np.ndarray], written: Write, field: str, value: float
 ) -> None:
     table = table_of(scene, written)
+    table[field] = table[field].copy()
     table[field][7] = value
-    static, dynamic, _ = spacetime_splats(Path("x.ply"), table)
+    found = spacetime_splats(Path("x.ply"), table)
+    static, (dynamic,) = found.static, found.dynamic
     assert (len(static), len(dynamic)) == (49, 31)
     np.testing.assert_array_equal(dynamic.motion[0, 0], scene.static.means[7])
 
 
 def test_features_of_the_full_model_are_left_out_and_counted(scene: HybridScene[np.ndarray], written: Write) -> None:
     more = {"f_t_0": np.arange(80, dtype=np.float32) // 75, "age": np.zeros(80, np.float32)}
-    _, _, changes = spacetime_splats(Path("x.ply"), table_of(scene, written) | more)
-    assert counted(changes) == {("left out", "features f_t"): 5, ("left out", "properties age"): None}
+    changes = spacetime_splats(Path("x.ply"), table_of(scene, written) | more).changes
+    assert counted(nonzero(changes)) == {("left out", "features f_t"): 5, ("left out", "properties age"): None}
 
 
 def test_a_point_cloud_is_told_by_its_times_and_a_missing_field_is_named(
@@ -104,4 +108,4 @@ def test_logits_that_viewers_cannot_take_are_limited_and_dark_colours_told(writt
     data, changes = spacetime_ply(static, DynamicSplats.empty()).data, spacetime_ply(static, dynamics(0)).changes
     found = counted(changes)
     assert (found["limited", "opacity"], found["limited", "colour"]) == (1, 1)
-    assert read_ply(written("x.ply", data))[0]["opacity"][0] == 30
+    assert read_ply(written("x.ply", data)).vertices["opacity"][0] == 30

@@ -30,7 +30,7 @@ def test_a_splat_is_32_bytes_of_place_deviations_colour_and_rotation() -> None:
 
 def test_a_row_made_by_hand_is_read(written: Write) -> None:
     data = ROW.pack(1, 2, 3, 0.5, 0.25, 0.125, 0, 51, 255, 51, 128, 255, 128, 1)
-    found = read_splat(written("x.splat", data))
+    found = read_splat(written("x.splat", data)).static
     assert found.means.tolist() == [[1, 2, 3]]
     np.testing.assert_allclose(found.log_scales, np.log([[0.5, 0.25, 0.125]]), rtol=1e-6)
     np.testing.assert_allclose(found.rgb, [[0, 0.2, 1.0]], atol=1e-7)
@@ -40,7 +40,7 @@ def test_a_row_made_by_hand_is_read(written: Write) -> None:
 
 def test_opacities_of_0_and_1_have_finite_logits(written: Write) -> None:
     rows = [ROW.pack(0, 0, 0, 1, 1, 1, 0, 0, 0, opacity, 255, 128, 128, 128) for opacity in (0, 255)]
-    found = read_splat(written("x.splat", b"".join(rows))).opacity_logits
+    found = read_splat(written("x.splat", b"".join(rows))).static.opacity_logits
     np.testing.assert_allclose(found, [-np.log(1e6), np.log(1e6)], rtol=1e-4)
 
 
@@ -53,7 +53,7 @@ def test_large_and_opaque_splats_come_first() -> None:
 
 def test_what_is_written_is_read_within_a_byte(written: Write) -> None:
     given = statics()
-    found = read_splat(written("x.splat", splat_file(given).data))
+    found = read_splat(written("x.splat", splat_file(given).data)).static
     order = [int(np.abs(given.means - mean).sum(axis=1).argmin()) for mean in found.means]
     before = given.take(order)
     assert sorted(order) == list(range(50))
@@ -96,4 +96,15 @@ def test_a_file_that_is_none_is_named(tmp_path: Path, data: bytes | None, proble
 
 
 def test_the_format_holds_still_scenes_alone() -> None:
-    assert (SPLAT.write_moving, SPLAT.says_antialiased) == (None, False)
+    assert SPLAT.write_moving is None
+
+
+def test_a_last_row_that_nobody_sees_says_that_splats_are_drawn_antialiased(written: Write) -> None:
+    """It is where the row before it is, so that boxes stay as they are, and no part of what is read."""
+    plainly, noted = (splat_file(statics(), antialiased).data for antialiased in (False, True))
+    assert noted[: len(plainly)] == plainly
+    (row,) = ROW.iter_unpack(noted[len(plainly) :])
+    assert (row[:3], row[9]) == (ROW.unpack(plainly[-32:])[:3], 0)
+    found = read_splat(written("x.splat", noted))
+    assert (len(found.static), found.antialiased) == (50, True)
+    assert read_splat(written("y.splat", plainly)).antialiased is None

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.interchange import export_scene, import_scene
 from hgs_core.render.rasterize import rasterize
@@ -17,6 +18,9 @@ from hgs_core.runs.config import RunConfig
 from hgs_core.runs.imported import import_run
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
+from hgs_core.scene.files import load_scene
+from hgs_core.scene.splats import joined
+from tests.hgs_core.interchange.scenes import gaussian_ply_of
 
 LEAST = 40.0  # dB, on black and on white
 ORBITS = ((2.4, (-30, 0, 30, 60), 4), (3.4, (0, 45), 4))  # distance in radii, elevations, azimuths
@@ -34,6 +38,17 @@ def figure(count: int = 1500) -> StaticSplats[np.ndarray]:
     rgb = np.where(body[:, None], 0.02, 0.8) + rng.uniform(0, 0.1, (count, 3))
     quats = rng.normal(size=(count, 4))
     arrays = means, rng.normal(-3.5, 0.4, (count, 3)), quats, rng.normal(1, 2, count), rgb
+    return StaticSplats(*(array.astype(np.float32) for array in arrays))
+
+
+def ball(count: int = 40) -> StaticSplats[np.ndarray]:
+    """Opaque splats of many colours on a ball, which no picture can miss."""
+    rng = np.random.default_rng(1)
+    places = rng.normal(size=(count, 3))
+    places /= np.linalg.norm(places, axis=1, keepdims=True)
+    quats = rng.normal(size=(count, 4))
+    quats /= np.linalg.norm(quats, axis=1, keepdims=True)
+    arrays = places, rng.uniform(-2.5, -1.5, (count, 3)), quats, np.full(count, 3.0), rng.uniform(0.1, 0.9, (count, 3))
     return StaticSplats(*(array.astype(np.float32) for array in arrays))
 
 
@@ -78,6 +93,63 @@ def test_a_figure_is_whole_from_all_sides_on_black_and_on_white(tmp_path: Path, 
     given = HybridScene(figure(), (Segment(0.0, 0.0, DynamicSplats.empty()),))
     export_scene(given, tmp_path / "x.ply", cameras=[])
     check(tmp_path / "x.ply", tmp_path / "run", budget)
+
+
+MAGNITUDES = (0.0, 1e-38, 1e-20, 1e-7, 0.1, 10, 20, 50, 1e3, 1e8, 1e19, 1e29, 3e38)
+EXTREMES = [*sorted({sign * size for size in MAGNITUDES for sign in (-1, 1)}), np.inf, -np.inf, np.nan]
+
+
+def imported(file: Path, run: Path) -> int | None:
+    """Import a file as it stands; return how many splats are kept, None if it was refused, and no folder is left."""
+    config = RunConfig.from_json({"preset": "imported", "encode.budget": "low"})
+    try:
+        return import_run(file, run, lambda _: None, capture=None, config=config).kept
+    except InputError:
+        assert not run.exists()
+        return None
+
+
+@pytest.mark.parametrize("name", ["means", "log_scales", "opacity_logits", "rgb", "quats"])
+def test_extreme_numbers_leave_the_good_splats_as_they_are(tmp_path: Path, name: str) -> None:
+    """One extreme number in the first component of a property, for every size and sign; and all of them in one file."""
+    good = ball()
+    extreme = good.take(np.zeros(len(EXTREMES), np.intp)).map(np.copy)
+    getattr(extreme, name).reshape(len(EXTREMES), -1)[:, 0] = EXTREMES
+    for number in (*range(0, len(EXTREMES), 9), None):
+        chosen = slice(None) if number is None else slice(number, number + 1)
+        (tmp_path / "x.ply").write_bytes(gaussian_ply_of(joined([good, extreme.take(chosen)])))
+        kept = imported(tmp_path / "x.ply", tmp_path / f"run-{number}")
+        assert kept is not None
+        assert kept >= len(good)
+
+
+@pytest.mark.parametrize("name", ["means", "log_scales", "opacity_logits", "rgb", "quats"])
+def test_a_splat_of_extreme_numbers_alone_is_a_scene_or_refused(tmp_path: Path, name: str) -> None:
+    for number, value in enumerate(EXTREMES[::6]):
+        one = ball().take(slice(0, 1)).map(np.copy)
+        getattr(one, name)[...] = value
+        (tmp_path / "x.ply").write_bytes(gaussian_ply_of(one))
+        imported(tmp_path / "x.ply", tmp_path / f"run-{number}")
+
+
+def test_a_failure_of_any_kind_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "x.ply").write_bytes(gaussian_ply_of(ball()))
+
+    def stopped(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("hgs_core.runs.imported.encode", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        imported(tmp_path / "x.ply", tmp_path / "run")
+    assert [path.name for path in tmp_path.iterdir()] == ["x.ply"]
+
+
+def test_a_run_says_in_all_its_files_how_it_is_drawn(tmp_path: Path) -> None:
+    given = HybridScene(ball(), (Segment(0.0, 0.0, DynamicSplats.empty()),), antialiased=True)
+    export_scene(given, tmp_path / "x.ply", cameras=[])
+    imported(tmp_path / "x.ply", tmp_path / "run")
+    assert load_scene(tmp_path / "run" / "scene.npz").antialiased
+    assert decode_scene(tmp_path / "run" / "scene").antialiased
 
 
 @pytest.mark.data

@@ -10,6 +10,7 @@ import pytest
 
 from hgs_core.codec import load_manifest
 from hgs_core.interchange import export_scene, import_scene
+from hgs_core.interchange.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from server.cli import main
 
@@ -101,6 +102,36 @@ def test_splats_that_were_trained_antialiased_are_drawn_so(splats: Path, tmp_pat
     out = tmp_path / "run"
     assert main(["import", str(splats), "--out", str(out), "--duration", "0.03", "--antialiased"]) == 0
     assert load_manifest(out / "scene").antialiased is True
+
+
+def test_pictures_of_a_capture_tell_how_a_file_is_drawn_that_does_not(
+    capture: Path, splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The scene is the capture's own, drawn without antialiasing."""
+    (tmp_path / "x.ply").write_bytes(splats.read_bytes().replace(b"comment hgs_antialiased 0\n", b""))
+    capsys.readouterr()
+    arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", str(5 / 30)]
+    assert main([*arguments, "--capture", str(capture), "--hold-out", "2"]) == 0
+    told = capsys.readouterr().err
+    assert "drawing without antialiasing assumed: the capture's pictures are " in told
+    assert "dB with antialiasing" in told
+    assert load_manifest(tmp_path / "run" / "scene").antialiased is False
+
+
+def test_an_ambiguous_file_is_refused_with_the_options_that_settle_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rng = np.random.default_rng(0)
+    names = ("x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_1", "rot_2", "rot_3", "f_dc_0", "f_dc_1", "f_dc_2")
+    table = {name: rng.normal(-2, 0.5, 60) for name in names}
+    table |= {"rot_0": np.ones(60), "opacity": np.full(60, 0.9)}
+    (tmp_path / "x.ply").write_bytes(write_ply(table))
+    arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run")]
+    assert main(arguments) == 2
+    assert "--activated if so, with --no-activated if" in capsys.readouterr().err
+    assert not (tmp_path / "run").exists()
+    assert main([*arguments, "--no-activated", "--no-antialiased"]) == 0
+    assert "assumed" not in capsys.readouterr().err
 
 
 def test_frames_that_were_exported_play_again(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

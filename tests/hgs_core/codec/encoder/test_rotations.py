@@ -50,3 +50,16 @@ def test_the_shape_error_is_the_largest_ratio_over_many_directions() -> None:
     error = shape_error(units(1), scales, units(2), other_scales, 0.3)
     assert (sampled <= error + 1e-9).all()
     np.testing.assert_allclose(sampled, error, rtol=0.02)
+
+
+@given(seeds)
+def test_the_shape_error_has_a_number_for_axes_of_any_lengths(seed: int) -> None:
+    """From e^-30 to e^30 beside a blur of any size; without a turn it is the largest ratio of two axes."""
+    rng = np.random.default_rng(seed)
+    scales, others = rng.uniform(-30, 30, (2, 50, 3))
+    blur = float(np.exp(rng.uniform(-20, 20)))
+    thick, other = (np.logaddexp(2 * x, 2 * np.log(blur)) / 2 for x in (scales, others))
+    assert np.isfinite(shape_error(units(seed), scales, units(seed + 1), others, blur)).all()
+    still = np.tile([1.0, 0, 0, 0], (50, 1))
+    exact = shape_error(still, scales, still, others, blur)
+    np.testing.assert_allclose(exact, np.abs(thick - other).max(axis=1), atol=1e-9)

@@ -1,0 +1,34 @@
+"""Places far from the origin, such as map coordinates: 32-bit numbers hold them once their middle is subtracted."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from hgs_core.base.arrays import Doubles
+from hgs_core.interchange.changes import Action, Change
+
+__all__ = ["middle_if_far", "moved"]
+
+FAR = 100.0  # in extents of the scene: there 32 bits are less than 17 for the scene itself
+FAR_ALONE = 1e3  # world units, of a scene without extent
+MOST = 80.0  # per cent of the splats whose extent counts
+
+
+def middle_if_far(places: Doubles) -> Doubles | None:
+    """Return the middle of those places [N, 3] that are finite, in round numbers, if it is far from the origin."""
+    finite = places[np.isfinite(places).all(axis=1)]
+    if not len(finite):
+        return None
+    low, middle, high = np.percentile(finite, ((100 - MOST) / 2, 50, (100 + MOST) / 2), axis=0)
+    extent = float((high - low).max())
+    if not float(np.abs(middle).max()) > (FAR * extent if extent > 0 else FAR_ALONE):
+        return None
+    step = 10.0 ** np.floor(np.log10(extent)) if extent > 1e-30 else 1.0
+    middle = np.round(middle / step) * step + 0.0  # no -0
+    return middle if np.isfinite(middle).all() and middle.any() else None
+
+
+def moved(middle: Doubles) -> Change:
+    """Return the change that subtracting a middle is."""
+    about = ", ".join(f"{value:.17g}" for value in middle)
+    return Change.whole(Action.REPLACED, "places", f"by those about ({about}), since 32-bit numbers cannot hold both")
