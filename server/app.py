@@ -23,6 +23,7 @@ from server.access_control import AccessControl
 from server.allowed_hosts import AllowedHosts, HostCheck
 from server.api_description import describe_api
 from server.capture_folders import CaptureFolders
+from server.capture_readers import CaptureReaders
 from server.chunk_cache import ChunkCache
 from server.metrics import Metrics
 from server.open_streams import OpenStreams, StreamAdmission
@@ -39,11 +40,13 @@ from server.routes import (
     scenes,
     session,
     stream,
+    submissions,
     upload_files,
     workers,
 )
 from server.routes import captures as capture_routes
 from server.routes import uploads as upload_routes
+from server.run_creation import LimitedCreation
 from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
 from server.uploads.limits import UploadLimits
@@ -80,9 +83,10 @@ def create_app(
     store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads, StoredCaptures(home) if home.runs_in_store else None)
     metrics = Metrics()
+    readers = CaptureReaders(home)
     service = Service(
         home=home,
-        jobs=job_client or JobClient(home),
+        jobs=job_client or JobClient(home, LimitedCreation(readers).create_run),
         artifacts=store,
         chunks=ChunkCache(store.chunk),
         captures=dataclasses.replace(
@@ -90,6 +94,7 @@ def create_app(
         ),
         uploads=received,
         access=access or Access(None, Asking.NEVER),
+        readers=readers,
         metrics=metrics,
         streams=OpenStreams(max_streams, lambda: metrics.lag),
         origins=frozenset(origins),
@@ -103,6 +108,9 @@ def create_app(
         lag.cancel()
         service.stopping.set()
         sweeping.cancel()
+        readers.close()
+        await service.submissions.close()
+        service.capture_list.close()
         await service.capture_checks.close()
         received.close()
         service.jobs.close()
@@ -125,9 +133,8 @@ def create_app(
     app.add_middleware(SecurityHeaders)
     app.add_middleware(RequestLog, metrics=metrics)
     for module in (
-        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs,
-        workers,
-        scenes, chunks, stream,
+        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs,
+        submissions, job_runs, workers, scenes, chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
     app.include_router(viewer_router(viewer))

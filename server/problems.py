@@ -16,25 +16,11 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, HTTPConnection
 
 from hgs_core.base.errors import InputError
+from server.problem_error import ProblemError
 
 __all__ = ["PROBLEM_JSON", "ProblemError", "install_problem_handlers", "problem_document", "problem_response"]
 
 log = logging.getLogger("hgs.server")
-
-
-class ProblemError(Exception):
-    """A request that is answered with a problem document; the codes are those of docs/protocol.md."""
-
-    def __init__(
-        self, status: int, code: str, detail: str, *, field: str = "", headers: dict[str, str] | None = None
-    ) -> None:
-        """Keep the HTTP status, the code for programs, one line for people and, if there is one, the bad field."""
-        self.status = status
-        self.code = code
-        self.detail = detail
-        self.field = field
-        self.headers = headers
-        super().__init__(detail)
 
 
 PROBLEM_JSON = "application/problem+json"

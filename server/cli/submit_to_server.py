@@ -12,7 +12,7 @@ from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped
-from hgs_core.runs.sound import NO_SOUND, OWN_SOUND, camera_of_sound
+from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
 from server.cli.capture_files import capture_files, opened_capture
 from server.cli.interrupts import Interrupts
 from server.cli.job_options import job_options
