@@ -29,7 +29,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1")
 
-_PATIENCE = 5.0  # seconds that an answer waits for a look that has begun
+_PATIENCE = 10.0  # seconds that an answer waits for a look that has begun
 
 
 class Submission(BaseModel):
