@@ -116,7 +116,7 @@ def create_app(
         service.jobs.close()
 
     app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
-    app.state.service = service
+    app.state.service, app.state.api = service, []
     install_problem_handlers(app)
     app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)
     app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
@@ -137,6 +137,7 @@ def create_app(
         submissions, job_runs, workers, scenes, chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
+        app.state.api += module.router.routes
     app.include_router(viewer_router(viewer))
     app.openapi = functools.cache(lambda: describe_api(app))  # type: ignore[method-assign]
     return app
