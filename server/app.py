@@ -11,7 +11,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI
-from starlette.concurrency import run_in_threadpool
 from starlette.middleware.cors import CORSMiddleware
 
 from jobs.artifacts import open_store
@@ -102,7 +101,7 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        sweeping = asyncio.create_task(_sweep(received))
+        sweeping = asyncio.create_task(_sweep(service))
         lag = asyncio.create_task(metrics.watch_lag())
         yield
         lag.cancel()
@@ -110,7 +109,8 @@ def create_app(
         sweeping.cancel()
         readers.close()
         await service.submissions.close()
-        service.capture_list.close()
+        for pool in (service.capture_list, service.long_work, service.file_work):
+            pool.close()
         await service.capture_checks.close()
         received.close()
         service.jobs.close()
@@ -143,11 +143,12 @@ def create_app(
     return app
 
 
-async def _sweep(uploads: Uploads) -> None:
+async def _sweep(service: Service) -> None:
     """Delete uploads that nobody goes on with, now and then."""
+    uploads = service.uploads
     while True:
         try:
-            await run_in_threadpool(uploads.sweep)
+            await service.long_work.run(uploads.sweep)
         except (OSError, ProblemError) as error:
             log.warning("uploads cannot be looked after: %s", error)
         await asyncio.sleep(SWEEP_SECONDS)

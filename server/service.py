@@ -31,6 +31,7 @@ from server.open_streams import OpenStreams
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
 from server.scene_watchers import SceneWatchers
+from server.slow_work import SlowWork
 from server.submissions import Submissions
 from server.uploads.uploads import Uploads
 
@@ -95,6 +96,8 @@ class Service:
     capture_list: CaptureList = field(init=False)
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     submissions: Submissions = field(default_factory=Submissions)
+    long_work: SlowWork = field(default_factory=lambda: SlowWork("long", 4))  # on whole captures and runs
+    file_work: SlowWork = field(default_factory=lambda: SlowWork("file", 8))  # with pieces of files that arrive
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
     live: LiveScenes = field(init=False)
     runs: RunReader = field(init=False)

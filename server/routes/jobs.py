@@ -70,12 +70,12 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
 
 
 @router.delete("/{job_id}", status_code=204)
-def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
+async def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Forget a finished job and remove its run folder; its scene stays published."""
     service.require_same_site(request)
-    service.known_job(job_id)
+    await run_in_threadpool(service.known_job, job_id)
     try:
-        service.jobs.delete(job_id)
+        await service.long_work.run(service.jobs.delete, job_id)
     except JobConflictError as error:
         raise ProblemError(409, "job-not-finished", str(error)) from error
     return Response(status_code=204)

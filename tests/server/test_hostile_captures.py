@@ -46,6 +46,10 @@ def client(tmp_path: Path) -> Iterator[httpx.Client]:
             yield client
             assert process.poll() is None, "the server has ended"
             assert client.get("/readyz").status_code == 200
+            maps = Path(f"/proc/{process.pid}/maps")
+            loaded = maps.read_text() if maps.exists() else ""
+            assert "libavformat" not in loaded
+            assert "_imaging" not in loaded  # Pillow's
     finally:
         process.kill()
         process.communicate()
