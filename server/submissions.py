@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -66,26 +66,35 @@ class Submissions:
         """Return a submission, unless it ended long ago."""
         return self._all.get(submission_id)
 
+    def require_room(self, of: str) -> None:
+        """Refuse what is not looked at for long, before any work is put into it.
+
+        Raises:
+            ProblemError: 429, this key has too many that wait; 503, all together have, or the server stops.
+        """
+        under_way = [one for one in self._all.values() if one.ended is None]
+        waiting = sum(one.of == of for one in under_way)
+        if waiting >= MOST_OF_ONE:
+            detail = f"{waiting} submissions of yours are being looked at already; send this one again later"
+            raise ProblemError(429, "submissions-waiting", detail, headers={"Retry-After": "10"})
+        if len(under_way) >= MOST_WAITING or self._closed:
+            reason = "the server stops" if self._closed else f"{len(under_way)} submissions wait to be looked at"
+            detail = f"{reason}; send this one again later"
+            raise ProblemError(503, "server-busy", detail, headers={"Retry-After": "30"})
+
     def start(self, of: str, capture: str, wish: str, work: Callable[[], Job]) -> PendingSubmission:
         """Have `work` done, in a thread, when it is its turn.
 
         A submission that is under way for the same `wish`, which is not "", is returned instead.
 
         Raises:
-            ProblemError: 429, this key has too many; 503, all together have, or the server stops.
+            ProblemError: as `require_room`.
         """
         self._forget()
         under_way = [one for one in self._all.values() if one.ended is None]
         if wish and (same := next((one for one in under_way if (one.of, one.wish) == (of, wish)), None)):
             return same
-        waiting = Counter(one.of for one in under_way)
-        if waiting[of] >= MOST_OF_ONE:
-            detail = f"{waiting[of]} submissions of yours are being looked at already; send this one again later"
-            raise ProblemError(429, "submissions-waiting", detail, headers={"Retry-After": "10"})
-        if len(under_way) >= MOST_WAITING or self._closed:
-            reason = "the server stops" if self._closed else f"{len(under_way)} submissions wait to be looked at"
-            detail = f"{reason}; send this one again later"
-            raise ProblemError(503, "server-busy", detail, headers={"Retry-After": "30"})
+        self.require_room(of)
         submission = PendingSubmission(secrets.token_urlsafe(16), of, capture, wish)
         self._all[submission.id] = submission
         submission.task = asyncio.create_task(self._run(submission, work))

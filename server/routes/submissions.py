@@ -29,7 +29,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1")
 
-_PATIENCE = 10.0  # seconds that an answer waits for a look that has begun
+_PATIENCE = 5.0  # seconds that an answer waits for a look that has begun
 
 
 class Submission(BaseModel):
@@ -59,6 +59,7 @@ class Submission(BaseModel):
 async def submit(request: Request, service: ServiceDep) -> Response:
     """Queue a job, once its capture has been looked at."""
     service.require_same_site(request)
+    service.submissions.require_room(service.key_of(request))
     submission = await read_json(request, Submission, bounded="config")
     key = request.headers.get("Idempotency-Key", "")
     asked = await run_in_threadpool(_asked, service, submission, key)
