@@ -6,8 +6,9 @@ import contextlib
 import importlib
 import shutil
 from collections.abc import Collection, Sequence
+from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import TYPE_CHECKING, Protocol, Self
 
 import sqlalchemy as sa
 
@@ -24,7 +25,18 @@ from jobs.training_queue import enqueue, workflow_id
 from jobs.webhook_table import Announcement, WebhookTable
 from jobs.worker_register import Worker, list_workers
 
-__all__ = ["JobClient", "JobConflictError", "KeyReusedError"]
+if TYPE_CHECKING:
+    from hgs_core.runs.config import RunConfig
+
+__all__ = ["CreateRun", "JobClient", "JobConflictError", "KeyReusedError"]
+
+
+class CreateRun(Protocol):
+    """What begins a run, as `hgs_core.runs.creation.create_run` does."""
+
+    def __call__(  # noqa: D102
+        self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str
+    ) -> RunConfig: ...
 
 
 class JobConflictError(Exception):
@@ -42,8 +54,10 @@ class JobClient:
     is not the one that its database belongs to. Safe to use from several threads.
     """
 
-    def __init__(self, home: Home) -> None:
+    def __init__(self, home: Home, create_run: CreateRun | None = None) -> None:
+        """Begin runs by `create_run`, without one in this process, as the home's pipeline does."""
         self.home = home
+        self._create_run = create_run
         self._engine = create_engine(home)
         self._table = JobTable(self._engine)
         self._runs = run_place(home)
@@ -73,9 +87,9 @@ class JobClient:
         title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
         job_id = readable_id(title, "job")
         run = self.home.run(job_id)
-        pipeline = importlib.import_module(self.home.pipeline)
+        create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
         try:
-            config = pipeline.create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
+            config = create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
             job = Job(
                 id=job_id, title=title, capture=str(capture), config=config.to_json(),
                 labels=request.labels, priority=request.priority, time_limit=request.time_limit,

@@ -104,7 +104,11 @@ def existing_job(address: str) -> Any | None:
 
 def submit(address: str) -> str:
     body = {"capture": "studio", "title": "Studio", "preset": "preview", "hold_out": [HOLD_OUT]}
-    return str(call(address, "/v1/jobs", body)["id"])
+    answer = call(address, "/v1/jobs", body)
+    while "attempt" not in answer:  # the capture is still being looked at
+        time.sleep(0.5)
+        answer = call(address, f"/v1/submissions/{answer['id']}")
+    return str(answer["id"])
 
 
 def follow(address: str, job_id: str) -> Any:

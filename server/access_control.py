@@ -77,7 +77,7 @@ class AccessControl:
         if not visitor.allows(needed) or not await self._opens(visitor, scope["path"]):
             what = f"the scope {needed}" if visitor.key else "a key: the link opens its own scene alone"
             headers = {"Cache-Control": "no-store"}
-            raise ProblemError(403, "not-allowed", f"{method} {scope['path']} needs {what}", headers=headers)
+            raise ProblemError(403, "not-allowed", f"{method} {scope['path'][:300]} needs {what}", headers=headers)
         if visitor.by_cookie and method not in ("GET", "HEAD") and not _same_site(connection):
             raise ProblemError(403, "origin-not-allowed", "a page of another site may not use this browser's session")
         return visitor

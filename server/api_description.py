@@ -12,13 +12,13 @@ from pydantic import BaseModel
 from hgs_core.base.version import software_version
 from server.access_rules import needed_scope
 from server.problems import PROBLEM_JSON
-from server.routes import capture_checks, jobs, links, scenes, session, uploads
+from server.routes import capture_checks, links, scenes, session, submissions, uploads
 
 __all__ = ["describe_api"]
 
 _BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "/v1/captures/check"): capture_checks.Start,
-    ("post", "/v1/jobs"): jobs.Submission,
+    ("post", "/v1/jobs"): submissions.Submission,
     ("post", "/v1/links"): links.Wish,
     ("patch", "/v1/scenes/{scene_id}"): scenes.Changes,
     ("post", "/v1/session"): session.Given,

@@ -11,7 +11,6 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from fastapi import FastAPI
-from starlette.concurrency import run_in_threadpool
 from starlette.middleware.cors import CORSMiddleware
 
 from jobs.artifacts import open_store
@@ -23,6 +22,7 @@ from server.access_control import AccessControl
 from server.allowed_hosts import AllowedHosts, HostCheck
 from server.api_description import describe_api
 from server.capture_folders import CaptureFolders
+from server.capture_readers import CaptureReaders
 from server.chunk_cache import ChunkCache
 from server.metrics import Metrics
 from server.open_streams import OpenStreams, StreamAdmission
@@ -39,11 +39,13 @@ from server.routes import (
     scenes,
     session,
     stream,
+    submissions,
     upload_files,
     workers,
 )
 from server.routes import captures as capture_routes
 from server.routes import uploads as upload_routes
+from server.run_creation import LimitedCreation
 from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
 from server.uploads.limits import UploadLimits
@@ -80,9 +82,10 @@ def create_app(
     store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads, StoredCaptures(home) if home.runs_in_store else None)
     metrics = Metrics()
+    readers = CaptureReaders(home)
     service = Service(
         home=home,
-        jobs=job_client or JobClient(home),
+        jobs=job_client or JobClient(home, LimitedCreation(readers).create_run),
         artifacts=store,
         chunks=ChunkCache(store.chunk),
         captures=dataclasses.replace(
@@ -90,6 +93,7 @@ def create_app(
         ),
         uploads=received,
         access=access or Access(None, Asking.NEVER),
+        readers=readers,
         metrics=metrics,
         streams=OpenStreams(max_streams, lambda: metrics.lag),
         origins=frozenset(origins),
@@ -97,18 +101,22 @@ def create_app(
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        sweeping = asyncio.create_task(_sweep(received))
+        sweeping = asyncio.create_task(_sweep(service))
         lag = asyncio.create_task(metrics.watch_lag())
         yield
         lag.cancel()
         service.stopping.set()
         sweeping.cancel()
+        readers.close()
+        await service.submissions.close()
+        for pool in (service.capture_list, service.long_work, service.file_work):
+            pool.close()
         await service.capture_checks.close()
         received.close()
         service.jobs.close()
 
     app = FastAPI(title="HGS", lifespan=lifespan, openapi_url=None, redirect_slashes=False)
-    app.state.service = service
+    app.state.service, app.state.api = service, []
     install_problem_handlers(app)
     app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)
     app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
@@ -125,21 +133,22 @@ def create_app(
     app.add_middleware(SecurityHeaders)
     app.add_middleware(RequestLog, metrics=metrics)
     for module in (
-        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs, job_runs,
-        workers,
-        scenes, chunks, stream,
+        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs,
+        submissions, job_runs, workers, scenes, chunks, stream,
     ):  # fmt: skip
         app.include_router(module.router)
+        app.state.api += module.router.routes
     app.include_router(viewer_router(viewer))
     app.openapi = functools.cache(lambda: describe_api(app))  # type: ignore[method-assign]
     return app
 
 
-async def _sweep(uploads: Uploads) -> None:
+async def _sweep(service: Service) -> None:
     """Delete uploads that nobody goes on with, now and then."""
+    uploads = service.uploads
     while True:
         try:
-            await run_in_threadpool(uploads.sweep)
+            await service.long_work.run(uploads.sweep)
         except (OSError, ProblemError) as error:
             log.warning("uploads cannot be looked after: %s", error)
         await asyncio.sleep(SWEEP_SECONDS)

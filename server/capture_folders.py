@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
 
 from hgs_core.base.errors import InputError
-from server.problems import ProblemError
+from server.problem_error import ProblemError
 
 __all__ = ["CaptureFolders"]
 
@@ -47,12 +48,18 @@ class CaptureFolders:
         """Return whether a path without links lies in one of the folders."""
         return any(path.is_relative_to(folder) for folder in self.readable)
 
+    def shown(self, text: str) -> str:
+        """Return a line for clients: captures by their names, without the paths of the server's folders."""
+        for folder in sorted(map(str, self.readable), key=len, reverse=True):
+            if folder != "/":
+                text = re.sub(rf"(?<![\w.~-]){re.escape(folder)}(?:/|(?![\w.-]))", _name_of(folder), text)
+        return text
+
     def locate(self, capture: str) -> Path:
         """Return the absolute path of a capture named by a client.
 
         Raises:
-            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too, or a symbolic link
-                inside the capture leads out of them.
+            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
             InputError: there is nothing at the path.
         """
         try:
@@ -65,7 +72,6 @@ class CaptureFolders:
             raise _outside("capture", capture)
         if found is None:
             raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
-        self.require_inner_links(found)
         return found
 
     def locate_file(self, where: str, file: str, capture: Path) -> Path:
@@ -111,6 +117,10 @@ class CaptureFolders:
                     )
                 if entry.is_dir() and depth < _DEEPEST:
                     waiting.append((Path(entry.path), depth + 1))
+
+
+def _name_of(folder: str) -> Callable[[re.Match[str]], str]:
+    return lambda found: "" if found[0].endswith("/") else Path(folder).name
 
 
 def _outside(where: str, path: str) -> ProblemError:

@@ -1,212 +1,157 @@
 """The captures that lie in the folders which the server may read, for people to choose from.
 
-A look is bounded in folders, files and depth, decodes no picture, and asks again only about captures that have changed.
+Their files are opened by processes of their own (`server.capture_readers`), again only where a capture has changed.
 """
 
 from __future__ import annotations
 
-import logging
-import os
-import threading
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+import asyncio
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.storable_text import is_storable
-from hgs_core.capture.cameras.rig import CameraFormat
-from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
-from hgs_core.capture.layout import calibration, outline
-from hgs_core.capture.open import open_capture
-from hgs_core.capture.video import announced_length
 from server.capture_folders import CaptureFolders
+from server.capture_readers import CaptureReaders, ReaderEndedError, answered
 from server.encodable import encodable
-from server.problems import ProblemError
+from server.problem_error import ProblemError
 
 __all__ = ["CaptureList"]
 
-_DEEPEST = 3  # folders below one that the server may read
-_MOST_FOLDERS = 2000  # that one look goes into
-_MOST_CAPTURES = 300
-_MOST_FILES = 20_000  # of one folder; its name alone says what a capture is
-_UNREADABLE = "the capture cannot be read; the server's log says more"
-_LARGEST_TABLE = 64 << 20  # bytes of a JSON file that is read for its cameras
+LOOKED_AT = "is being looked at; ask again in a few seconds"
 
-log = logging.getLogger("hgs.server")
-
-
-@dataclass(frozen=True)
-class _Folder:
-    """What a look finds in one folder."""
-
-    files: dict[str, tuple[int, int]]  # size in bytes and time of change in ns, by name
-    folders: list[str]
+_PATIENCE = 5.0  # seconds that an answer waits for captures that nothing is known of yet
+_FIND_SECONDS = 60.0  # that a look into the folders may take
+_SECONDS = 20  # of processor time that one capture may take
+_WALL_SECONDS = 120.0  # that it may take in all
+_TOGETHER = 16  # captures that one process describes
+_KEPT_SECONDS = 600.0  # for which it is kept that a capture has ended its reader: the machine may have been at fault
 
 
 @dataclass(frozen=True)
-class _Capture:
-    """A folder with a file of cameras, or with videos whose poses a job can find, or an upload with neither."""
+class _Known:
+    """What was said of a capture whose files had this mark; until then, seconds of the monotonic clock."""
 
-    files: dict[str, tuple[int, int]]
-    cameras: tuple[CameraFormat, Path] | None = None
-    changed: tuple[int, int] = (0, 0)  # size and time of change of the file of cameras, which may lie deeper
-    videos: tuple[str, ...] = ()  # without poses
+    mark: str
+    description: dict[str, Any]
+    until: float = float("inf")
 
 
-@dataclass
 class CaptureList:
-    """Finds the captures; safe to use from several threads, which look one after the other."""
+    """Finds and describes the captures; used from an event loop alone."""
 
-    folders: CaptureFolders
-    _known: dict[Path, tuple[int, dict[str, Any]]] = field(default_factory=dict)  # with a mark of their files
-    _one_look: threading.Lock = field(default_factory=threading.Lock)
+    def __init__(self, folders: CaptureFolders, readers: CaptureReaders, patience: float = _PATIENCE) -> None:
+        """Look at nothing yet; `patience` is how many seconds an answer waits for captures that are new."""
+        self.folders = folders
+        self._readers, self._patience = readers, patience
+        self._threads = ThreadPoolExecutor(2, "captures")  # one finds, one describes
+        self._known: dict[str, _Known] = {}
+        self._wanted: dict[str, dict[str, Any]] = {}  # to be described, by path
+        self._describing: asyncio.Task[None] | None = None
+        self._finding = asyncio.Lock()
+        self._next: asyncio.Task[dict[str, Any]] | None = None
 
-    def describe(self) -> dict[str, Any]:
-        """Return the answer of `GET /v1/captures`."""
-        with self._one_look:
-            known, complete = dict[Path, tuple[int, dict[str, Any]]](), True
-            captures: list[dict[str, Any]] = []
-            for name, path, found in self._candidates():
-                if found is None or len(captures) == _MOST_CAPTURES:
-                    complete = False
-                    break
-                mark = hash((found.cameras and found.cameras[1], found.changed, tuple(sorted(found.files.items()))))
-                before, described = self._known.get(path, (0, {}))
-                if not described or before != mark:
-                    described = self._described(path, found)
-                known[path] = mark, described
-                captures.append({"capture": str(path), "name": name} | described)
-            self._known = known
+    async def describe(self) -> dict[str, Any]:
+        """Return the answer of `GET /v1/captures`.
+
+        Captures that nothing is known of yet have `looking` true after a few seconds. Callers that come during a look
+        into the folders share the next one.
+
+        Raises:
+            ProblemError: 503, the folders do not answer.
+        """
+        if self._next is None or self._next.done():
+            self._next = asyncio.create_task(self._find())
+        found = await asyncio.shield(self._next)  # a caller that leaves does not take it from the others
+        self._want(found["captures"])
+        patient_until = time.monotonic() + self._patience
+        while time.monotonic() < patient_until and any(self._of(one) is None for one in found["captures"]):
+            await asyncio.sleep(0.02)
         roots = [{"path": str(folder), "exists": folder.is_dir()} for folder in self.folders.folders]
-        answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": complete})
+        captures = [self._told(one) for one in found["captures"]]
+        answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": found["complete"]})
         return answer
 
-    def _described(self, path: Path, found: _Capture) -> dict[str, Any]:
-        try:
-            self.folders.require_inner_links(path)  # before anything is opened
-        except (InputError, ProblemError) as error:
-            return {"layout": None, "cameras": [], "frames": None, "seconds": None, "problem": str(error)}
-        return _described(path, found)
+    def close(self) -> None:
+        """Take no more work; what runs ends with the readers."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
 
-    def _candidates(self) -> Iterator[tuple[str, Path, _Capture | None]]:
-        """Yield the captures in order; None last where a bound is met."""
-        seen: set[Path] = set()
-        for root in self.folders.folders:
-            yield from self._below(root, 0, root, seen)
+    async def _find(self) -> dict[str, Any]:
+        async with self._finding:
+            self._next = None  # who comes from now on may ask for what this look does not see
+            return await asyncio.get_running_loop().run_in_executor(self._threads, self._found)
+
+    def _found(self) -> dict[str, Any]:
+        try:
+            (found,) = self._readers.read("find", self._request(), _FIND_SECONDS)
+        except ReaderEndedError as error:
+            detail = f"the folders of captures do not answer ({error.reason}); try again later"
+            raise ProblemError(503, "captures-unavailable", detail, headers={"Retry-After": "30"}) from error
+        return found
+
+    def _request(self) -> dict[str, Any]:
         uploaded = self.folders.uploaded
-        uploads = None if uploaded is None else _look(uploaded)
-        if uploaded is None or uploads is None:
-            return
-        for name in sorted(uploads.folders):
-            found = list(self._below(uploaded / name, 1, uploaded, seen))
-            yield from found or [(name, uploaded / name, _Capture({}))]
+        return {"folders": [str(one) for one in self.folders.folders], "uploaded": uploaded and str(uploaded)}
 
-    def _below(
-        self, start: Path, start_depth: int, root: Path, seen: set[Path]
-    ) -> Iterator[tuple[str, Path, _Capture | None]]:
-        """Yield the captures in a folder, the folder itself among them, by their paths below `root`."""
-        waiting = [(start, start_depth)]
-        while waiting:
-            path, depth = waiting.pop()
-            if path in seen:
-                continue
-            seen.add(path)
-            if len(seen) > _MOST_FOLDERS:
-                yield "", path, None
+    def _of(self, found: dict[str, Any]) -> dict[str, Any] | None:
+        """Return what is known of a capture as it is now."""
+        known = self._known.get(found["capture"])
+        fits = known is not None and known.mark == found["mark"] and time.monotonic() < known.until
+        return known.description if fits and known is not None else None
+
+    def _told(self, found: dict[str, Any]) -> dict[str, Any]:
+        named = {"capture": found["capture"], "name": found["name"]}
+        known = self._of(found)
+        if known is not None:
+            return named | known | {"looking": False}
+        unknown = {"layout": found["layout"], "cameras": found["cameras"], "frames": None, "seconds": None}
+        return named | unknown | {"problem": f"{found['name']}: {LOOKED_AT}", "looking": True}
+
+    def _want(self, captures: Sequence[dict[str, Any]]) -> None:
+        """Have described what is not known, and forget what is gone."""
+        there = {one["capture"]: one for one in captures}
+        for gone in set(self._known) - set(there):
+            del self._known[gone]
+        self._wanted = {path: one for path, one in there.items() if self._of(one) is None}
+        if self._wanted and (self._describing is None or self._describing.done()):
+            self._describing = asyncio.create_task(self._describe_wanted())
+
+    async def _describe_wanted(self) -> None:
+        while wanted := list(self._wanted.values())[:_TOGETHER]:
+            await asyncio.get_running_loop().run_in_executor(self._threads, self._describe, wanted.copy())
+            described = {one["capture"] for one in wanted}
+            self._wanted = {path: one for path, one in self._wanted.items() if path not in described}
+
+    def _describe(self, wanted: list[dict[str, Any]]) -> None:
+        """Have captures described, by a new process where one of them ends it."""
+        while wanted:
+            request = self._request() | {"captures": [one["capture"] for one in wanted], "seconds": _SECONDS}
+            fresh = True
+            try:
+                for answer in self._readers.read("describe", request, _WALL_SECONDS):
+                    self._keep(wanted.pop(0), answer)
+                    fresh = False
                 return
-            found = _look(path)
-            if found is None:
-                continue
-            capture = _capture(path, found)
-            if capture is not None:
-                yield path.relative_to(root).as_posix() if path != root else root.name, path, capture
-            elif depth < _DEEPEST:
-                inside = (self._inside(path / name) for name in sorted(found.folders, reverse=True))
-                waiting += [(below, depth + 1) for below in inside if below is not None]
+            except ReaderEndedError as error:
+                if fresh:  # else another capture may have left the process unwell: this one is read by a new one
+                    self._keep_problem(wanted.pop(0), error)
 
-    def _inside(self, path: Path) -> Path | None:
-        """Return a folder as a job would name it, or None if a link leads out of what the server may read."""
+    def _keep(self, found: dict[str, Any], answer: dict[str, Any]) -> None:
+        path = found["capture"]
         try:
-            resolved = path.resolve()
-        except (OSError, RuntimeError):
-            return None
-        return path if self.folders.allows(resolved) and is_storable(str(path)) else None
+            self._known[path] = _Known(found["mark"], answered(answer, Path(path)))
+        except (InputError, ProblemError, OSError) as error:
+            self._known[path] = _Known(found["mark"], self._problem(found, str(error)))
 
+    def _keep_problem(self, found: dict[str, Any], error: ReaderEndedError) -> None:
+        description = self._problem(found, str(error.of(Path(found["capture"]))))
+        self._known[found["capture"]] = _Known(found["mark"], description, time.monotonic() + _KEPT_SECONDS)
 
-def _look(path: Path) -> _Folder | None:
-    """Return what is in a folder, as far as the bound; None where it cannot be read."""
-    files: dict[str, tuple[int, int]] = {}
-    folders: list[str] = []
-    try:
-        with os.scandir(path) as entries:
-            for number, entry in enumerate(entries):
-                if number == _MOST_FILES:
-                    break
-                if entry.name.startswith(".") or not is_storable(entry.name):
-                    continue
-                if entry.is_dir():
-                    folders.append(entry.name)
-                elif entry.is_file():
-                    status = entry.stat()
-                    files[entry.name] = status.st_size, status.st_mtime_ns
-    except OSError:
-        return None
-    return _Folder(files, folders)
-
-
-def _capture(path: Path, found: _Folder) -> _Capture | None:
-    """Return what is known of a folder that seems to be a capture; None if it does not."""
-    try:
-        cameras = next(calibration(path), None)
-        if cameras is None:
-            videos = tuple(sorted((name for name in found.files if is_video(name)), key=natural_order))
-            return _Capture(found.files, videos=videos) if len(videos) >= FEWEST_VIDEOS else None
-        status = cameras[1].stat()
-    except (InputError, OSError):
-        return None
-    return _Capture(found.files, cameras, (status.st_size, status.st_mtime_ns))
-
-
-def _described(path: Path, found: _Capture) -> dict[str, Any]:
-    if found.cameras is None:
-        return _described_videos(path, found.videos) if found.videos else _described_upload(path)
-    camera_format, file = found.cameras
-    description: dict[str, Any] = {"layout": camera_format.name, "cameras": [], "frames": None, "seconds": None}
-    try:
-        tables = [name for name, (size, _) in found.files.items() if name.endswith(".json") and size > _LARGEST_TABLE]
-        if tables:
-            raise InputError(path / tables[0], f"is larger than {_LARGEST_TABLE >> 20} MiB", "it is too large to list")
-        told = outline(path, camera_format, file)
-    except InputError as error:
-        return description | {"problem": " ".join(str(error).split())}
-    except Exception:  # whatever a damaged file brings about: the others are there
-        log.exception("capture %s cannot be described", path)
-        return description | {"problem": _UNREADABLE}
-    return description | {
-        "cameras": list(told.cameras), "frames": told.frames, "seconds": told.seconds, "problem": None,
-    }  # fmt: skip
-
-
-def _described_videos(path: Path, videos: tuple[str, ...]) -> dict[str, Any]:
-    description = {"layout": "videos without poses", "cameras": [Path(name).stem for name in videos]}
-    try:
-        frames, rate = announced_length(path / videos[0])
-    except InputError as error:
-        return description | {"frames": None, "seconds": None, "problem": " ".join(str(error).split())}
-    return description | {
-        "frames": frames, "seconds": frames / rate if frames is not None and rate is not None else None,
-        "problem": None,
-    }  # fmt: skip
-
-
-def _described_upload(path: Path) -> dict[str, Any]:
-    """Say what is missing in an upload that is no capture."""
-    problem = _UNREADABLE
-    try:
-        open_capture(path)
-    except InputError as error:
-        problem = " ".join(str(error).split())
-    except Exception:  # whatever a damaged file brings about: the others are there
-        log.exception("upload %s cannot be described", path)
-    return {"layout": None, "cameras": [], "frames": None, "seconds": None, "problem": problem}
+    def _problem(self, found: dict[str, Any], problem: str) -> dict[str, Any]:
+        return {
+            "layout": found["layout"], "cameras": found["cameras"], "frames": None, "seconds": None,
+            "problem": " ".join(self.folders.shown(problem).split()),
+        }  # fmt: skip

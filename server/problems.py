@@ -16,28 +16,18 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, HTTPConnection
 
 from hgs_core.base.errors import InputError
+from server.allowed_methods import allowed_methods
+from server.problem_error import ProblemError
 
 __all__ = ["PROBLEM_JSON", "ProblemError", "install_problem_handlers", "problem_document", "problem_response"]
 
 log = logging.getLogger("hgs.server")
 
 
-class ProblemError(Exception):
-    """A request that is answered with a problem document; the codes are those of docs/protocol.md."""
-
-    def __init__(
-        self, status: int, code: str, detail: str, *, field: str = "", headers: dict[str, str] | None = None
-    ) -> None:
-        """Keep the HTTP status, the code for programs, one line for people and, if there is one, the bad field."""
-        self.status = status
-        self.code = code
-        self.detail = detail
-        self.field = field
-        self.headers = headers
-        super().__init__(detail)
-
-
 PROBLEM_JSON = "application/problem+json"
+
+_OF_ROUTES = (HTTPStatus.NOT_FOUND, HTTPStatus.METHOD_NOT_ALLOWED)
+_LONGEST_PATH = 300  # characters that an answer repeats
 
 
 def install_problem_handlers(app: FastAPI) -> None:
@@ -60,11 +50,19 @@ def install_problem_handlers(app: FastAPI) -> None:
     @app.exception_handler(HTTPException)
     def on_http(request: Request, error: HTTPException) -> Response:
         headers = dict(error.headers or {})
+        path = _short(request.scope["path"])
+        allowed = allowed_methods(request) if error.status_code in _OF_ROUTES else []
+        if allowed and request.method not in allowed:
+            headers["Allow"] = ", ".join(allowed)
+            detail = f"{request.method} is not allowed on {path}, which takes {headers['Allow']}"
+            return problem_response(request, ProblemError(405, "method-not-allowed", detail, headers=headers))
+        if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED and request.scope["path"].startswith("/v1/"):
+            return problem_response(request, ProblemError(404, "not-found", f"{path}: nothing here"))
         if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED:
-            detail = f"{request.method} is not allowed on {request.scope['path']}"
+            detail = f"{request.method} is not allowed on {path}"
             return problem_response(request, ProblemError(405, "method-not-allowed", detail, headers=headers))
         code = HTTPStatus(error.status_code).phrase.lower().replace(" ", "-")
-        detail = f"{request.scope['path']}: nothing here" if error.status_code == HTTPStatus.NOT_FOUND else error.detail
+        detail = f"{path}: nothing here" if error.status_code == HTTPStatus.NOT_FOUND else error.detail
         return problem_response(request, ProblemError(error.status_code, code, detail, headers=headers))
 
     @app.exception_handler(OperationalError)
@@ -91,6 +89,11 @@ def install_problem_handlers(app: FastAPI) -> None:
         return problem_response(request, ProblemError(500, "internal", "a fault of the server; its log says more"))
 
 
+def _short(path: str) -> str:
+    """Return a path as far as it tells people anything: clients may send one of any length."""
+    return path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}…"
+
+
 def problem_response(request: HTTPConnection, problem: ProblemError) -> Response:
     """Return the problem document that answers `request`."""
     return Response(problem_document(problem, request.scope["path"]), problem.status, problem.headers, PROBLEM_JSON)
@@ -103,7 +106,7 @@ def problem_document(problem: ProblemError, path: str) -> bytes:
         "title": HTTPStatus(problem.status).phrase,
         "status": problem.status,
         "detail": " ".join(problem.detail.split()),
-        "instance": quote(path, errors="replace"),
+        "instance": quote(_short(path), errors="replace"),
         "code": problem.code,
     }
     if problem.field:

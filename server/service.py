@@ -18,10 +18,11 @@ from jobs.job_request import JobRequest
 from jobs.run_reading import RunReader, run_reader
 from jobs.webhook_table import Announcement
 from jobs.worker_register import Worker
-from server.access import Access
+from server.access import Access, Visitor
 from server.capture_checks import CaptureChecks
 from server.capture_folders import CaptureFolders
 from server.capture_list import CaptureList
+from server.capture_readers import CaptureReaders
 from server.chunk_cache import ChunkCache
 from server.job_events import JobFollowers
 from server.live_scenes import LiveScenes
@@ -30,6 +31,8 @@ from server.open_streams import OpenStreams
 from server.problems import ProblemError
 from server.scene_catalogue import SceneCatalogue
 from server.scene_watchers import SceneWatchers
+from server.slow_work import SlowWork
+from server.submissions import Submissions
 from server.uploads.uploads import Uploads
 
 __all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
@@ -83,6 +86,7 @@ class Service:
     captures: CaptureFolders
     uploads: Uploads
     access: Access
+    readers: CaptureReaders
     origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
     metrics: Metrics = field(default_factory=Metrics)
     streams: OpenStreams = field(default_factory=OpenStreams)
@@ -91,6 +95,9 @@ class Service:
     catalogue: SceneCatalogue = field(init=False)
     capture_list: CaptureList = field(init=False)
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
+    submissions: Submissions = field(default_factory=Submissions)
+    long_work: SlowWork = field(default_factory=lambda: SlowWork("long", 4))  # on whole captures and runs
+    file_work: SlowWork = field(default_factory=lambda: SlowWork("file", 8))  # with pieces of files that arrive
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
     live: LiveScenes = field(init=False)
     runs: RunReader = field(init=False)
@@ -100,7 +107,7 @@ class Service:
         self.runs = run_reader(self.home)
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
-        self.capture_list = CaptureList(self.captures)
+        self.capture_list = CaptureList(self.captures, self.readers)
         self.live = LiveScenes(self.catalogue.scene, self.watchers.tell)
 
     def known_job(self, job_id: str) -> Job:
@@ -114,6 +121,11 @@ class Service:
         if job is None:
             raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
         return job
+
+    def key_of(self, connection: HTTPConnection) -> str:
+        """Return the id of the key that a request came with; "" of all that need none, who count as one."""
+        visitor: Visitor | None = connection.scope.get("state", {}).get("visitor")
+        return visitor.key.id if visitor is not None and visitor.key is not None else ""
 
     def same_site(self, connection: HTTPConnection) -> bool:
         """Return whether the request comes from no page, or from a page of this server."""

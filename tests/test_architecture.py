@@ -62,6 +62,47 @@ def test_no_arrow_runs_back_up_between_rooms() -> None:
     assert back == []
 
 
+def started_with(name: str) -> dict[str, str]:
+    """Every module that a process of `name` may import, with who does: of the science what is imported at the top,
+    for a function of it is called by whoever opens files; of jobs and server also what their functions import."""
+    found, waiting = {name: ""}, [name]
+    while waiting:
+        module = waiting.pop()
+        imported = imports if not module.startswith("hgs_core") else _top_level
+        for other in imported(NAMES[module]):
+            if other not in found:
+                found[other] = module
+                if other in NAMES:
+                    waiting.append(other)
+    return found
+
+
+OPENING = (
+    "av",
+    "PIL",
+    "cv2",
+    "torch",
+    "hgs_core.capture",
+    "hgs_core.check",
+    "hgs_core.calibrate",
+    "hgs_core.interchange",
+)
+"""What opens or parses the files of captures, or loads what does; a process of strangers' requests has none of it."""
+
+HARMLESS = {
+    "hgs_core.capture.config": "numbers and names",
+    "hgs_core.capture.held_out": "names of cameras",
+}
+
+
+@pytest.mark.parametrize("process", ["server.app", "jobs.worker"])
+def test_what_opens_captures_is_in_no_process_that_must_live_on(process: str) -> None:
+    def opens(name: str) -> bool:
+        return any(name == one or name.startswith(f"{one}.") for one in OPENING) and name not in HARMLESS
+
+    assert {name: by for name, by in started_with(process).items() if opens(name)} == {}
+
+
 @pytest.mark.parametrize("library", ["fastapi", "uvicorn", "websockets", "dbos", "sqlalchemy", "obstore"])
 def test_the_science_knows_no_web_queue_or_database_library(library: str) -> None:
     users = [p for p in MODULES if "hgs_core" in p.parts and any(n.split(".")[0] == library for n in imports(p))]

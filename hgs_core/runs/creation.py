@@ -16,6 +16,7 @@ from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, has_
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
+from hgs_core.capture.video import VideoReader
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.folder import RunFolder, RunSpec
 
@@ -46,7 +47,10 @@ def create_run(
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
-        require_sounding_video(audio, find_videos(capture))
+        videos = find_videos(capture)
+        for video in videos.values():
+            VideoReader(video)  # one that is none is refused now, and not when poses are looked for
+        require_sounding_video(audio, videos)
         folder.write_spec(
             RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
         )
@@ -54,9 +58,9 @@ def create_run(
     opened = open_capture(
         capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
     )
-    videos = [opened.video(camera) for camera in range(len(opened.cameras))]
+    filmed = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
-        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, videos, strict=True)}
+        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, filmed, strict=True)}
     )
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)

@@ -12,14 +12,15 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
-from hgs_core.capture.capture import Capture
-from hgs_core.capture.open import open_capture
 from hgs_core.runs.config import RunConfig
 from hgs_core.runs.lease import LeaseHeldError, lease
+
+if TYPE_CHECKING:
+    from hgs_core.capture.capture import Capture
 
 __all__ = ["RunFolder", "RunSpec"]
 
@@ -47,6 +48,8 @@ class RunSpec:
             InputError: as `hgs_core.capture.open.open_capture`, or the files are not those the run began with, or the
                 run was imported without a capture, or edited.
         """
+        from hgs_core.capture.open import open_capture  # the API process knows runs, and opens no capture
+
         if self.edited:
             raise InputError(
                 self.capture, "was edited, so that no pictures show the scene as it is now", "score that run itself"

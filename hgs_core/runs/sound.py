@@ -16,26 +16,9 @@ from hgs_core.capture.sound_track import has_sound, sound_begin
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, chunk_id, load_manifest, read_audio, stored_sizes
 from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.sound_choice import CAMERA_SOUND, NO_SOUND, OWN_SOUND, camera_of_sound
 
-__all__ = [
-    "CAMERA_SOUND",
-    "NO_SOUND",
-    "OWN_SOUND",
-    "camera_of_sound",
-    "replace_sound",
-    "require_sound_file",
-    "require_sounding_video",
-    "scene_sound",
-    "write_sound",
-]
-
-OWN_SOUND = "auto"
-"""The sound of the capture's first camera that has any."""
-
-NO_SOUND = "none"
-
-CAMERA_SOUND = "camera:"
-"""With a camera's name behind it: the sound of its video."""
+__all__ = ["replace_sound", "require_sound_file", "require_sounding_video", "scene_sound", "write_sound"]
 
 log = logging.getLogger(__name__)
 
@@ -55,11 +38,6 @@ def require_sound_file(audio: str) -> str:
     if not has_sound(file):
         raise InputError(f"--audio {audio}", "the file has no sound", cure)
     return str(file.resolve())
-
-
-def camera_of_sound(audio: str) -> str | None:
-    """Return the name of the camera whose sound `--audio` asks for, or None if it asks for something else."""
-    return audio.removeprefix(CAMERA_SOUND) if audio.startswith(CAMERA_SOUND) else None
 
 
 def require_sounding_video(audio: str, videos: Mapping[str, Path | None]) -> None:

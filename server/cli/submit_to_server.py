@@ -12,13 +12,13 @@ from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped
-from hgs_core.runs.sound import NO_SOUND, OWN_SOUND, camera_of_sound
+from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
 from server.cli.capture_files import capture_files, opened_capture
 from server.cli.interrupts import Interrupts
 from server.cli.job_options import job_options
 from server.cli.progress_bars import ProgressBars
 from server.cli.send_capture import send_capture
-from server.cli.server_client import ServerClient
+from server.cli.server_client import RefusedError, ServerClient
 from server.cli.training_options import job_settings
 from server.uploads.limits import UploadLimits
 
@@ -57,17 +57,34 @@ def submit_to_server(options: argparse.Namespace) -> int:
             print(f"the capture is {capture} on the server", file=sys.stderr)
             capture = _trainable(client, capture)
             _check(client, capture, bars, bool(settings["config"].get("capture.trust_poses")))
-            # A request whose answer was lost is sent again: with its key it is no second job.
-            job = client.request(
-                "POST", "/v1/jobs", headers={"Idempotency-Key": key},
-                json_body={"capture": capture, "title": options.title, **settings},
-            ).value  # fmt: skip
-            print(job["id"], flush=True)
-            return _follow(client, job["id"], bars) if options.wait else 0
+            job_id = _queue(client, key, {"capture": capture, "title": options.title, **settings})
+            print(job_id, flush=True)
+            return _follow(client, job_id, bars) if options.wait else 0
         except StageStopped:
             bars.close()
             print("stopped; run the same command again to go on", file=sys.stderr)
             return INTERRUPTED
+
+
+def _queue(client: ServerClient, key: str, asked: dict[str, Any]) -> str:
+    """Make the job, once the server has looked at the capture, and return its id."""
+    place = ""
+    while True:
+        try:
+            if not place:
+                # A request whose answer was lost is sent again: with its key it is no second job.
+                answer = client.request("POST", "/v1/jobs", headers={"Idempotency-Key": key}, json_body=asked)
+            else:
+                answer = client.request("GET", place)
+        except RefusedError as error:
+            if error.code != "submission-not-found":
+                raise
+            place = ""  # the server was started anew meanwhile
+            continue
+        if answer.status != 202:
+            return str(answer.value["id"])
+        place = answer.headers["location"]
+        time.sleep(POLL_SECONDS)
 
 
 def _sent_sound(options: argparse.Namespace) -> str:
@@ -84,8 +101,12 @@ def _sent_sound(options: argparse.Namespace) -> str:
 
 def _trainable(client: ServerClient, uploaded: str) -> str:
     """Return the capture in what was sent: the folder itself, or one inside it."""
-    listed = client.request("GET", "/v1/captures").value["captures"]
-    inside = [one for one in listed if one["capture"] == uploaded or one["capture"].startswith(f"{uploaded}/")]
+    while True:
+        listed = client.request("GET", "/v1/captures").value["captures"]
+        inside = [one for one in listed if one["capture"] == uploaded or one["capture"].startswith(f"{uploaded}/")]
+        if not any(one.get("looking") for one in inside):
+            break
+        time.sleep(POLL_SECONDS)
     whole = [one for one in inside if one["problem"] is None]
     if len(whole) > 1:
         names = ", ".join(one["name"] for one in whole)

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
+from server.capture_checks import CaptureCheckRun
 from server.problems import ProblemError
 from server.request_body import read_json
 from server.service import Service, ServiceDep
@@ -33,8 +34,8 @@ async def start(request: Request, service: ServiceDep) -> Response:
     """Begin the check of a capture."""
     service.require_same_site(request)
     body = await read_json(request, Start)
-    capture = await run_in_threadpool(_locate, service, body.capture)
-    return JSONResponse(service.capture_checks.start(capture).to_json(), 202)
+    capture = await service.long_work.run(_locate_inside, service, body.capture)
+    return JSONResponse(_told(service, service.capture_checks.start(capture)), 202)
 
 
 @router.get("")
@@ -43,11 +44,27 @@ async def get_check(capture: str, service: ServiceDep) -> dict[str, Any]:
     check = service.capture_checks.get(await run_in_threadpool(_locate, service, capture))
     if check is None:
         raise ProblemError(404, "check-not-found", f"capture {capture[:80]!r}: was not checked yet")
-    return check.to_json()
+    return _told(service, check)
+
+
+def _told(service: Service, check: CaptureCheckRun) -> dict[str, Any]:
+    """Return the check object, without the paths of the server's folders in what is said of the capture."""
+    told = check.to_json()
+    return told | {"error": told["error"] and service.captures.shown(told["error"])}
+
+
+def _locate_inside(service: Service, capture: str) -> Path:
+    """Return a capture whose links all lead into the folders that the server may read."""
+    found = _locate(service, capture)
+    try:
+        service.captures.require_inner_links(found)
+    except InputError as error:
+        raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
+    return found
 
 
 def _locate(service: Service, capture: str) -> Path:
     try:
         return service.captures.locate(capture)
     except InputError as error:
-        raise ProblemError(422, "capture-invalid", str(error), field="capture") from error
+        raise ProblemError(422, "capture-invalid", service.captures.shown(str(error)), field="capture") from error

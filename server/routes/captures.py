@@ -13,6 +13,6 @@ router = APIRouter(prefix="/v1/captures")
 
 
 @router.api_route("", methods=["GET", "HEAD"])
-def captures(request: Request, service: ServiceDep) -> Response:
+async def captures(request: Request, service: ServiceDep) -> Response:
     """List the captures in the folders that jobs may read."""
-    return respond_json(request, service.capture_list.describe())
+    return respond_json(request, await service.capture_list.describe())

@@ -90,22 +90,22 @@ async def _receive(service: Service, upload: Upload, file: ArrivingFile, request
     """Write the body behind what has come, in blocks; what came before a cut is kept."""
     upload.require_unfinished()
     service.uploads.require_room()
-    turn = await run_in_threadpool(file.begin, offset)  # which waits where the file is being verified
+    turn = await service.long_work.run(file.begin, offset)  # which waits where the file is being verified
     upload.heard_of()
     waiting = bytearray()
     try:
         async for part in request.stream():
             waiting += part
             if len(waiting) >= BLOCK:
-                await run_in_threadpool(file.append, turn, bytes(waiting))
+                await service.file_work.run(file.append, turn, bytes(waiting))
                 waiting.clear()
                 service.uploads.require_room()
     except ClientDisconnect:
         if waiting:
-            await run_in_threadpool(file.append, turn, bytes(waiting))
+            await service.file_work.run(file.append, turn, bytes(waiting))
         raise
     if waiting:
-        await run_in_threadpool(file.append, turn, bytes(waiting))
+        await service.file_work.run(file.append, turn, bytes(waiting))
     upload.heard_of()
 
 

@@ -60,21 +60,21 @@ def get_upload(request: Request, upload_id: str, service: ServiceDep) -> Respons
 
 
 @router.post("/{upload_id}/finish")
-def finish(request: Request, upload_id: str, service: ServiceDep) -> Response:
+async def finish(request: Request, upload_id: str, service: ServiceDep) -> Response:
     """Turn a complete upload into a capture."""
     service.require_same_site(request)
-    upload = service.uploads.get(upload_id)
-    service.uploads.finish(upload)
+    upload = await run_in_threadpool(service.uploads.get, upload_id)
+    await service.long_work.run(service.uploads.finish, upload)  # which may read all that was sent
     return JSONResponse(service.uploads.describe(upload))
 
 
 @router.delete("/{upload_id}", status_code=204)
-def delete(request: Request, upload_id: str, service: ServiceDep) -> Response:
+async def delete(request: Request, upload_id: str, service: ServiceDep) -> Response:
     """Delete an upload, or the capture that it has become, unless a job needs it."""
     service.require_same_site(request)
-    upload = service.uploads.get(upload_id)
-    _require_unused(service, upload)
-    service.uploads.delete(upload)
+    upload = await run_in_threadpool(service.uploads.get, upload_id)
+    await run_in_threadpool(_require_unused, service, upload)
+    await service.long_work.run(service.uploads.delete, upload)
     return Response(status_code=204)
 
 

@@ -128,3 +128,19 @@ def test_uploaded_captures_are_looked_up_last(folders: CaptureFolders, tmp_path:
     both = dataclasses.replace(folders, uploaded=tmp_path.resolve() / "uploaded")
     assert both.locate("both") == tmp_path.resolve() / "first" / "both"
     assert both.locate("sent") == tmp_path.resolve() / "uploaded" / "sent"
+
+
+@pytest.mark.parametrize(
+    ("told", "shown"),
+    [
+        ("/srv/all/studio/cam0.mp4: is damaged", "studio/cam0.mp4: is damaged"),
+        ("'/srv/all/a b/c' and /srv/all/d", "'a b/c' and d"),
+        ("/srv/all: is empty", "all: is empty"),
+        ("/srv/all/inner/x: is short", "x: is short"),  # the innermost folder counts
+        ("/srv/allowed/x and /mnt/srv/all/x stay", "/srv/allowed/x and /mnt/srv/all/x stay"),
+        ("/uploads/one/t.json: is short", "one/t.json: is short"),
+    ],
+)
+def test_clients_are_told_names_below_the_folders(told: str, shown: str) -> None:
+    folders = CaptureFolders((Path("/srv/all"), Path("/srv/all/inner"), Path("/")), Path("/uploads"))
+    assert folders.shown(told) == shown

@@ -110,3 +110,9 @@ def test_problem_document_can_always_be_written(text: str) -> None:
     document = json.loads(problem_document(ProblemError(422, "body-invalid", text, field=text), f"/{text}"))
     assert document["status"] == 422
     assert "\n" not in document["detail"]
+
+
+def test_an_answer_repeats_no_more_than_the_beginning_of_a_long_path() -> None:
+    answer = answer_to(None, "/v1/" + "a" * 60_000)
+    assert told(answer, 404, "not-found").endswith("…: nothing here")
+    assert len(answer.content) < 2000

@@ -96,3 +96,12 @@ def test_a_run_keeps_its_masks_and_its_resolution(
     (tmp_path / "masks" / "0" / "0001.png").write_bytes(b"edited")
     with pytest.raises(InputError):
         RunFolder(tmp_path / "run").read_spec().open_capture()
+
+
+def test_videos_without_poses_are_read_before_anything_is_written(tmp_path: Path) -> None:
+    (tmp_path / "capture").mkdir()
+    for number in range(3):
+        (tmp_path / "capture" / f"cam{number}.mp4").write_bytes(b"no video")
+    with pytest.raises(InputError, match=r"cam0.mp4: the video is unreadable"):
+        create_run(tmp_path / "run", tmp_path / "capture", CONFIG)
+    assert not (tmp_path / "run").exists()

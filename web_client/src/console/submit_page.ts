@@ -13,6 +13,7 @@ import "./form.css";
 
 const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
 const LEAST_CAMERAS = 2; // that training needs
+const LOOK_AGAIN_MS = 2000; // at captures that the server is still looking at
 
 const PRESETS = [
   { value: "preview", title: "Preview", note: "A first look, soonest" },
@@ -30,11 +31,20 @@ export function showSubmitPage(root: HTMLElement): void {
   addEventListener("pagehide", () => abort.abort(), { once: true });
   const panel = new UploadPanel((path) => void show(path));
   const sent = new SentCaptures(() => void show());
+  let touched = false; // whoever fills in the form keeps it as it is
+  body.addEventListener("input", () => {
+    touched = true;
+  });
   /** Show the captures that there are; one that was just sent is chosen and checked. */
   const show = async (uploaded = ""): Promise<void> => {
     try {
       const list = await listCaptures(abort.signal);
+      if (list.captures.some(({ looking }) => looking))
+        setTimeout(() => {
+          if (!touched && !abort.signal.aborted) void show(uploaded);
+        }, LOOK_AGAIN_MS);
       void sent.refresh();
+      touched = false;
       const form = list.captures.length > 0 ? new SubmitForm(list, shell, panel.node, sent.node, uploaded).node : null;
       body.replaceChildren(form ?? noCaptures(list, panel.node, sent.node));
     } catch (error) {
@@ -146,7 +156,7 @@ class SubmitForm {
       void this.#send();
     });
     this.#choose(arrived !== undefined);
-    if (arrived && arrived.problem !== null)
+    if (arrived && arrived.problem !== null && !arrived.looking)
       this.#capture.fault(
         `What was sent is no capture yet: ${arrived.problem}. Add what is missing, and send the folder again.`,
       );
@@ -187,16 +197,20 @@ class SubmitForm {
     if (capture === "") return this.#refuse("capture", "Choose a capture.");
     this.#submit.disabled = true;
     try {
-      const job = await submitJob({
-        capture,
-        title: this.#title.value.trim(),
-        preset: chosenIn(this.#fields.preset.node),
-        ...this.#heldOut(),
-        ...(this.#check.trusted ? { config: { "capture.trust_poses": true } } : {}),
-      });
+      const job = await submitJob(
+        {
+          capture,
+          title: this.#title.value.trim(),
+          preset: chosenIn(this.#fields.preset.node),
+          ...this.#heldOut(),
+          ...(this.#check.trusted ? { config: { "capture.trust_poses": true } } : {}),
+        },
+        () => this.#submit.replaceChildren("Looking at the capture …"),
+      );
       location.assign(`/job/${encodeURIComponent(job.id)}`);
     } catch (error) {
       this.#submit.disabled = false;
+      this.#submit.replaceChildren("Start");
       const field = error instanceof ApiError ? fieldOf(error) : null;
       if (field === null || !(error instanceof ApiError)) this.shell.problem(error);
       else this.#refuse(field, reasonOf(error));

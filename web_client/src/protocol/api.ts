@@ -4,6 +4,8 @@ import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
 
 export { ApiError, KEY_NEEDED };
 
+const POLL_MS = 1000;
+
 export interface Scene {
   readonly id: string;
   readonly title: string;
@@ -78,6 +80,8 @@ export interface Capture {
   readonly frames: number | null;
   readonly seconds: number | null;
   readonly problem: string | null;
+  /** Whether it is still being looked at, which `problem` says, too. */
+  readonly looking?: boolean;
 }
 
 export interface CaptureList {
@@ -162,8 +166,18 @@ export async function makeLink(scene: string, seconds: number): Promise<string> 
   return String((await sendJson("POST", "/v1/links", { scene, seconds })).page);
 }
 
-export async function submitJob(submission: Submission): Promise<Job> {
-  return (await sendJson("POST", "/v1/jobs", submission)) as unknown as Job;
+/** Submit a capture, and wait until the server has looked at it; `onWait` is called when that takes a while. */
+export async function submitJob(submission: Submission, onWait: () => void = () => {}): Promise<Job> {
+  const headers = { Accept: "application/json", "Content-Type": "application/json" };
+  let answer = await request("/v1/jobs", { method: "POST", headers, body: JSON.stringify(submission) });
+  while (answer.status === 202) {
+    onWait();
+    const place = answer.headers.get("Location");
+    if (place === null) throw new ApiError("The server does not say where to ask for the job.");
+    await new Promise((resolve) => setTimeout(resolve, POLL_MS));
+    answer = await request(place, { headers: { Accept: "application/json" } });
+  }
+  return (await answer.json()) as Job;
 }
 
 export async function listJobs(signal: AbortSignal): Promise<Job[]> {

@@ -1,0 +1,149 @@
+"""`POST /v1/jobs` and `/v1/submissions`: a capture is looked at, and a job is made of it, or it is said why not."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+from fastapi import APIRouter, Request, Response
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field, StrictStr
+from starlette.concurrency import run_in_threadpool
+
+from hgs_core.base.errors import InputError
+from hgs_core.capture.held_out import AUTO
+from hgs_core.runs.config import RunConfig
+from hgs_core.runs.config_names import by_stage
+from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
+from jobs.client import KeyReusedError
+from jobs.job import Job
+from jobs.job_filter import MAX_LABELS
+from jobs.job_request import MAX_TITLE, JobRequest
+from server.job_events import describe_job
+from server.problem_error import ProblemError
+from server.request_body import read_json
+from server.service import Service, ServiceDep
+from server.submissions import PendingSubmission
+
+__all__ = ["router"]
+
+router = APIRouter(prefix="/v1")
+
+_PATIENCE = 5.0  # seconds that an answer waits for a look that has begun
+
+
+class Submission(BaseModel):
+    """The body of `POST /v1/jobs`."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    capture: StrictStr = Field(min_length=1, max_length=4096)
+    title: StrictStr = Field(default="", max_length=MAX_TITLE)
+    preset: StrictStr = "standard"
+    hold_out: list[StrictStr] = Field(default=list(AUTO), max_length=1000)
+    config: dict[str, Any] = {}
+    audio: StrictStr = Field(
+        default=OWN_SOUND,
+        min_length=1,
+        max_length=4096,
+        description="What is heard: auto for the first camera's sound that has any, camera: and the name of one, none, "
+        "or a file with sound, by its path in the capture or a whole path in a folder that the server may read.",
+    )
+    labels: list[StrictStr] = Field(default=[], max_length=MAX_LABELS)
+    priority: int = 0
+    time_limit: float = 0.0
+    webhook: StrictStr = ""
+
+
+@router.post("/jobs")
+async def submit(request: Request, service: ServiceDep) -> Response:
+    """Queue a job, once its capture has been looked at."""
+    service.require_same_site(request)
+    service.submissions.require_room(service.key_of(request))
+    submission = await read_json(request, Submission, bounded="config")
+    key = request.headers.get("Idempotency-Key", "")
+    asked = await run_in_threadpool(_asked, service, submission, key)
+    wish = f"{key} {asked.digest}" if key else ""
+    work = functools.partial(_submit, service, asked)
+    pending = service.submissions.start(service.key_of(request), submission.capture, wish, work)
+    return await _answer(service, pending, 201)
+
+
+@router.api_route("/submissions/{submission_id}", methods=["GET", "HEAD"])
+async def get_submission(submission_id: str, service: ServiceDep) -> Response:
+    """Answer what `POST /v1/jobs` would have, had it waited: the job, or why there is none."""
+    pending = service.submissions.get(submission_id)
+    if pending is None:
+        detail = f"submission {submission_id[:64]!r}: none that was sent lately; look for its job, or send it again"
+        raise ProblemError(404, "submission-not-found", detail)
+    return await _answer(service, pending, 200)
+
+
+async def _answer(service: Service, pending: PendingSubmission, made: int) -> Response:
+    """Wait a little; answer with the job and the status `made`, with what is wrong, or with where to ask."""
+    await service.submissions.wait(pending, _PATIENCE)
+    if pending.error is not None:
+        raise pending.error
+    if pending.job is not None:
+        place = f"/v1/jobs/{pending.job.id}"
+        return JSONResponse(describe_job(pending.job), made, {"Location" if made == 201 else "Content-Location": place})
+    headers = {"Location": f"/v1/submissions/{pending.id}", "Retry-After": "1", "Cache-Control": "no-store"}
+    return JSONResponse(pending.to_json(), 202, headers)
+
+
+def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
+    """Return what is asked for, as far as no file tells whether it can be done."""
+    try:
+        config = _config(submission)
+    except InputError as error:
+        raise ProblemError(422, "config-invalid", str(error), field=_field(error)) from error
+    try:
+        capture = service.captures.locate(submission.capture)
+        audio = submission.audio
+        if audio not in (OWN_SOUND, NO_SOUND) and camera_of_sound(audio) is None:
+            audio = str(service.captures.locate_file("audio", audio, capture))
+        return JobRequest(
+            capture, config, submission.title, audio=audio, labels=tuple(submission.labels),
+            priority=submission.priority, time_limit=submission.time_limit, webhook=submission.webhook, key=key,
+        )  # fmt: skip
+    except InputError as error:
+        raise _refused(service, error) from error
+
+
+def _submit(service: Service, asked: JobRequest) -> Job:
+    """Have the capture looked at, and make a job of it."""
+    try:
+        service.captures.require_inner_links(asked.capture)
+        return service.known_job(service.jobs.submit(asked))
+    except KeyReusedError as error:
+        raise ProblemError(422, "idempotency-key-reused", str(error), field="Idempotency-Key") from error
+    except InputError as error:
+        raise _refused(service, error) from error
+
+
+def _refused(service: Service, error: InputError) -> ProblemError:
+    """Return the answer where something that was asked for cannot be had."""
+    told = service.captures.shown(str(error))
+    if error.where in ("title", "labels", "priority", "time_limit", "webhook", "key"):
+        field = "Idempotency-Key" if error.where == "key" else error.where
+        return ProblemError(422, "body-invalid", told, field=field)
+    if error.where == "audio" or error.where.startswith("--audio"):
+        return ProblemError(422, "body-invalid", told.removeprefix("--"), field="audio")
+    if error.where.startswith("config"):  # the capture does not fit the config
+        return ProblemError(422, "config-invalid", told, field=_field(error))
+    return ProblemError(422, "capture-invalid", told, field="capture")
+
+
+def _config(submission: Submission) -> RunConfig:
+    overrides = by_stage(submission.config)
+    capture = overrides.get("capture")
+    for name, part in (("preset", overrides), ("hold_out", capture if isinstance(capture, dict) else {})):
+        if name in part:
+            place = "config.preset" if name == "preset" else "config.capture.hold_out"
+            raise ProblemError(422, "config-invalid", f"{place}: give {name} beside config", field=place)
+    return RunConfig.for_preset(submission.preset, **overrides).changed({"capture.hold_out": submission.hold_out})
+
+
+def _field(error: InputError) -> str:
+    """Return where a client gave what the config refuses: held-out cameras stand beside the config."""
+    return error.where if error.where != "config.capture.hold_out" else "hold_out"
