@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.own_modules import guard_imports
 from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
@@ -53,6 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)
+    if arguments is None:  # a process of its own
+        guard_imports()
     try:
         status: int = options.run(options)
     except InputError as error:
