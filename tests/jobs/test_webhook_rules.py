@@ -102,7 +102,8 @@ def test_without_settings_there_are_no_webhooks() -> None:
     "address",
     [
         "127.0.0.1", "10.0.0.5", "192.168.1.1", "172.16.0.1", "169.254.169.254", "0.0.0.0", "100.64.0.1", "224.0.0.1",
-        "::1", "fe80::1", "fd00::1", "fec0::1", "64:ff9b::a00:1", "::10.0.0.1", "::ffff:0:7f00:1", "::ffff:127.0.0.1", "::ffff:10.0.0.1", "2002:7f00:1::", "::",
+        "::1", "fe80::1", "fd00::1", "fec0::1", "64:ff9b::a00:1", "::10.0.0.1", "::ffff:0:7f00:1",
+        "::ffff:127.0.0.1", "::ffff:10.0.0.1", "2002:7f00:1::", "::",
     ],
 )  # fmt: skip
 def test_a_name_that_leads_to_a_private_address_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
