@@ -156,6 +156,9 @@ def _asking(address: str, opened: bool, any_keys: bool) -> Asking:
             print("hgs: open: whoever can reach this server can use all of it, without a key", file=sys.stderr)
         return Asking.NEVER
     if here:
+        if not any_keys:
+            cure = "before a proxy passes others on, make a key: hgs keys add NAME --scope admin"
+            print(f"hgs: no keys: whoever asks from this machine can use all of this server; {cure}", file=sys.stderr)
         return Asking.IF_ANY
     if not any_keys:
         cure = "make a key with hgs keys add NAME --scope admin, or say --open"
