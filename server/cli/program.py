@@ -15,6 +15,7 @@ from hgs_core.base.own_modules import guard_imports
 from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
+    backup,
     bench,
     cameras,
     check,
@@ -30,6 +31,7 @@ from server.cli import (
     play,
     publish,
     report,
+    restore,
     serve,
     submit,
     sync,
@@ -50,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        play, worker, submit, jobs, gc, keys, bench, ablate,
+        play, worker, submit, jobs, gc, backup, restore, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)
