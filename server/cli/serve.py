@@ -47,8 +47,8 @@ def add_parser(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--uploads", metavar="LIMITS", default="",
-        help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,free=10G,"
-        "hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
+        help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,client=4,"
+        "free=10G,hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
     )  # fmt: skip
     parser.add_argument(
         "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
