@@ -54,5 +54,3 @@ def test_a_server_on_the_restored_home_plays_its_scenes_to_the_same_keys_and_lin
 def test_bad_input_is_one_line(home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["backup", str(tmp_path / "copy")]) == 2
     assert "holds no home; give the HGS_HOME of the server" in capsys.readouterr().err
-    assert main(["restore", str(tmp_path / "copy")]) == 2
-    assert "is no backup: it has no backup.json; give a folder of hgs backup" in capsys.readouterr().err
