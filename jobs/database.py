@@ -14,6 +14,7 @@ from dbos import DBOSClient, DBOSPortableJSONSerializer, run_dbos_database_migra
 
 from jobs.home import Home
 from jobs.home_identity import HomeIdentity, identify_home
+from jobs.schema_number import note_schema, require_known_schema
 
 __all__ = ["APPLICATION", "connection_url", "create_engine", "dbos_url", "open_client", "prepare_database"]
 
@@ -82,7 +83,8 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
     for writers.
 
     Raises:
-        InputError: the home's folder is not the one that this database belongs to.
+        InputError: the home's folder is not the one that this database belongs to, or later software has changed the
+            tables.
     """
     logging.getLogger("dbos").setLevel(logging.WARNING)
     if engine.dialect.name == "sqlite":
@@ -91,9 +93,11 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
         if engine.dialect.name == "sqlite":
             with engine.connect() as connection:
                 connection.exec_driver_sql("PRAGMA journal_mode=WAL")
+        require_known_schema(home, engine)
         run_dbos_database_migrations(dbos_url(home))
         metadata.create_all(engine)
         _add_what_is_missing(engine, metadata)
+        note_schema(engine)
         identity = identify_home(home, engine)
     home.runs.mkdir(parents=True, exist_ok=True)
     return identity

@@ -15,6 +15,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -22,6 +23,7 @@ import sqlalchemy as sa
 
 from jobs.database import connection_url
 from jobs.home import Home
+from jobs.lasting_thread import lasting_thread
 
 __all__ = ["FileLiveness", "Liveness", "PostgresLiveness", "open_liveness"]
 
@@ -125,8 +127,8 @@ class PostgresLiveness:
         if not self._ask(sa.func.pg_try_advisory_lock(_key(executor))):
             raise RuntimeError(f"executor {executor} already exists")
         self._holds, self._last_proof = True, _now()
-        threading.Thread(target=self._prove, args=(executor,), daemon=True).start()
-        threading.Thread(target=self._watch, args=(on_lost,), daemon=True).start()
+        lasting_thread("proof of life", partial(self._prove, executor)).start()
+        lasting_thread("watch of the proof of life", partial(self._watch, on_lost)).start()
 
     @contextmanager
     def claim_dead(self, executor: str) -> Iterator[bool]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import os
-import threading
 from collections.abc import Callable
+
+from jobs.lasting_thread import lasting_thread
 
 __all__ = ["when_parent_is_gone"]
 
@@ -16,14 +18,24 @@ def when_parent_is_gone(act: Callable[[], object], hear: Callable[[bytes], objec
 
     The kernel closes the pipe however the parent ends, by SIGKILL too.
     """
-    threading.Thread(target=_await_end_of_stdin, args=(act, hear), daemon=True).start()
+    lasting_thread("parent", lambda: _await_end_of_stdin(act, hear)).start()
 
 
 def _await_end_of_stdin(act: Callable[[], object], hear: Callable[[bytes], object]) -> None:
     # os.read and not sys.stdin: a daemon thread inside a buffered read would abort the interpreter's shutdown.
     rest = b""
-    while data := os.read(_STDIN, 4096):
+    while data := _read():
         *lines, rest = (rest + data).split(b"\n")
         for line in lines:
             hear(line)
     act()
+
+
+def _read() -> bytes:
+    """Return what has come, b"" at the end; a stdin that is closed or broken has ended."""
+    try:
+        return os.read(_STDIN, 4096)
+    except OSError as error:
+        if error.errno in (errno.EBADF, errno.EIO, errno.EINVAL, errno.ENXIO):
+            return b""
+        raise

@@ -8,11 +8,11 @@ import json
 import logging
 import os
 import signal
-import sys
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from hgs_core.base.own_modules import module_command
 from hgs_core.base.progress import Progress
 from jobs.home import Home
 from jobs.out_of_memory import system_kills
@@ -77,7 +77,7 @@ class StageRunner:
         killed_before = system_kills()
         with (run / "stage.log").open("ab") as log:
             process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "jobs.stage", stage, str(run)),
+                *module_command("jobs.stage", stage, str(run)),
                 stdin=asyncio.subprocess.PIPE,  # closes when this process ends, however it ends
                 stdout=asyncio.subprocess.PIPE,
                 stderr=log,

@@ -19,6 +19,7 @@ from obstore.exceptions import BaseError
 from jobs.artifacts import ArtifactStore
 from jobs.home import Home
 from jobs.home_identity import HomeIdentity
+from jobs.lasting_thread import lasting_thread
 from jobs.transient_faults import one_line, reason_to_wait
 
 __all__ = ["Cause", "Missing", "Surroundings"]
@@ -58,7 +59,7 @@ class Surroundings:
 
     def watch_store(self) -> None:
         """Begin to look at the store every ten seconds, in a thread: one that hangs takes seconds to be found out."""
-        threading.Thread(target=self._watch, name="store", daemon=True).start()
+        lasting_thread("store", self._watch).start()
 
     def of_machine(self) -> Missing | None:
         """Return what this machine lacks for any job, the store as `watch_store` last saw it; None if nothing."""

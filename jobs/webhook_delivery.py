@@ -11,16 +11,20 @@ import socket
 import ssl
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
 from urllib.parse import SplitResult
 
 from hgs_core.base.errors import InputError
+from jobs.lasting_thread import lasting_thread
 from jobs.transient_faults import one_line
 from jobs.webhook_rules import WebhookRules
 from jobs.webhook_table import Announcement, WebhookTable
 
 __all__ = ["WebhookDelivery", "signature"]
 
-TIMEOUT = 10.0  # seconds for each of: the connection, the answer
+TIMEOUT = 10.0  # seconds without a byte
+LONGEST = 30.0  # seconds that one delivery may take, whatever comes: less than its lease
 POLL = 2.0  # seconds between two looks for what is due
 GONE = 410
 
@@ -36,7 +40,7 @@ class WebhookDelivery:
 
     def start(self) -> None:
         """Send from a thread of its own, as long as the process lives."""
-        threading.Thread(target=self._run, daemon=True, name="webhooks").start()
+        lasting_thread("webhooks", self._run).start()
 
     def deliver_due(self) -> int:
         """Try everything that is due once; return how many arrived."""
@@ -44,10 +48,11 @@ class WebhookDelivery:
         while (one := self._table.take()) is not None:
             try:
                 status = self._send(one)
-            except InputError as error:  # no longer allowed
-                self._table.failed(one, one_line(error))
-            except (OSError, http.client.HTTPException) as error:
+            except (InputError, OSError, http.client.HTTPException) as error:  # InputError: no longer allowed
                 self._table.failed(one, one_line(str(error) or type(error).__name__))
+            except Exception as error:  # nobody behind waits for it, and it is given up like any other
+                log.warning("the end of job %s cannot be told: %r", one.job_id, error)
+                self._table.failed(one, one_line(f"cannot be sent: {error}"))
             else:
                 if 200 <= status < 300:
                     self._table.delivered(one)
@@ -75,13 +80,10 @@ class WebhookDelivery:
             "webhook-timestamp": str(now),
             "webhook-signature": signature(self._rules.secret, message, now, body),
         }
-        connection = _connection(parts, self._rules.addresses(parts))
-        try:
+        with _connection(parts, self._rules.addresses(parts), time.monotonic() + LONGEST) as connection:
             path = (parts.path or "/") + (f"?{parts.query}" if parts.query else "")
             connection.request("POST", path, body, headers)
             return connection.getresponse().status  # a redirection is an answer like any other: nobody follows it
-        finally:
-            connection.close()
 
 
 def signature(secret: bytes, message: str, now: int, body: bytes) -> str:
@@ -90,24 +92,43 @@ def signature(secret: bytes, message: str, now: int, body: bytes) -> str:
     return f"v1,{base64.b64encode(digest).decode()}"
 
 
-def _connection(parts: SplitResult, addresses: list[str]) -> http.client.HTTPConnection:
-    """Return a connection to one of the addresses: a second look-up of the name could give others."""
+@contextmanager
+def _connection(parts: SplitResult, addresses: list[str], end: float) -> Iterator[http.client.HTTPConnection]:
+    """Connect to one of the addresses, as a second look-up of the name could give others; until `end` at most.
+
+    Every byte begins the time of the socket anew: a receiver that sends one now and then could hold us for ever.
+    """
     host = str(parts.hostname)
-    if parts.scheme == "https":
-        connection: http.client.HTTPConnection = http.client.HTTPSConnection(host, parts.port, timeout=TIMEOUT)
-        plain = _connected(addresses, connection.port)
-        connection.sock = ssl.create_default_context().wrap_socket(plain, server_hostname=host)
-    else:
-        connection = http.client.HTTPConnection(host, parts.port, timeout=TIMEOUT)
-        connection.sock = _connected(addresses, connection.port)
-    return connection
+    secure = parts.scheme == "https"
+    kind = http.client.HTTPSConnection if secure else http.client.HTTPConnection
+    with closing(kind(host, parts.port, timeout=TIMEOUT)) as connection:
+        plain = _connected(addresses, connection.port, end)
+        with plain.dup() as same:  # TLS takes `plain` over
+            cut = threading.Timer(end - time.monotonic(), _shut, (same,))
+            cut.daemon = True
+            cut.start()
+            try:
+                context = ssl.create_default_context()
+                connection.sock = context.wrap_socket(plain, server_hostname=host) if secure else plain
+                yield connection
+            finally:
+                cut.cancel()
+                cut.join()
+                plain.close()
 
 
-def _connected(addresses: list[str], port: int) -> socket.socket:
+def _connected(addresses: list[str], port: int, end: float) -> socket.socket:
     error: OSError | None = None
     for address in addresses:
         try:
-            return socket.create_connection((address, port), timeout=TIMEOUT)
+            return socket.create_connection((address, port), timeout=max(0.1, min(TIMEOUT, end - time.monotonic())))
         except OSError as failed:
             error = failed
+        if time.monotonic() >= end:
+            break
     raise error or OSError("the name has no address")
+
+
+def _shut(connection: socket.socket) -> None:
+    with suppress(OSError):  # it has ended by itself
+        connection.shutdown(socket.SHUT_RDWR)

@@ -17,6 +17,7 @@ from typing import Any, NoReturn
 from dbos import DBOS, DBOSPortableJSONSerializer
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.own_modules import guard_imports, module_command
 from jobs.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
 from jobs.helper_workflow import HelperWorkflow
 from jobs.home import Home
@@ -66,6 +67,7 @@ def run_worker(home: Home, *, exit_with_parent: bool = False) -> NoReturn:
         InputError: the home's folder is not the one that its database belongs to.
     """
     keep_secrets()
+    guard_imports()
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
@@ -182,7 +184,7 @@ def _leave(recovery: Recovery, register: WorkerRegister) -> None:
 def start_worker(home: Home) -> subprocess.Popen[bytes]:
     """Start a worker as a child that stops when this process ends, or when the returned `stdin` is closed."""
     return subprocess.Popen(
-        [sys.executable, "-m", "jobs.worker", "--exit-with-parent"],
+        module_command("jobs.worker", "--exit-with-parent"),
         stdin=subprocess.PIPE,
         start_new_session=True,  # Ctrl-C reaches the parent alone, which then ends its workers in order
         env={**os.environ, **home.environment()},

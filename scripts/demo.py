@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import http.client
 import json
 import os
 import socket
@@ -10,10 +11,10 @@ import subprocess
 import sys
 import tempfile
 import time
-import urllib.error
-import urllib.request
+from contextlib import closing
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from tqdm import tqdm
 
@@ -78,8 +79,12 @@ def stop(server: subprocess.Popen[bytes]) -> None:
 
 def call(address: str, path: str, body: Any = None) -> Any:
     data = None if body is None else json.dumps(body).encode()
-    request = urllib.request.Request(address + path, data, {"Content-Type": "application/json"})
-    with urllib.request.urlopen(request, timeout=30) as answer:
+    # Not urllib: it closes every connection, as proxies do, from which a server without keys takes nothing.
+    with closing(http.client.HTTPConnection(urlsplit(address).netloc, timeout=30)) as connection:
+        connection.request("GET" if data is None else "POST", path, data, {"Content-Type": "application/json"})
+        answer = connection.getresponse()
+        if answer.status >= 400:
+            raise SystemExit(f"the server refused {path}: {answer.read().decode(errors='replace')}")
         return json.load(answer)
 
 
@@ -90,7 +95,7 @@ def wait_for(address: str, server: subprocess.Popen[bytes]) -> None:
         try:
             call(address, "/v1/health")
             return
-        except (urllib.error.URLError, ConnectionError, TimeoutError):
+        except (http.client.HTTPException, ConnectionError, TimeoutError):
             time.sleep(0.1)
     raise SystemExit("the server did not answer within 30 seconds")
 

@@ -14,6 +14,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import HTTPConnection
 
 from jobs.keys import Key, Scope, key_id, key_matches
+from server.direct_requests import sign_of_proxy
 from server.signed_tokens import SignedToken, read_token, sign_token
 
 __all__ = ["COOKIE", "LINK", "Access", "Asking", "Keys", "Visitor"]
@@ -26,14 +27,13 @@ FRESH_SECONDS = 1.0  # for which keys are kept: a revoked one works no longer th
 AT_ONCE_SECONDS = 0.1  # the same, where somebody has a key that is not known: it may be new
 STALE_SECONDS = 60.0  # for which the last known keys do where the database cannot be reached
 SESSION_SECONDS = 30 * 24 * 3600
-_FORWARDED = ("Forwarded", "X-Forwarded-For")
 
 
 class Asking(Enum):
     """When a key is asked for."""
 
     NEVER = "never"  # --open
-    IF_ANY = "if any"  # on loopback: once there are keys, or where a proxy passes others on
+    IF_ANY = "if any"  # on loopback: once there are keys, or where a request may be of somebody elsewhere
     ALWAYS = "always"
 
 
@@ -83,7 +83,13 @@ class Access:
         if self._asking is Asking.NEVER:
             return True
         await self._refresh()
-        return self._asking is Asking.IF_ANY and not self._keys and not any(h in connection.headers for h in _FORWARDED)
+        return self._asking is Asking.IF_ANY and not self._keys and sign_of_proxy(connection) is None
+
+    def why_closed(self, connection: HTTPConnection) -> str | None:
+        """Return why a server that has no keys lets nobody in by this request; None where it has some."""
+        if self._asking is not Asking.IF_ANY or self._keys:
+            return None
+        return f"it has no keys, and is open to its own machine alone; this request shows {sign_of_proxy(connection)}"
 
     async def visitor(self, connection: HTTPConnection) -> Visitor | None:
         """Return who asks, by `Authorization: Bearer KEY`, a link in the query, or a cookie; None: nobody knows.

@@ -72,6 +72,8 @@ class AccessControl:
             detail = "a key is needed, or this one holds no more; send it as Authorization: Bearer KEY"
             if LINK in connection.query_params:
                 detail = "this link has expired, or is no link of this server"
+            if (why := self._access.why_closed(connection)) is not None:
+                detail = f"this server asks for a key: {why}; make one there with: hgs keys add NAME --scope admin"
             headers = {"WWW-Authenticate": 'Bearer realm="hgs"', "Cache-Control": "no-store"}
             raise ProblemError(401, "key-needed", detail, headers=headers)
         if not visitor.allows(needed) or not await self._opens(visitor, scope["path"]):

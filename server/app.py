@@ -26,7 +26,7 @@ from server.capture_readers import CaptureReaders
 from server.chunk_cache import ChunkCache
 from server.metrics import Metrics
 from server.open_streams import OpenStreams, StreamAdmission
-from server.problems import ProblemError, install_problem_handlers
+from server.problems import install_problem_handlers
 from server.request_log import RequestLog
 from server.routes import (
     capture_checks,
@@ -149,6 +149,6 @@ async def _sweep(service: Service) -> None:
     while True:
         try:
             await service.long_work.run(uploads.sweep)
-        except (OSError, ProblemError) as error:
-            log.warning("uploads cannot be looked after: %s", error)
+        except Exception as error:  # whatever it is, the next look may be a good one
+            log.warning("uploads cannot be looked after: %r", error)
         await asyncio.sleep(SWEEP_SECONDS)

@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import sys
 import time
 from collections import OrderedDict
 from collections.abc import Callable
@@ -17,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from hgs_core.base.own_modules import module_command
 from jobs.home import Home
 from jobs.process_tree import ProcessTree
 from jobs.stage_environment import without_secrets
@@ -57,7 +57,7 @@ class CaptureCheckRun:
 
 
 def _command(capture: Path) -> list[str]:
-    return [sys.executable, "-m", "server.cli", "check", str(capture), "--json", "-"]
+    return module_command("server.cli", "check", str(capture), "--json", "-")
 
 
 class CaptureChecks:
@@ -122,7 +122,7 @@ class CaptureChecks:
         """Run the check and keep what it found; return what failed, if anything."""
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "jobs.limited", _STAGE),
+            *module_command("jobs.limited", _STAGE),
             *self._command(check.capture),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=pipe,

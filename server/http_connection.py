@@ -13,6 +13,7 @@ from uvicorn.server import ServerState
 
 from server.connection_limits import OpenConnections
 from server.problems import PROBLEM_JSON, ProblemError, problem_document
+from server.strict_http import StrictConnection
 from server.websocket_protocol import WebSocketProtocol
 
 __all__ = ["BODY_BYTES", "HttpConnection", "WebSocketConnection"]
@@ -35,6 +36,7 @@ class HttpConnection(H11Protocol):
         _loop: asyncio.AbstractEventLoop | None = None,
     ) -> None:
         super().__init__(config, server_state, app_state, _loop)
+        self.conn: StrictConnection = StrictConnection()
         self.address = ""
         self._open = cast(OpenConnections, server_state)
         self._awaited: object | None = None  # IDLE: the headers, SEND_BODY: the body, None: neither
@@ -88,8 +90,12 @@ class HttpConnection(H11Protocol):
         cast(WebSocketConnection, self.transport.get_protocol()).began_as = self
 
     def send_400_response(self, msg: str) -> None:
-        """Answer what is not HTTP."""
-        self._refuse(ProblemError(400, "bad-request", msg))
+        """Answer what is not HTTP, and say why it is not."""
+        refusal = self.conn.refusal
+        if refusal is None:
+            self._refuse(ProblemError(400, "bad-request", msg))
+        else:
+            self._refuse(ProblemError(refusal.error_status_hint, "bad-request", str(refusal)))
 
     def pause_writing(self) -> None:
         """Wait for the client to take what is written."""

@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Self
 
 from jobs.home import Home
+from jobs.lasting_thread import lasting_thread
 from jobs.worker import start_worker
 
 __all__ = ["WorkerProcesses"]
@@ -28,7 +29,7 @@ class WorkerProcesses:
         self._children: list[subprocess.Popen[bytes]] = []
         self._count = count
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._watch, name="workers", daemon=True)
+        self._thread = lasting_thread("workers", self._watch)
 
     def __enter__(self) -> Self:
         self._children = [start_worker(self._home) for _ in range(self._count)]

@@ -8,10 +8,12 @@ import json
 import time
 from typing import TYPE_CHECKING, Any
 
+from hgs_core.base.errors import InputError
 from server.cli.job_words import seconds_of
 
 if TYPE_CHECKING:
     from jobs.housekeeping import Tidied
+    from jobs.store_check import StoreCheck
 
 __all__ = ["add_parser"]
 
@@ -22,6 +24,10 @@ def add_parser(commands: Any) -> None:
         "gc", help="remove old jobs, and chunks that no scene names",
         description="Tell what need not be kept in HGS_HOME and its store, and with --delete remove it. Published "
         "scenes and unfinished jobs all stay.",
+    )  # fmt: skip
+    parser.add_argument(
+        "--check", action="store_true",
+        help="read every chunk that a scene names, and tell which are missing or damaged; nothing is removed",
     )  # fmt: skip
     parser.add_argument("--delete", action="store_true", help="remove it; without, nothing is changed")
     parser.add_argument("--keep-jobs", metavar="N", help="keep the N finished jobs that ended last (HGS_KEEP_JOBS)")
@@ -35,6 +41,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    if options.check:
+        return _check(options)
     pause = None if options.every is None else seconds_of(options.every, "--every")
     from jobs.byte_sizes import bytes_of
     from jobs.client import JobClient
@@ -54,6 +62,35 @@ def _run(options: argparse.Namespace) -> int:
             if pause is None:
                 return 0
             time.sleep(pause)
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Check the store; the status is 1 where something is wrong with it."""
+    from jobs.artifacts import open_store
+    from jobs.home import Home
+    from jobs.store_check import check_store
+
+    if options.delete or options.every:
+        raise InputError("--check", "changes nothing and runs once", "leave out --delete and --every")
+    home = Home.from_environment()
+    found = check_store(open_store(home))
+    if options.json:
+        print(json.dumps(dataclasses.asdict(found)))
+    else:
+        print(_check_text(found, home.store_url))
+    return 0 if found.sound else 1
+
+
+def _check_text(found: StoreCheck, store: str) -> str:
+    lines = [f"{fault.problem}: chunks/{fault.chunk} of {', '.join(fault.scenes)}" for fault in found.faults]
+    lines += [f"damaged: scenes/{scene}/manifest.json" for scene in found.unreadable]
+    lines.append(f"{found.scenes} scenes name {found.chunks} chunks, {found.bytes:,} bytes; wrong: {len(lines)}")
+    if not found.sound:
+        lines.append(
+            f"To mend it, remove what is damaged from {store} and put the same files of a backup there. Without one, "
+            "delete the scene, and publish its run, if that is still there: hgs publish RUN --id SCENE"
+        )
+    return "\n".join(lines)
 
 
 def _json(tidied: Tidied) -> str:

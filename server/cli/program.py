@@ -11,9 +11,11 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.own_modules import guard_imports
 from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
+    backup,
     bench,
     cameras,
     check,
@@ -29,6 +31,7 @@ from server.cli import (
     play,
     publish,
     report,
+    restore,
     serve,
     submit,
     sync,
@@ -49,10 +52,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
         train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        play, worker, submit, jobs, gc, keys, bench, ablate,
+        play, worker, submit, jobs, gc, backup, restore, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
     options = parser.parse_args(arguments)
+    if arguments is None:  # a process of its own
+        guard_imports()
     try:
         status: int = options.run(options)
     except InputError as error:

@@ -47,8 +47,8 @@ def add_parser(commands: Any) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--uploads", metavar="LIMITS", default="",
-        help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,free=10G,"
-        "hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
+        help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,client=4,"
+        "free=10G,hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
     )  # fmt: skip
     parser.add_argument(
         "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
@@ -156,6 +156,9 @@ def _asking(address: str, opened: bool, any_keys: bool) -> Asking:
             print("hgs: open: whoever can reach this server can use all of it, without a key", file=sys.stderr)
         return Asking.NEVER
     if here:
+        if not any_keys:
+            cure = "before a proxy passes others on, make a key: hgs keys add NAME --scope admin"
+            print(f"hgs: no keys: whoever asks from this machine can use all of this server; {cure}", file=sys.stderr)
         return Asking.IF_ANY
     if not any_keys:
         cure = "make a key with hgs keys add NAME --scope admin, or say --open"

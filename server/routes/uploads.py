@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from ipaddress import ip_network
 from pathlib import Path
 
 from fastapi import APIRouter, Request, Response
@@ -10,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from jobs.job import JobState, Place
+from server.access import Visitor
 from server.conditional import respond_json
 from server.problems import ProblemError
 from server.request_body import read_json
@@ -40,9 +43,20 @@ async def begin(request: Request, service: ServiceDep) -> Response:
     service.require_same_site(request)
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
-    upload, new = await run_in_threadpool(service.uploads.begin, announced)
+    upload, new = await run_in_threadpool(service.uploads.begin, announced, _client(request))
     headers = {"Location": f"/v1/uploads/{upload.id}"}
     return JSONResponse(service.uploads.describe(upload), 201 if new else 200, headers)
+
+
+def _client(request: Request) -> str:
+    """Return whose an upload is: of a key, or of an address; of IPv6 of its network, all of which one client has."""
+    visitor: Visitor | None = getattr(request.state, "visitor", None)
+    if visitor is not None and visitor.key is not None:
+        return f"key {visitor.key.id}"
+    address = request.client.host if request.client else ""
+    with contextlib.suppress(ValueError):
+        return f"address {ip_network((address, 64 if ':' in address else 32), strict=False)}"
+    return f"address {address}"
 
 
 @router.api_route("", methods=["GET", "HEAD"])

@@ -23,13 +23,14 @@ _NUMBER = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,6})?)([kmgt]?)b?", re.IGNORECASE
 
 @dataclass(frozen=True)
 class UploadLimits:
-    """Bytes, but for `files`, `open` and `hours`."""
+    """Bytes, but for `files`, `open`, `client` and `hours`."""
 
     quota: int = 500 * GB  # of all uploads together, also of those that have become captures; 0: none are taken
     upload: int = 200 * GB  # of one
     file: int = 100 * GB  # of one file
     files: int = 20_000  # in one upload
     open: int = 16  # uploads that are not complete
+    client: int = 4  # of these, of one key, or of one address where no key is asked for
     free: int = 10 * GB  # that uploads leave on the disk
     hours: float = 48.0  # without a byte, after which an unfinished upload is deleted
 

@@ -42,12 +42,13 @@ class Announcement:
 class Upload:
     """An upload on disk with its index in memory; safe to use from several threads."""
 
-    def __init__(self, folder: Path, announced: Announcement, created: float, capture: str) -> None:
+    def __init__(self, folder: Path, announced: Announcement, created: float, capture: str, client: str) -> None:
         """Use `create` or `load`."""
         self.id = folder.name
         self.folder = folder
         self.announced = announced
         self.created = created
+        self.client = client  # whose it is, for `UploadLimits.client`; "": nobody's
         self.capture = capture  # the name of its folder among the captures; "" while it is none
         self.last_byte = created
         self.finishing = threading.RLock()  # held while it becomes a capture, or is deleted
@@ -61,9 +62,9 @@ class Upload:
         self._lock = threading.RLock()
 
     @classmethod
-    def create(cls, folder: Path, announced: Announcement) -> Self:
+    def create(cls, folder: Path, announced: Announcement, client: str = "") -> Self:
         """Make the folder."""
-        upload = cls(folder, announced, time.time(), "")
+        upload = cls(folder, announced, time.time(), "", client)
         (folder / "data").mkdir(parents=True)
         upload._save()
         return upload
@@ -77,7 +78,7 @@ class Upload:
         """
         told = json.loads((folder / "upload.json").read_text())
         announced = Announcement(**{name: told[name] for name in Announcement.__dataclass_fields__})
-        upload = cls(folder, announced, float(told["created"]), str(told["capture"]))
+        upload = cls(folder, announced, float(told["created"]), str(told["capture"]), str(told.get("client", "")))
         upload.last_byte = (folder / "upload.json").stat().st_mtime
         if not upload.capture:
             upload._read_journal()
@@ -215,7 +216,7 @@ class Upload:
             raise ProblemError(409, "upload-incomplete", detail + "; send them")
 
     def _save(self) -> None:
-        told = asdict(self.announced) | {"created": self.created, "capture": self.capture}
+        told = asdict(self.announced) | {"created": self.created, "capture": self.capture, "client": self.client}
         write_bytes(self.folder / "upload.json", json.dumps(told, indent=1).encode())
 
     def _index(self, path: str, size: int, sha256: str) -> ArrivingFile:

@@ -45,12 +45,12 @@ class Uploads:
         self._held: BinaryIO | None = None
         self._lock = threading.RLock()
 
-    def begin(self, announced: Announcement) -> tuple[Upload, bool]:
-        """Return the unfinished upload of the same announcement, else a new one; and whether it is new.
+    def begin(self, announced: Announcement, client: str = "") -> tuple[Upload, bool]:
+        """Return the unfinished upload of the same announcement, else a new one of `client`; and whether it is new.
 
         Raises:
-            ProblemError: 403, 413, 503 or 507: what was announced is more than a limit allows, by itself or together
-                with what is there.
+            ProblemError: 403, 413, 429, 503 or 507: what was announced is more than a limit allows, by itself or
+                together with what is there.
         """
         self.limits.check_upload(announced.files, announced.bytes)
         self.sweep()
@@ -60,8 +60,8 @@ class Uploads:
             for upload in unfinished:
                 if upload.announced == announced:
                     return upload, False
-            self._check_room(announced, unfinished)
-            upload = Upload.create(self.folder / readable_id(announced.name, "upload"), announced)
+            self._check_room(announced, unfinished, client)
+            upload = Upload.create(self.folder / readable_id(announced.name, "upload"), announced, client)
             self._uploads[upload.id] = upload
             log.info("upload %s begins: %d files, %d bytes", upload.id, announced.files, announced.bytes)
             return upload, True
@@ -171,8 +171,15 @@ class Uploads:
             return not (self.captures / upload.capture).is_dir()
         return upload.last_byte < time.time() - 3600 * self.limits.hours
 
-    def _check_room(self, announced: Announcement, unfinished: list[Upload]) -> None:
+    def _check_room(self, announced: Announcement, unfinished: list[Upload], client: str) -> None:
         limits = self.limits
+        own = [upload for upload in unfinished if client and upload.client == client]
+        if len(own) >= limits.client:
+            detail = (
+                f"{len(own)} uploads of this key or address are not complete, and it may have {limits.client} at once "
+                f"(--uploads client); finish or delete one, such as {own[0].id}"
+            )
+            raise ProblemError(429, "uploads-open", detail, headers={"Retry-After": "60"})
         if len(unfinished) >= limits.open:
             detail = (
                 f"{limits.open} uploads are not complete (--uploads open); finish or delete one, or try again later"

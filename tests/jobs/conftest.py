@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Any
 
@@ -22,13 +22,15 @@ sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import,
 from postgres_server import PostgresServer, missing_program
 
 from hgs_core.runs.config import RunConfig
-from jobs.artifacts import ArtifactStore
+from jobs.artifacts import ArtifactStore, open_store
 from jobs.client import JobClient
 from jobs.database import create_engine, prepare_database
 from jobs.home import Home
 from jobs.job import Job
 from jobs.job_request import JobRequest
+from jobs.keys import KeyTable, Scope
 from jobs.store import metadata
+from tests.chunks import static_chunk
 
 MODULES = Path(__file__).parent / "modules"
 REPOSITORY = Path(__file__).resolve().parent.parent.parent
@@ -190,3 +192,31 @@ def worker(home: Home) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
     for process in processes:
         process.kill()
         process.wait()
+
+
+@pytest.fixture
+def elsewhere(tmp_path: Path, pipeline: str) -> Home:
+    """A home that is not there yet, at another path."""
+    return dataclasses.replace(Home.at(tmp_path / "another machine" / "home"), pipeline=pipeline)
+
+
+@pytest.fixture
+def used(home: Home, write_scene: Callable[..., list[str]], tmp_path: Path) -> Home:
+    """A home with a key, two scenes, an upload under way, and what a killed process leaves."""
+    with closing(KeyTable(home)) as keys:
+        keys.add("anna", {Scope.VIEW})
+        keys.secret()
+    store = open_store(home)
+    for name, chunks in (("a", (static_chunk(b"1"), static_chunk(b"2"))), ("b", (static_chunk(b"2"),))):
+        write_scene(tmp_path / name, chunks)
+        store.put_scene(tmp_path / name, name)
+    for name, text in (
+        ("uploads/x-1f9c03ab/upload.json", "{}"), ("uploads/captures/room/cam 0\n\\.mp4", "video"),
+        ("runs/a/checkpoint.pt", "state"), ("runs/a/run.lock", ""), ("runs/a/run.lease.3", ""),
+        ("runs/a/.checkpoint.pt.1f.tmp", "half"), ("uploads/.deleted-1/x", "x"), ("live/worker-1", ""),
+        ("store/chunks/" + "0" * 64, "nobody names it"),
+    ):  # fmt: skip
+        (home.folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (home.folder / name).write_text(text)
+    os.utime(home.folder / "uploads/x-1f9c03ab/upload.json", (1e9, 1e9))
+    return home

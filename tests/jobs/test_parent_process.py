@@ -45,6 +45,16 @@ def test_lines_before_that_are_heard() -> None:
         assert process.communicate(b"one\ntwo\n")[0].splitlines() == [b"b'one'", b"b'two'"]
 
 
+def test_the_end_is_noticed_also_after_a_line_that_failed() -> None:
+    child = CHILD.format(seconds=600).replace("(70)", "(70), lambda line: 1 / 0")
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", child], stdin=pipe, stdout=pipe, stderr=pipe) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n"
+        assert b"ZeroDivisionError" in process.communicate(b"one\n")[1]
+        assert process.returncode == 70
+
+
 def test_the_action_comes_when_stdin_closes(child: Child) -> None:
     assert child.stdin is not None
     child.stdin.close()

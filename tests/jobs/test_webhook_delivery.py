@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import hashlib
 import hmac
 import http.server
 import json
+import socket
 import subprocess
 import threading
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
+from urllib.parse import SplitResult, urlsplit
 
 import pytest
 import sqlalchemy as sa
 
 from hgs_core.runs.config import RunConfig
-from jobs import webhook_table
+from jobs import lasting_thread, webhook_delivery, webhook_table
 from jobs.client import JobClient
 from jobs.job import Job
 from jobs.job_request import JobRequest
@@ -121,6 +126,89 @@ def test_a_host_that_is_no_longer_allowed_is_not_asked(ended: WebhookTable, rece
     WebhookDelivery(ended, WebhookRules(frozenset({"hooks.example.org"}), SECRET, private=True)).deliver_due()
     assert receiver.received == []
     assert "not a host that may be told" in kept(ended).error
+
+
+@pytest.mark.parametrize("error", [UnicodeError("label empty or too long"), ValueError("embedded null"), KeyError("x")])
+def test_a_name_that_no_resolver_takes_is_a_failed_try_and_keeps_nobody_waiting(
+    engine: sa.Engine, ended: WebhookTable, receiver: Receiver, error: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    table, rows = JobTable(engine), webhook_table._rows
+    with engine.begin() as connection:  # the rows of an older version, which let them in
+        for place, host in enumerate(("a..corp.example", ".corp.example")):
+            table.insert(connection, Job(f"b{place}", "B", "/captures/b", {}, webhook=f"http://{host}:80/"))
+        connection.execute(sa.update(rows).values(next_try=time.time()))
+    for place in range(2):
+        table.fail(f"b{place}", 1, "out of memory")
+    with engine.begin() as connection:
+        connection.execute(sa.update(rows).where(rows.c.job_id != "a").values(next_try=0.0))
+
+    real = socket.getaddrinfo
+
+    def look_up(host: str, *more: Any, **options: Any) -> Any:
+        if host != "127.0.0.1":
+            raise error
+        return real(host, *more, **options)
+
+    class Lenient(WebhookRules):
+        def checked(self, url: str) -> SplitResult:
+            return urlsplit(url)
+
+    monkeypatch.setattr(socket, "getaddrinfo", look_up)
+    assert WebhookDelivery(ended, Lenient(RULES.hosts, SECRET, private=True)).deliver_due() == 1
+    assert len(receiver.received) == 1
+    one = ended.of("b0")
+    assert one is not None
+    assert (one.tries, one.error) == (1, f"cannot be sent: {error}")
+
+
+def test_a_row_with_a_bad_name_is_given_up_after_three_days(ended: WebhookTable, engine: sa.Engine) -> None:
+    rows = webhook_table._rows
+    with engine.begin() as connection:
+        connection.execute(sa.update(rows).values(url="https://a..corp.example/", ended=time.time() - 4 * 86400))
+    WebhookDelivery(ended, WebhookRules(frozenset({".corp.example"}), SECRET)).deliver_due()
+    assert (kept(ended).tries, kept(ended).next_try) == (1, None)
+    assert "is no host" in kept(ended).error
+
+
+def test_a_receiver_that_answers_byte_by_byte_is_left(
+    ended: WebhookTable, engine: sa.Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(webhook_delivery, "LONGEST", 0.5)
+    over = threading.Event()
+
+    def drip(listener: socket.socket) -> None:
+        connection, _ = listener.accept()
+        with connection, contextlib.suppress(OSError):
+            while not over.wait(0.02):
+                connection.sendall(b"H")
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        dripping = threading.Thread(target=drip, args=(listener,))
+        dripping.start()
+        url = f"http://127.0.0.1:{listener.getsockname()[1]}/"
+        with engine.begin() as connection:
+            connection.execute(sa.update(webhook_table._rows).values(url=url))
+        assert WebhookDelivery(ended, RULES).deliver_due() == 0
+        over.set()
+        dripping.join()
+    assert kept(ended).tries == 1
+
+
+def test_the_thread_goes_on_after_any_fault(
+    ended: WebhookTable, receiver: Receiver, wait_until: Poll, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    faults: list[BaseException] = [OSError("cannot sleep"), SystemExit()]
+    monkeypatch.setattr(lasting_thread, "PAUSE", 0.01)
+
+    def take() -> Announcement | None:
+        if faults:
+            raise faults.pop()
+        return WebhookTable.take(ended)
+
+    monkeypatch.setattr(ended, "take", take)
+    monkeypatch.setattr(webhook_delivery, "POLL", 0.01)
+    WebhookDelivery(ended, RULES).start()
+    wait_until(lambda: len(receiver.received) == 1, "the delivery")
 
 
 def test_a_worker_that_is_killed_while_it_tells_loses_nothing(

@@ -27,7 +27,10 @@ class Clock:
 
 def asked(query: str = "", **headers: str) -> HTTPConnection:
     named = [(name.replace("_", "-").lower().encode(), value.encode()) for name, value in headers.items()]
-    return HTTPConnection({"type": "http", "headers": named, "query_string": query.encode()})
+    if "Host" not in headers:
+        named.append((b"host", b"127.0.0.1:8000"))
+    client = ("127.0.0.1", 50000)
+    return HTTPConnection({"type": "http", "headers": named, "query_string": query.encode(), "client": client})
 
 
 @pytest.fixture(autouse=True)

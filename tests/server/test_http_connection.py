@@ -333,6 +333,34 @@ def test_what_is_not_http_is_answered_with_a_problem_document(server: Any) -> No
     asyncio.run(scenario())
 
 
+@pytest.mark.parametrize(
+    ("request_text", "status", "why"),
+    [
+        (f"{POST[:-2]}Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, "only one can hold"),
+        (HEAD.replace("\r", "") + "\n", 400, "CR LF"),
+        (f"{HEAD}X: 1\r\n folded\r\n\r\n", 400, "next line"),
+        (HEAD + "X: 1\r\n" * 10_000 + "\r\n", 431, "128 header lines"),
+        (f"{HEAD}X: {'x' * 70_000}\r\n\r\n", 431, "64 KiB"),
+        (HEAD.replace("health", "x" * 9000) + "\r\n", 414, "8 KiB"),
+    ],
+)
+def test_request_that_a_proxy_could_see_otherwise_is_refused_and_its_connection_ends(
+    server: Any, request_text: str, status: int, why: str
+) -> None:
+    async def scenario() -> None:
+        async with connections(server) as (_, connect):
+            client = await connect()
+            await client.send(f"{HEAD}\r\n")
+            assert (await client.answer())[0] == 200
+            await client.send(f"{request_text}{HEAD}\r\n")
+            found, body = await client.answer()
+            assert (found, json.loads(body)["code"]) == (status, "bad-request")
+            assert why in json.loads(body)["detail"]
+            assert await client.rest() == b""  # what comes behind it is not answered
+
+    asyncio.run(scenario())
+
+
 def test_client_that_leaves_in_the_middle_of_a_body_is_no_fault(server: Any, caplog: pytest.LogCaptureFixture) -> None:
     async def scenario() -> None:
         async with connections(server) as (http, connect):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from jobs import lasting_thread
 from jobs.home import Home
 from server import worker_processes
 from server.worker_processes import WorkerProcesses
@@ -40,5 +41,28 @@ def test_worker_that_dies_is_replaced(tmp_path: Path, children: list[subprocess.
             assert time.monotonic() < deadline
             time.sleep(0.01)
     assert children[1].returncode == 0
+    if children[0].stdin is not None:
+        children[0].stdin.close()
+
+
+def test_workers_are_replaced_also_after_one_could_not_be_started(
+    tmp_path: Path, children: list[subprocess.Popen[bytes]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    start, refused = worker_processes.start_worker, [OSError("Resource temporarily unavailable")]
+
+    def start_sometimes(home: Home) -> subprocess.Popen[bytes]:
+        if children and refused:
+            raise refused.pop()
+        return start(home)
+
+    monkeypatch.setattr(worker_processes, "start_worker", start_sometimes)
+    monkeypatch.setattr(lasting_thread, "PAUSE", 0.01)
+    with WorkerProcesses(Home.at(tmp_path), 1):
+        children[0].kill()
+        deadline = time.monotonic() + 60
+        while len(children) < 2:
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+    assert not refused
     if children[0].stdin is not None:
         children[0].stdin.close()

@@ -107,3 +107,10 @@ def test_pages_of_other_sites_change_nothing(server: Any, method: str, path: str
     headers = TUS | {"Origin": "https://evil.example", "Content-Type": "application/offset+octet-stream"}
     answer = server.request(method, f"/v1/uploads{path}", headers=headers, content=b"x")
     assert (answer.status_code, answer.json()["code"]) == (403, "origin-not-allowed")
+
+
+def test_one_address_has_so_many_unfinished_uploads_and_no_more(server: Any) -> None:
+    assert [begin(server, key=str(number)).status_code for number in range(4)] == [201] * 4
+    refused = begin(server, key="4")
+    assert (refused.status_code, refused.json()["code"], refused.headers["retry-after"]) == (429, "uploads-open", "60")
+    assert begin(server, key="3").status_code == 200

@@ -222,3 +222,17 @@ def test_where_machines_share_no_folder_a_capture_is_in_the_store_first(tmp_path
     uploads.delete(upload)
     assert everywhere.names == []
     uploads.close()
+
+
+def test_one_client_cannot_hold_them_all(open_uploads: Callable[..., Uploads]) -> None:
+    uploads = open_uploads(open=4, client=2, quota=10**6)
+    first, _ = uploads.begin(dataclasses.replace(STUDIO, key="0"), "anna")
+    uploads.begin(dataclasses.replace(STUDIO, key="1"), "anna")
+    uploads = open_uploads(open=4, client=2, quota=10**6)  # the server was started again
+    with pytest.raises(ProblemError, match=r"it may have 2 at once .* finish or delete one") as refused:
+        uploads.begin(dataclasses.replace(STUDIO, key="2"), "anna")
+    assert (refused.value.status, refused.value.headers) == (429, {"Retry-After": "60"})
+    assert uploads.begin(dataclasses.replace(STUDIO, key="1"), "anna")[1] is False  # going on is no new one
+    assert uploads.begin(dataclasses.replace(STUDIO, key="2"), "bert")[1]
+    uploads.delete(uploads.get(first.id))
+    assert uploads.begin(dataclasses.replace(STUDIO, key="3"), "anna")[1]
