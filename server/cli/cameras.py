@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import StageStopped
+from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
@@ -57,6 +58,8 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--focal", f"{options.focal} is no focal length", "give it in pixels of the videos")
     distance = None if options.distance is None else _distance(options.distance)
     board = _board(options)
+    if options.folder.is_dir():
+        require_writable_folder(options.folder / COLMAP_FOLDER)
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:
             solution = find_cameras(

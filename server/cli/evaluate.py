@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_folder
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["FIELDS", "add_parser"]
@@ -73,6 +74,7 @@ def _run(options: argparse.Namespace) -> int:
 
     cameras = None if options.cameras is None else _names(options.cameras)
     RunFolder(options.run_folder).read_spec()  # before torch is loaded: a wrong path is told at once
+    require_writable_folder(options.run_folder)
     from hgs_core.evaluate.run import evaluate_run
 
     with ProgressBars() as bars:

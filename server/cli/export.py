@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from hgs_core.base.writable import require_writable_file, require_writable_folder
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 
@@ -40,6 +41,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.source import open_source
 
     output = JsonOutput(options.json)
+    (require_writable_file if options.to.suffix else require_writable_folder)(options.to)
     source = open_source(options.source)
     with ProgressBars() as bars:
         changes = source.export(
