@@ -48,7 +48,6 @@ class CommandLine(argparse.ArgumentParser):
             raise argparse.ArgumentError(action, f"unknown choice {str(value)[:40]!r}{near}")
 
 
-
 def _meant(word: str, known: list[str]) -> str:
     near = did_you_mean(word, known)
     return f"; {near}" if near else ""

@@ -1,4 +1,4 @@
-"""Signals as wishes that a command can obey: a stage saves what it can resume from, anything else leaves no half file."""
+"""Signals as wishes that a command can obey: a stage saves what it can resume from, all else leaves no half file."""
 
 from __future__ import annotations
 
