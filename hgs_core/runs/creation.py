@@ -10,7 +10,7 @@ import logging
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import ProgressCallback
+from hgs_core.base.progress import ProgressCallback, interruptible
 from hgs_core.base.wording import counted
 from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, has_poses
 from hgs_core.capture.capture import Capture
@@ -95,6 +95,7 @@ def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> Ru
     return dataclasses.replace(config, capture=chosen)
 
 
+@interruptible()
 def prepare(run: Path, progress: ProgressCallback) -> None:
     """Find out when the videos began and where the cameras stand, where the capture does not say.
 

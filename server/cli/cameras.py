@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, interruptible
 from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
@@ -60,7 +60,7 @@ def _run(options: argparse.Namespace) -> int:
     board = _board(options)
     if options.folder.is_dir():
         require_writable_folder(options.folder / COLMAP_FOLDER)
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
             solution = find_cameras(
                 options.folder, focal=options.focal, up=options.up, distance=distance, board=board, floor=options.floor,

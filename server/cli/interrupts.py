@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from types import FrameType, TracebackType
 from typing import Any, NoReturn, Self
 
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, stop_if_interruptible
 
 __all__ = ["Interrupts", "Terminated", "terminating"]
 
@@ -82,6 +82,7 @@ class Interrupts:
         self._restore()
         # Not print: a handler may run in the middle of another write to the same buffer.
         os.write(2, b"\nsaving and stopping; press Ctrl-C again to stop at once\n")
+        stop_if_interruptible()
 
     def _restore(self) -> None:
         while self._previous:

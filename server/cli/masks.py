@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, interruptible
 from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
@@ -54,7 +54,7 @@ def _run(options: argparse.Namespace) -> int:
     for note in capture.notes:
         print(f"{options.capture}: {note}", file=sys.stderr)
     frames = range(len(capture.times))
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
 
             def numbers(camera: int) -> list[int]:
