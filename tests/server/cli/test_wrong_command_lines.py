@@ -56,6 +56,7 @@ train {capture} --out {out} --audio {none}
 train {capture} --out {out} --audio {junk}
 train {capture} --out {out} --audio camera:77
 train {capture} --out {out} --audio ''
+train {capture} --out {out}\0
 train {capture} --out {out} --sync sound
 train {capture} {capture} --out {out}
 check
@@ -204,7 +205,6 @@ export {run} --to {out} --fps -1
 export {run} --to {out} --fps 1e9
 export {run} --to {out}.spz --spz-version 9
 export {run} --to {out}.ply --spz-version 3
-export {run} --to {empty}.ply/x.ply
 export {run} --to ''
 serve --port x
 serve --port -1 --workers 0
@@ -226,14 +226,18 @@ serve {capture} --port 0 --workers 0
 serve {junk} --port 0 --workers 0
 play
 play x
-play http://127.0.0.1:9/
+play http://127.0.0.1:9/ --stats --patience 0
+play http://127.0.0.1:9/view/x --stats --patience 0
+play ws://127.0.0.1:9/v1/scenes/x/stream --stats --patience 0
+play ws:// --stats
+play http://[::1/view/x --stats
 play http://127.0.0.1:9/view/x
-play ws://127.0.0.1:9/v1/scenes/x/stream
-play ws://
+play http://127.0.0.1:9/view/x --stats --patience -1
+play http://127.0.0.1:9/view/x --stats --patience nan
 play ''
-play http://127.0.0.1:9/view/x --seconds nan
-play http://127.0.0.1:9/view/x --seconds -1
-play http://127.0.0.1:99999999/view/x
+play http://127.0.0.1:9/view/x --seconds nan --stats --patience 0
+play http://127.0.0.1:9/view/x --seconds -1 --stats --patience 0
+play http://127.0.0.1:99999999/view/x --stats --patience 0
 submit
 submit {none}
 submit {junk}
@@ -254,6 +258,10 @@ submit {capture} --to http://host:99999999
 submit {capture} --to {dead} --masks {empty}
 submit {capture} --to {dead} --audio {junk}
 submit {none} --to {dead}
+submit {capture} --to {dead} --patience 0
+submit {capture} --to {dead} --patience -1
+submit {capture} --to {dead} --patience 1e9
+submit {capture} --patience soon
 submit {junk} --to {dead}
 jobs
 jobs sl
@@ -262,6 +270,15 @@ jobs ls --limit 0
 jobs ls --limit x
 jobs ls --since yesterday
 jobs ls --to nonsense
+jobs ls --to ''
+jobs ls --to {dead} --patience 0
+jobs ls --to http://a..b
+jobs ls --to http://[::1
+jobs ls --to 'http://a b/'
+jobs ls --to http://127.0.0.1:0
+jobs show x --to {dead} --patience 0
+jobs delete x --to {dead} --patience 0
+jobs workers --to {dead} --patience 0
 jobs show
 jobs show nothing
 jobs show ''
@@ -378,7 +395,7 @@ def test_a_wrong_command_line_is_refused_in_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = tree(tmp_path / "places", capture, run)
-    assert status_of(lambda: main(shlex.split(line.format(**places)))) == 2
+    assert status_of(lambda: main(shlex.split(line.replace("\\0", "\0").format(**places)))) == 2
     told = capsys.readouterr()
     assert told.out == ""
     lines = [one for one in told.err.splitlines() if one.startswith("hgs: ")]
