@@ -77,11 +77,8 @@ def _at_desk(run: Any, options: argparse.Namespace) -> int:
     from jobs.home import Home
     from server.cli.job_desk import HomeDesk, ServerDesk
 
-    with (
-        ServerDesk(options.to, options.patience)
-        if options.to is not None
-        else HomeDesk(Home.from_environment()) as desk
-    ):
+    there = options.to is not None
+    with ServerDesk(options.to, options.patience) if there else HomeDesk(Home.from_environment()) as desk:
         status: int = run(desk, options)
         return status
 
@@ -94,9 +91,9 @@ def _ls(desk: JobDesk, options: argparse.Namespace) -> int:
         _print_json({"jobs": jobs})
     else:
         print(job_table(jobs, time.time()))
-        if any(job["state"] == "queued" for job in jobs):
-            if line := no_worker(jobs, desk.workers()["workers"], options.to or ""):
-                print(line, file=sys.stderr)
+        waiting = [job for job in jobs if job["state"] == "queued"]
+        if waiting and (line := no_worker(waiting, desk.workers()["workers"], options.to or "")):
+            print(line, file=sys.stderr)
     return 0
 
 
