@@ -23,13 +23,7 @@ def require_writable_folder(folder: Path) -> None:
         InputError: that cannot be done; names the path, what the system says, and a cure.
     """
     try:
-        with _made(folder):
-            trial = folder / f".{secrets.token_hex(6)}.tmp"
-            try:
-                with trial.open("xb") as file:
-                    file.write(_BLOCK)
-            finally:
-                trial.unlink(missing_ok=True)
+        _try(folder)
     except OSError as error:
         raise _cannot_be_written(error, folder) from error
 
@@ -46,9 +40,19 @@ def require_writable_file(file: Path) -> None:
             raise InputError(file, "is a folder", "name a file")
         if there and not file.is_file():
             raise InputError(file, "is no regular file, and would be replaced by one", "name another file")
+        _try(file.parent)
     except OSError as error:
         raise _cannot_be_written(error, file) from error
-    require_writable_folder(file.parent)
+
+
+def _try(folder: Path) -> None:
+    with _made(folder):
+        trial = folder / f".{secrets.token_hex(6)}.tmp"
+        try:
+            with trial.open("xb") as file:
+                file.write(_BLOCK)
+        finally:
+            trial.unlink(missing_ok=True)
 
 
 def _cannot_be_written(error: OSError, path: Path) -> InputError:

@@ -46,7 +46,10 @@ def create_run(
     folder = RunFolder(run)
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
-        require_sounding_video(audio, {video.stem: video for video in find_videos(capture)})
+        videos = find_videos(capture)
+        if videos[0].parent != capture:
+            log.warning("%s: has no videos of its own; those of %s are taken", capture, videos[0].parent)
+        require_sounding_video(audio, {video.stem: video for video in videos})
         folder.write_spec(
             RunSpec(capture.resolve(), "", config, masks and masks.resolve(), prepared=False, audio=audio)
         )
@@ -54,9 +57,9 @@ def create_run(
     opened = open_capture(
         capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
     )
-    videos = [opened.video(camera) for camera in range(len(opened.cameras))]
+    sources = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
-        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, videos, strict=True)}
+        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, sources, strict=True)}
     )
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)

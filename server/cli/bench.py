@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import argparse
 import math
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
@@ -14,6 +17,9 @@ from server.cli.bench_stream import add_parts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_training_options, training_config
+
+if TYPE_CHECKING:
+    from hgs_core.bench.viewers import ViewerPoint
 
 __all__ = ["add_parser"]
 
@@ -161,13 +167,16 @@ def _run_viewers(options: argparse.Namespace) -> int:
     rounds, frames = _whole("--rounds", options.rounds, 1), _whole("--frames", options.frames, 1)
     output = JsonOutput(options.json)
     from hgs_core.bench.viewers import VIEWERS, bench_viewers
-    from hgs_core.bench.viewers_table import viewers_text
+    from hgs_core.bench.viewers_table import viewer_line, viewers_text
+
+    def show(point: ViewerPoint, done: int) -> None:
+        tqdm.write(viewer_line(point, done, rounds), file=sys.stderr)
 
     with ProgressBars() as bars:
         report = bench_viewers(
             options.source, bars,
             viewers=VIEWERS if options.viewers is None else options.viewers.split(","),
-            size=parse_picture_size("--size", options.size), rounds=rounds, frames=frames,
+            size=parse_picture_size("--size", options.size), rounds=rounds, frames=frames, measured_one=show,
         )  # fmt: skip
     output.show(report.to_json(), viewers_text(report))
     return 0

@@ -59,6 +59,7 @@ def _run(options: argparse.Namespace) -> int:
     distance = None if options.distance is None else _distance(options.distance)
     board = _board(options)
     if options.folder.is_dir():
+        _say_where_videos_are(options.folder)
         require_writable_folder(options.folder / COLMAP_FOLDER)
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
@@ -73,6 +74,18 @@ def _run(options: argparse.Namespace) -> int:
         print("the scale is arbitrary; --distance and --board give metres", file=sys.stderr)
     print(options.folder / COLMAP_FOLDER)
     return 0
+
+
+def _say_where_videos_are(folder: Path) -> None:
+    """Say which folder the videos are taken from, where it is not the one that was given."""
+    from hgs_core.calibrate.uncalibrated import find_videos
+
+    try:
+        place = find_videos(folder)[0].parent
+    except InputError:
+        return  # finding the cameras says why
+    if place != folder:
+        print(f"{folder}: has no videos of its own; those of {place} are taken", file=sys.stderr)
 
 
 def _board(options: argparse.Namespace) -> Board | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ from hgs_core.base.writable import require_writable_folder
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["FIELDS", "add_parser"]
+
+NO_LPIPS = "no LPIPS: give its weights with --lpips FILE; docs/evaluation.md says how to make the file"
 
 FIELDS = (
     "psnr",  # dB, mean over frames and cameras
@@ -83,6 +86,8 @@ def _run(options: argparse.Namespace) -> int:
             masks=options.masks, lpips=options.lpips, flip=options.flip, backend=options.backend,
         )  # fmt: skip
     scores = {name: result[name] for name in FIELDS}
+    if options.lpips is None:
+        print(NO_LPIPS, file=sys.stderr)
     if options.json:
         print(json.dumps(scores))
     else:
