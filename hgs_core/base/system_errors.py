@@ -8,7 +8,10 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["as_input_error"]
+__all__ = ["THE_OUTPUT", "as_input_error"]
+
+THE_OUTPUT = "the output"
+"""The place of an error that names no file: of a write, to standard output as a rule."""
 
 _CURES = {
     errno.ENOSPC: "make room on that disk, or give a place on another",
@@ -33,9 +36,9 @@ _CURES = {
 def as_input_error(error: OSError, path: Path | None = None) -> InputError:
     """Return an error of the system as one line: the file, what is wrong with it, and what helps.
 
-    The file is the one that the error names, or else `path`.
+    The file is the one that the error names, or else `path`, or else `THE_OUTPUT`.
     """
     name = error.filename if error.filename is not None else path
-    where = "a file" if name is None else os.fsdecode(name) if isinstance(name, str | bytes) else str(name)
+    where = THE_OUTPUT if name is None else os.fsdecode(name) if isinstance(name, str | bytes) else str(name)
     problem = error.strerror or str(error) or type(error).__name__
     return InputError(where or "the empty path", problem[:1].lower() + problem[1:], _CURES.get(error.errno or 0, ""))

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any, NoReturn
 
+from hgs_core.base.storable_text import is_storable
 from hgs_core.base.wording import did_you_mean
 
 __all__ = ["BAD_INPUT", "CommandLine"]
@@ -23,7 +24,7 @@ class CommandLine(argparse.ArgumentParser):
     def __init__(self, *arguments: Any, **named: Any) -> None:
         """Take what `ArgumentParser` takes."""
         super().__init__(*arguments, **named)
-        for kind, read in ((float, _number), (int, _whole_number), (Path, _path)):
+        for kind, read in ((None, _text), (float, _number), (int, _whole_number), (Path, _path)):
             self.register("type", kind, read)
 
     def error(self, message: str) -> NoReturn:
@@ -51,6 +52,13 @@ class CommandLine(argparse.ArgumentParser):
 def _meant(word: str, known: list[str]) -> str:
     near = did_you_mean(word, known)
     return f"; {near}" if near else ""
+
+
+def _text(text: str) -> str:
+    """Return text that every database and line can hold; only paths may be bytes of another encoding."""
+    if not is_storable(text):
+        raise argparse.ArgumentTypeError(f"{text[:40]!a} is not UTF-8 text")
+    return text
 
 
 def _number(text: str) -> float:

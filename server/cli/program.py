@@ -10,6 +10,7 @@ import sys
 from collections.abc import Sequence
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.system_errors import THE_OUTPUT
 from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
@@ -92,7 +93,7 @@ def _refused(error: Exception) -> int:
     told = outer_fault(error)
     if told is None:
         raise error
-    if told.where == "standard output":
+    if told.where == THE_OUTPUT:
         discard_output()
     print(f"hgs: {' '.join(str(told).split())}", file=sys.stderr)
     return BAD_INPUT

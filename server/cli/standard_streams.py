@@ -24,15 +24,10 @@ def flush_output() -> None:
     """Write out what is left, as long as a fault can still be told.
 
     Raises:
-        OSError: standard output takes no more; names it.
+        OSError: standard output takes no more.
     """
     if sys.stdout is not None:
-        try:
-            sys.stdout.flush()
-        except OSError as error:
-            if not isinstance(error, BrokenPipeError):
-                error.filename = "standard output"
-            raise
+        sys.stdout.flush()
 
 
 def discard_output() -> None:

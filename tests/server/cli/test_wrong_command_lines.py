@@ -57,6 +57,9 @@ train {capture} --out {out} --audio {junk}
 train {capture} --out {out} --audio camera:77
 train {capture} --out {out} --audio ''
 train {capture} --out {out}\0
+jobs show x\udcff
+submit {capture} --title x\udcff
+keys add x\udcff
 train {capture} --out {out} --sync sound
 train {capture} {capture} --out {out}
 check
@@ -395,7 +398,8 @@ def test_a_wrong_command_line_is_refused_in_one_line(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = tree(tmp_path / "places", capture, run)
-    assert status_of(lambda: main(shlex.split(line.replace("\\0", "\0").format(**places)))) == 2
+    words = shlex.split(line.replace("\\0", "\0").replace("\\udcff", "\udcff").format(**places))
+    assert status_of(lambda: main(words)) == 2
     told = capsys.readouterr()
     assert told.out == ""
     lines = [one for one in told.err.splitlines() if one.startswith("hgs: ")]
