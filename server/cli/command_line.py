@@ -27,6 +27,12 @@ class CommandLine(argparse.ArgumentParser):
         for kind, read in ((None, _text), (float, _number), (int, _whole_number), (Path, _path)):
             self.register("type", kind, read)
 
+    def add_subparsers(self, **named: Any) -> Any:
+        """Take the rest of the line as it is: its options read it."""
+        action = super().add_subparsers(**named)
+        action.type = str  # without a type it would all be read as text, paths too
+        return action
+
     def error(self, message: str) -> NoReturn:
         """Print one line and exit with status 2."""
         line = " ".join(message.split())
@@ -56,6 +62,10 @@ def _meant(word: str, known: list[str]) -> str:
 
 def _text(text: str) -> str:
     """Return text that every database and line can hold; only paths may be bytes of another encoding."""
+    try:
+        text = text.encode("utf-8", "surrogateescape").decode("utf-8")  # where the locale is C, Python reads bytes
+    except UnicodeError:
+        pass
     if not is_storable(text):
         raise argparse.ArgumentTypeError(f"{text[:40]!a} is not UTF-8 text")
     return text

@@ -213,8 +213,6 @@ class ServerClient:
     def _connection(self) -> http.client.HTTPConnection:
         found: http.client.HTTPConnection | None = getattr(self._own, "connection", None)
         if found is None:
-            if self._stopped.is_set():
-                raise StageStopped
             host, port = str(self._parts.hostname), self._parts.port
             # One that never answered is given no longer than it is tried.
             timeout = _TIMEOUT if self._answered else min(_TIMEOUT, max(1.0, self._patience))
@@ -224,6 +222,9 @@ class ServerClient:
                 found = http.client.HTTPConnection(host, port, timeout=timeout)
             self._own.connection = found
             self._connections.append(found)
+            found.connect()
+        if self._stopped.is_set():  # after it is connected: `stop` ends what it finds so
+            raise StageStopped
         return found
 
     def _drop(self) -> None:
