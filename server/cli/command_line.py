@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import math
 import sys
 from pathlib import Path
@@ -62,10 +63,8 @@ def _meant(word: str, known: list[str]) -> str:
 
 def _text(text: str) -> str:
     """Return text that every database and line can hold; only paths may be bytes of another encoding."""
-    try:
-        text = text.encode("utf-8", "surrogateescape").decode("utf-8")  # where the locale is C, Python reads bytes
-    except UnicodeError:
-        pass
+    with contextlib.suppress(UnicodeError):  # where the locale is C, Python reads bytes
+        text = text.encode("utf-8", "surrogateescape").decode("utf-8")
     if not is_storable(text):
         raise argparse.ArgumentTypeError(f"{text[:40]!a} is not UTF-8 text")
     return text
