@@ -54,11 +54,8 @@ def test_any_text_can_be_written_in_any_encoding(home: Path, encoding: str) -> N
     assert done.returncode == 2
     assert done.stderr.startswith(b"hgs: x\xff")
     assert done.stderr.count(b"\n") == 1
-    assert run('"$@" keys add Zoë', home, **settings).returncode == 0
-    done = run('"$@" keys ls', home, **settings)
-    assert (done.returncode, done.stderr) == (0, b"")
     shown = {"ascii": b"Zo\\xeb", "latin-1": b"Zo\xeb", "utf-8": "Zoë".encode()}
-    assert done.stdout.startswith((shown[encoding], "Zoë".encode()))
+    assert shown[encoding] in run('"$@" keys add Zoë', home, **settings).stderr
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
