@@ -9,7 +9,7 @@ started it by plain means:
 - `{"publish"}` on stdout asks the worker to publish what a training by segments has made so far: the stage may lack the
   secrets for that. The answer comes on stdin, `{"error", "waiting"}`, both empty if all went well;
 - stdin: when it closes the worker is gone, and the process ends at once;
-- SIGTERM: the stage saves what it can resume from and stops.
+- SIGTERM, SIGINT: the stage saves what it can resume from and stops.
 
 Exit status: 0 done, 1 failed, 2 bad input, 69 try again later, 70 the worker is gone, 75 stopped.
 """
@@ -31,10 +31,11 @@ import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
+from types import FrameType
 from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, stop_if_interruptible
 from hgs_core.runs.folder import RunFolder
 from jobs.file_limits import met_file_limit
 from jobs.home import Home
@@ -67,7 +68,13 @@ def main(arguments: list[str] | None = None) -> int:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s: %(message)s")
 
     stop = threading.Event()
-    signal.signal(signal.SIGTERM, lambda *_: stop.set())
+
+    def ask_to_stop(number: int, frame: FrameType | None) -> None:
+        stop.set()
+        stop_if_interruptible()
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, ask_to_stop)
     answers: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     when_parent_is_gone(_end, answers.put)
     report = _claim_stdout()

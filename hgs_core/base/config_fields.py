@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.wording import shown
+from hgs_core.base.wording import did_you_mean, shown
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -59,7 +59,8 @@ def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config
     changed: dict[str, Any] = {}
     for name, value in values.items():
         if name not in known:
-            raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", f"known are {', '.join(known)}")
+            cure = did_you_mean(name, known) or f"known are {', '.join(known)}"
+            raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", cure)
         part = getattr(config, name)
         if dataclasses.is_dataclass(part) and not isinstance(part, type) and isinstance(value, Mapping):
             value = with_fields(part, value, f"{where}.{name}")

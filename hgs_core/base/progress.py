@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-__all__ = ["Progress", "ProgressCallback", "StageStopped", "silent"]
+__all__ = ["Progress", "ProgressCallback", "StageStopped", "interruptible", "silent", "stop_if_interruptible"]
+
+_HERE = threading.local()
 
 
 @dataclass(frozen=True)
@@ -28,3 +32,26 @@ class StageStopped(Exception):  # noqa: N818 - control flow, not an error
 
 def silent(progress: Progress) -> None:
     """Ignore a report."""
+
+
+@contextmanager
+def interruptible() -> Iterator[None]:
+    """Let a stop come between any two instructions of this thread, and not only where progress is reported.
+
+    For work that takes long and has nothing in memory that must be saved: what it writes appears whole or not at all.
+    """
+    _HERE.depth = getattr(_HERE, "depth", 0) + 1
+    try:
+        yield
+    finally:
+        _HERE.depth -= 1
+
+
+def stop_if_interruptible() -> None:
+    """Stop what this thread does, for handlers of signals; elsewhere the next report of progress does.
+
+    Raises:
+        StageStopped: the thread is inside `interruptible`.
+    """
+    if getattr(_HERE, "depth", 0):
+        raise StageStopped

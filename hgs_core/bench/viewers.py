@@ -14,7 +14,7 @@ import shutil
 import statistics
 import tempfile
 import urllib.parse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -95,10 +95,12 @@ def bench_viewers(
     size: tuple[int, int] = (640, 480),
     rounds: int = 3,
     frames: int = 20,
+    measured_one: Callable[[ViewerPoint, int], None] = lambda point, done: None,
 ) -> ViewerReport:
     """Draw a finished run, a scene folder or a file of splats with several viewers in the system's Chromium.
 
     What is drawn is the scene as HGS decodes it; of a moving scene the other viewers get the splats of its start.
+    `measured_one` is called after every measurement with the viewer's figures so far, and of how many rounds they are.
 
     Raises:
         InputError: the source is neither, a viewer is unknown, or Chromium, Playwright or npm is missing.
@@ -106,6 +108,8 @@ def bench_viewers(
     unknown = sorted(set(viewers) - set(VIEWERS))
     if unknown:
         raise InputError("--viewers", f"{unknown[0]} is unknown", f"use some of {', '.join(VIEWERS)}")
+    if not source.is_file():
+        load_manifest(_scene_folder(source))  # a wrong path is told before the pages are built
     chromium = find_chromium()
     if chromium is None:
         raise InputError("hgs bench viewer", CHROMIUM_HINT)
@@ -127,9 +131,14 @@ def bench_viewers(
                         page.goto(f"{address}?{urllib.parse.urlencode(query)}")
                         playing = name in OURS and scene.dynamic_splats > 0
                         measured[name].append(_measure(page, size, frames, playing))
+                    measured_one(_point(name, measured[name], truths[name]), turn + 1)
                     progress(Progress("viewers", turn * len(viewers) + place + 1, rounds * len(viewers)))
     points = tuple(_point(name, measured[name], truths[name]) for name in viewers)
     return ViewerReport(machine_facts(), version, str(source), len(splats), size, rounds, frames, points)
+
+
+def _scene_folder(source: Path) -> Path:
+    return RunFolder(source).scene if RunFolder(source).manifest.is_file() else source
 
 
 def _write_files(
@@ -142,7 +151,7 @@ def _write_files(
             duration=1.0, capture=None, config=RunConfig(preset="imported"), antialiased=False,
         )  # fmt: skip
         source = scratch / "run"
-    folder = RunFolder(source).scene if RunFolder(source).manifest.is_file() else source
+    folder = _scene_folder(source)
     manifest, scene = load_manifest(folder), decode_scene(folder)
     shutil.copytree(folder, out / "scene")
     splats = scene_at(scene, scene.start)

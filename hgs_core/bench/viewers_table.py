@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from hgs_core.bench.table import aligned
 from hgs_core.bench.viewers import DEGREES, ViewerPoint, ViewerReport
 
-__all__ = ["viewers_text"]
+__all__ = ["viewer_line", "viewers_text"]
 
 PHASES = ("still", "orbit")
 
@@ -28,6 +28,13 @@ def viewers_text(report: ViewerReport) -> str:
         *aligned(rows, left=("viewer",)),
     ]
     return "\n".join(lines)
+
+
+def viewer_line(point: ViewerPoint, rounds: int, of: int) -> str:
+    """Return a viewer's figures so far as one line, after some rounds of all."""
+    phases = ", ".join(f"{phase} {getattr(point, phase):.0f} ms" for phase in PHASES)
+    playing = "" if point.playing is None else f", playing {point.playing:.0f} ms"
+    return f"{point.viewer}: {phases}{playing}, {min(point.psnr):.1f} dB at worst (round {rounds} of {of})"
 
 
 def _row(point: ViewerPoint, fastest: Mapping[str, float | None]) -> list[str]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from PIL import Image  # before pycolmap: the other way round, saving a PNG corrupts the heap
+from PIL import Image
 
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.calibrate.views import View
@@ -58,7 +58,7 @@ def solve(views: Sequence[View], progress: ProgressCallback) -> Solution | None:
     Views without known intrinsics share one focal length and one radial coefficient per size of pictures, unless each
     its own fits better. Equal input gives equal results.
     """
-    import pycolmap
+    from hgs_core.points.colmap import pycolmap
 
     pycolmap.logging.minloglevel = 3  # nothing: what the mappers warn of, later steps repair
     matches = _match(views, progress)

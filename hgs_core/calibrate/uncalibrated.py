@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
@@ -9,7 +10,7 @@ from hgs_core.capture.footage import FEWEST_VIDEOS, find_places
 from hgs_core.capture.layout import calibration
 from hgs_core.capture.sound_only import is_sound_only
 
-__all__ = ["are_enough_videos", "find_videos", "has_poses"]
+__all__ = ["are_enough_videos", "find_videos", "folder_below", "has_poses"]
 
 
 def has_poses(folder: Path) -> bool:
@@ -37,6 +38,12 @@ def find_videos(folder: Path) -> dict[str, Path]:
                     raise InputError(place.folder, f"two videos are called {name}", "give each camera its own name")
             return {one.name: one.files[0] for one in footage}
     raise InputError(folder, "has no two videos", "put one video of each camera into it")
+
+
+def folder_below(folder: Path, videos: Mapping[str, Path]) -> Path | None:
+    """Return the one folder below `folder` that holds all the videos; None where they lie in it, or each in its own."""
+    places = {video.parent for video in videos.values()}
+    return places.pop() if len(places) == 1 and folder not in places else None
 
 
 def are_enough_videos(folder: Path) -> bool:

@@ -14,9 +14,19 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 
-__all__ = ["export_masks"]
+__all__ = ["export_masks", "require_new_folder"]
 
 _STAGE = "export"
+
+
+def require_new_folder(folder: Path) -> None:
+    """Refuse a folder that masks cannot be written to as a whole.
+
+    Raises:
+        InputError: there is a file of this name, or the folder is not empty.
+    """
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(folder, "exists and is not empty", "choose a new folder for --out")
 
 
 def export_masks(
@@ -40,8 +50,7 @@ def export_masks(
         InputError: the folder is not empty.
         StageStopped: the callback wishes so; nothing is left behind.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(folder, "exists and is not empty", "choose a new folder for --out")
+    require_new_folder(folder)
     folder.parent.mkdir(parents=True, exist_ok=True)
     unfinished = folder.parent / f".{folder.name}.tmp"
     shutil.rmtree(unfinished, ignore_errors=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 import zipfile
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -111,24 +112,29 @@ def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: Progress
     automatic: dict[int, list[bytes]] = {}
     progress(Progress(_STAGE, 0, len(wanted)))
     with ThreadPoolExecutor(min(4, os.cpu_count() or 1)) as pool:
-        jobs = [pool.submit(_automatic_masks, capture, camera) for camera in wanted]
+        unwanted = threading.Event()
+        jobs = [pool.submit(_automatic_masks, capture, camera, unwanted) for camera in wanted]
         try:
             for camera, job in zip(wanted, jobs, strict=True):
                 automatic[camera] = job.result()
                 progress(Progress(_STAGE, len(automatic), len(wanted)))
         except BaseException:
+            unwanted.set()
             pool.shutdown(wait=False, cancel_futures=True)
             raise
     return MotionMasks(capture, cameras, automatic)
 
 
-def _automatic_masks(capture: Capture, camera: int) -> list[bytes]:
+def _automatic_masks(capture: Capture, camera: int, unwanted: threading.Event) -> list[bytes]:
     frames = len(capture.times)
     if frames == 1:
         size = capture.cameras[camera]
         return [_pack(np.zeros((size.height, size.width), bool))]
     background = estimate_background(lambda frame: capture.frame(camera, frame), frames)
-    return [_pack(moving_pixels(capture.frame(camera, frame), background)) for frame in range(frames)]
+    found: list[bytes] = []
+    while len(found) < frames and not unwanted.is_set():
+        found.append(_pack(moving_pixels(capture.frame(camera, len(found)), background)))
+    return found
 
 
 def _pack(mask: npt.NDArray[np.bool_]) -> bytes:

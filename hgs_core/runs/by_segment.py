@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.atomic import write_bytes
-from hgs_core.base.progress import ProgressCallback
+from hgs_core.base.progress import ProgressCallback, interruptible
 from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest, stored_sizes
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.runs.folder import RunFolder, RunSpec
@@ -132,6 +132,7 @@ def _segments(spec: RunSpec) -> tuple[list[CaptureSegment], Any]:
     return list(cut_into_segments(capture.times, spec.config.train.segment_frames)), capture
 
 
+@interruptible()
 def _encode(
     folder: RunFolder, spec: RunSpec, scene: HybridScene[Any], segments: list[CaptureSegment], number: int
 ) -> None:

@@ -10,9 +10,9 @@ import logging
 from pathlib import Path
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import ProgressCallback
+from hgs_core.base.progress import ProgressCallback, interruptible
 from hgs_core.base.wording import counted
-from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, has_poses
+from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, folder_below, has_poses
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
@@ -48,6 +48,8 @@ def create_run(
     found = folder.found if folder.found.is_dir() else None
     if not has_poses(capture) and (found is None or not has_poses(found)) and are_enough_videos(capture):
         videos = find_videos(capture)
+        if (place := folder_below(capture, videos)) is not None:
+            log.warning("%s: has no videos of its own; those of %s are taken", capture, place)
         for video in videos.values():
             VideoReader(video)  # one that is none is refused now, and not when poses are looked for
         require_sounding_video(audio, videos)
@@ -58,9 +60,9 @@ def create_run(
     opened = open_capture(
         capture, masks=masks, downscale=config.capture.downscale, reductions=config.capture.reductions, found=found
     )
-    filmed = [opened.video(camera) for camera in range(len(opened.cameras))]
+    sources = [opened.video(camera) for camera in range(len(opened.cameras))]
     require_sounding_video(
-        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, filmed, strict=True)}
+        audio, {one.name: video and video[0] for one, video in zip(opened.cameras, sources, strict=True)}
     )
     config = _with_held_out(config, folder, opened)
     _require_enough(config, opened)
@@ -99,6 +101,7 @@ def _with_held_out(config: RunConfig, folder: RunFolder, capture: Capture) -> Ru
     return dataclasses.replace(config, capture=chosen)
 
 
+@interruptible()
 def prepare(run: Path, progress: ProgressCallback) -> None:
     """Find out when the videos began and where the cameras stand, where the capture does not say.
 

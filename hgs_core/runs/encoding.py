@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from hgs_core.base.old_names import with_new_names
-from hgs_core.base.progress import Progress, ProgressCallback
+from hgs_core.base.progress import Progress, ProgressCallback, interruptible
 from hgs_core.runs.folder import RunFolder
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ class Encoded:
     dynamic: int
 
 
+@interruptible()
 def encode(run: Path, progress: ProgressCallback) -> None:
     """Encode scene.npz into the scene folder: chunks, thumbnail, and the manifest last."""
     folder = RunFolder(run)

@@ -14,7 +14,7 @@ from types import ModuleType
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.heap import trim_heap
-from hgs_core.base.progress import ProgressCallback, silent
+from hgs_core.base.progress import ProgressCallback, interruptible, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.check.findings import CaptureCheck
 from hgs_core.runs.config import RunConfig
@@ -27,6 +27,7 @@ __all__ = ["STAGES", "check", "create_run", "encode", "initialise", "prepare", "
 log = logging.getLogger(__name__)
 
 
+@interruptible()
 def check(run: Path, progress: ProgressCallback) -> None:
     """Look for faults that training would be in vain with: check.json, which is kept if it is there.
 
@@ -54,6 +55,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
         require_sound(result, spec.capture, spec.config.capture.hold_out)
 
 
+@interruptible()
 def initialise(run: Path, progress: ProgressCallback) -> None:
     """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz.
 

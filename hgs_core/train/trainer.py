@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
+from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, interruptible
 from hgs_core.capture.capture import Capture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.metrics.psnr import decibels
@@ -37,6 +37,7 @@ __all__ = ["Trainer"]
 
 _HOST = torch.device("cpu")
 _REPORT_EVERY = 10  # iterations
+_LONGEST_SILENCE = 1.0  # seconds between two reports, each of which may stop the training
 _SHORTEST_LIFE = 0.5  # frames at which the opacity of the briefest splat has halved
 
 
@@ -84,14 +85,16 @@ class Trainer:
         )
         if after is not None:
             self.state.correction = after.correction
+        self._torn = False  # while a long round changes the state: what was saved before it counts
         self._constrain()  # colours far out of range would leave moments that stop the optimiser for long
 
     def run(self, progress: ProgressCallback) -> HybridScene[npt.NDArray[np.float32]]:
         """Train to the end of the schedule and return the scene.
 
         Raises:
-            StageStopped: the callback asked to stop; the state was saved first.
+            StageStopped: the callback asked to stop, or a long round was interrupted; the state was saved first.
         """
+        told = time.monotonic()
         started, before, state = time.monotonic(), self.state.seconds, self.state
         try:
             with one_torch_thread(), self._on(self.device):
@@ -102,11 +105,15 @@ class Trainer:
                     state.seconds = before + time.monotonic() - started
                     if state.iteration % self.config.checkpoint_every == 0:
                         save_state(self.checkpoint, state)
-                    if state.iteration % _REPORT_EVERY == 0 or state.iteration == self.config.iterations:
+                    due = state.iteration % _REPORT_EVERY == 0 or state.iteration == self.config.iterations
+                    if due:
                         state.history.report(state.iteration, state.seconds, len(state.static), len(state.dynamic))
+                    if due or time.monotonic() - told > _LONGEST_SILENCE:
+                        told = time.monotonic()
                         progress(Progress("train", state.iteration, self.config.iterations, self.figures()))
         except StageStopped:
-            save_state(self.checkpoint, state)
+            if not self._torn:
+                save_state(self.checkpoint, state)
             raise
         save_state(self.checkpoint, state)
         return self.scene()
@@ -135,6 +142,10 @@ class Trainer:
 
     def _iteration(self, iteration: int) -> None:
         state, config, timed = self.state, self.config, self.state.history.timed
+        due = [control for control in self.rounds if control.due(iteration)]
+        saved = any(control.is_long for control in due)
+        if saved:  # whoever stops the training in such a round goes on with the whole iteration
+            save_state(self.checkpoint, state)
         with timed("frames"):
             view = self.views.of_iteration(iteration, self.schedule.resolution(iteration))
         if config.stages == "together" and self.statics_learn:
@@ -154,10 +165,15 @@ class Trainer:
             iteration, self.seed, self.schedule, self.views, self.segment, view.camera, self.first_counts,
             self.statics_learn,
         )  # fmt: skip
-        for control in self.rounds:
-            if control.due(iteration):
-                with timed(control.name), self._on(_HOST if control.on_host else self.device):
-                    control.apply(state, context)
+        self._torn = saved
+        for control in due:
+            with (
+                timed(control.name),
+                self._on(_HOST if control.on_host else self.device),
+                interruptible() if saved else nullcontext(),
+            ):
+                control.apply(state, context)
+        self._torn = False
 
     def _average(self) -> None:
         """Let the means follow; after the last iteration the splats become them, before anyone else sees them."""

@@ -9,6 +9,7 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import StageStopped
+from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
@@ -59,6 +60,7 @@ def _run(options: argparse.Namespace) -> int:
         masks=options.masks, truth=options.truth, score_masks=options.score_masks,
     )  # fmt: skip
     output = JsonOutput(options.json)
+    require_writable_folder(options.out)
     from hgs_core.ablate.ablation import ablate
     from hgs_core.ablate.table import table_text
 

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import math
+import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
@@ -13,6 +17,9 @@ from server.cli.bench_stream import add_parts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_training_options, training_config
+
+if TYPE_CHECKING:
+    from hgs_core.bench.viewers import ViewerPoint
 
 __all__ = ["add_parser"]
 
@@ -124,7 +131,7 @@ def _run_codec(options: argparse.Namespace) -> int:
 
     sweep: tuple[float, ...] = SWEEP
     if options.sweep is not None:
-        sweep = () if options.sweep == "none" else tuple(_number("--sweep", part) for part in options.sweep.split(","))
+        sweep = () if options.sweep == "none" else tuple(map(_coarseness, options.sweep.split(",")))
     with ProgressBars() as bars:
         report = bench_codec(options.source, bars, budgets=("default", "low"), sweep=sweep)
     output.show(report.to_json(), codec_text(report))
@@ -157,16 +164,19 @@ def _run_training(options: argparse.Namespace) -> int:
 
 
 def _run_viewers(options: argparse.Namespace) -> int:
-    rounds, frames = _whole("--rounds", options.rounds), _whole("--frames", options.frames)
+    rounds, frames = _whole("--rounds", options.rounds, 1), _whole("--frames", options.frames, 1)
     output = JsonOutput(options.json)
     from hgs_core.bench.viewers import VIEWERS, bench_viewers
-    from hgs_core.bench.viewers_table import viewers_text
+    from hgs_core.bench.viewers_table import viewer_line, viewers_text
+
+    def show(point: ViewerPoint, done: int) -> None:
+        tqdm.write(viewer_line(point, done, rounds), file=sys.stderr)
 
     with ProgressBars() as bars:
         report = bench_viewers(
             options.source, bars,
             viewers=VIEWERS if options.viewers is None else options.viewers.split(","),
-            size=parse_picture_size("--size", options.size), rounds=max(1, rounds), frames=max(1, frames),
+            size=parse_picture_size("--size", options.size), rounds=rounds, frames=frames, measured_one=show,
         )  # fmt: skip
     output.show(report.to_json(), viewers_text(report))
     return 0
@@ -178,6 +188,13 @@ def _truth(text: str | None) -> tuple[Size, ...] | None:
     return () if text == "none" else parse_sizes("--truth", text)
 
 
+def _coarseness(text: str) -> float:
+    value = _number("--sweep", text)
+    if not 0 < value < math.inf:
+        raise InputError("--sweep", f"{text} is no coarseness", "give numbers above 0, such as 0.5,1,2")
+    return value
+
+
 def _number(where: str, text: str) -> float:
     try:
         return float(text)
@@ -185,7 +202,7 @@ def _number(where: str, text: str) -> float:
         raise InputError(where, f"{text!r} is not a number") from None
 
 
-def _whole(where: str, text: str) -> int:
-    if not (text.isascii() and text.isdecimal()):
-        raise InputError(where, f"{text!r} is not a whole number from 0")
+def _whole(where: str, text: str, least: int = 0) -> int:
+    if not (text.isascii() and text.isdecimal() and len(text) < 10) or int(text) < least:
+        raise InputError(where, f"{text[:40]!r} is not a whole number from {least}")
     return int(text)

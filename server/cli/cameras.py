@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, interruptible
+from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
@@ -57,7 +58,10 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--focal", f"{options.focal} is no focal length", "give it in pixels of the videos")
     distance = None if options.distance is None else _distance(options.distance)
     board = _board(options)
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    if options.folder.is_dir():
+        _say_where_videos_are(options.folder)
+        require_writable_folder(options.folder / COLMAP_FOLDER)
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
             solution = find_cameras(
                 options.folder, focal=options.focal, up=options.up, distance=distance, board=board, floor=options.floor,
@@ -70,6 +74,18 @@ def _run(options: argparse.Namespace) -> int:
         print("the scale is arbitrary; --distance and --board give metres", file=sys.stderr)
     print(options.folder / COLMAP_FOLDER)
     return 0
+
+
+def _say_where_videos_are(folder: Path) -> None:
+    """Say which folder the videos are taken from, where it is not the one that was given."""
+    from hgs_core.calibrate.uncalibrated import find_videos, folder_below
+
+    try:
+        place = folder_below(folder, find_videos(folder))
+    except InputError:
+        return  # finding the cameras says why
+    if place is not None:
+        print(f"{folder}: has no videos of its own; those of {place} are taken", file=sys.stderr)
 
 
 def _board(options: argparse.Namespace) -> Board | None:

@@ -17,7 +17,7 @@ from server.problems import ProblemError
 from server.uploads.limits import UploadLimits
 from server.uploads.names import FolderNames, normal_path
 
-__all__ = ["CaptureFile", "capture_files", "opened_capture", "upload_key"]
+__all__ = ["CaptureFile", "archive_ending", "capture_files", "opened_capture", "upload_key"]
 
 # What file managers and archivers leave behind; nobody's capture needs it.
 _JUNK = re.compile(r"\..*|__MACOSX|Thumbs\.db|desktop\.ini|__pycache__", re.IGNORECASE)
@@ -41,6 +41,22 @@ class CaptureFile:
         return digest.hexdigest()
 
 
+def archive_ending(source: Path) -> str:
+    """Return how an archive's name ends; "" for a folder.
+
+    Raises:
+        InputError: there is neither.
+    """
+    if source.is_dir():
+        return ""
+    if not source.is_file():
+        raise InputError(source, "does not exist", "give the folder of a capture, or an archive of one")
+    ending = next((ending for ending in ARCHIVES if source.name.lower().endswith(ending)), None)
+    if ending is None:
+        raise InputError(source, "is neither a folder nor an archive", f"archives are {', '.join(ARCHIVES)}")
+    return ending
+
+
 @contextmanager
 def opened_capture(source: Path, limits: UploadLimits) -> Iterator[tuple[str, Path]]:
     """Yield a capture's name and folder; an archive is unpacked into a temporary one, as far as `limits` go.
@@ -48,14 +64,10 @@ def opened_capture(source: Path, limits: UploadLimits) -> Iterator[tuple[str, Pa
     Raises:
         InputError: there is neither a folder nor an archive, or the archive holds what no upload may.
     """
-    if source.is_dir():
+    ending = archive_ending(source)
+    if not ending:
         yield source.resolve().name or "capture", source
         return
-    if not source.is_file():
-        raise InputError(source, "does not exist", "give the folder of a capture, or an archive of one")
-    ending = next((ending for ending in ARCHIVES if source.name.lower().endswith(ending)), None)
-    if ending is None:
-        raise InputError(source, "is neither a folder nor an archive", f"archives are {', '.join(ARCHIVES)}")
     with tempfile.TemporaryDirectory(prefix="hgs-archive-") as temporary:
         folder = Path(temporary)
         unpack(source, folder, limits)

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, interruptible
 from server.cli.interrupts import Interrupts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
@@ -39,7 +39,7 @@ def _run(options: argparse.Namespace) -> int:
     capture = open_capture(options.capture, masks=options.masks)
     for note in capture.notes:
         print(f"{options.capture}: {note}", file=sys.stderr)
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
             check = check_capture(capture, bars)
         except StageStopped:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_folder
 from hgs_core.edit.crop import crop
 from hgs_core.edit.floaters import drop_floaters
 from hgs_core.edit.orient import Similarity, orient, turn_about, turn_up
@@ -59,6 +60,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     output = JsonOutput(options.json)
     steps = _steps(options)
+    require_writable_folder(options.out)
     from hgs_core.runs.edited import edit_run
 
     with ProgressBars() as bars:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_folder
 from hgs_core.fit.config import BUDGETS
 from server.cli.progress_bars import ProgressBars
 
@@ -45,6 +46,7 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")
     folder = RunFolder(options.run_folder)
     spec = folder.read_spec()  # before torch is loaded: a wrong path is told at once
+    require_writable_folder(options.run_folder)
     with folder.exclusive(), ProgressBars() as bars:
         encoded = encode_again(options.run_folder, options.budget, bars, fine_tune=options.fine_tune)
     totals = encoded.manifest.totals

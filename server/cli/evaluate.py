@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_folder
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["FIELDS", "add_parser"]
+
+NO_LPIPS = "no LPIPS: give its weights with --lpips FILE; docs/evaluation.md says how to make the file"
 
 FIELDS = (
     "psnr",  # dB, mean over frames and cameras
@@ -73,6 +77,7 @@ def _run(options: argparse.Namespace) -> int:
 
     cameras = None if options.cameras is None else _names(options.cameras)
     RunFolder(options.run_folder).read_spec()  # before torch is loaded: a wrong path is told at once
+    require_writable_folder(options.run_folder)
     from hgs_core.evaluate.run import evaluate_run
 
     with ProgressBars() as bars:
@@ -81,6 +86,8 @@ def _run(options: argparse.Namespace) -> int:
             masks=options.masks, lpips=options.lpips, flip=options.flip, backend=options.backend,
         )  # fmt: skip
     scores = {name: result[name] for name in FIELDS}
+    if options.lpips is None:
+        print(NO_LPIPS, file=sys.stderr)
     if options.json:
         print(json.dumps(scores))
     else:

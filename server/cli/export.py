@@ -7,10 +7,14 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_file, require_writable_folder
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
+
+_MOST_FPS = 1000
 
 
 def add_parser(commands: Any) -> None:
@@ -39,7 +43,12 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.source import open_source
 
+    if options.fps is not None and not 0 < options.fps <= _MOST_FPS:
+        raise InputError(
+            "--fps", f"{options.fps:g} is no rate of frames", f"give a number above 0, at most {_MOST_FPS}"
+        )
     output = JsonOutput(options.json)
+    (require_writable_file if options.to.suffix else require_writable_folder)(options.to)
     source = open_source(options.source)
     with ProgressBars() as bars:
         changes = source.export(

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from hgs_core.base.writable import require_writable_folder
 from hgs_core.fit.config import BUDGETS
 from hgs_core.runs.config import RunConfig
 from server.cli.json_output import JsonOutput
@@ -51,6 +52,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     hold_out = [name.strip() for name in options.hold_out.split(",") if name.strip()]
     output = JsonOutput(options.json)
+    require_writable_folder(options.out)
     config = RunConfig.from_json({"preset": "imported", "capture.hold_out": hold_out, "encode.budget": options.budget})
     from hgs_core.runs.imported import import_run
 

@@ -12,7 +12,7 @@ from jobs.client import JobClient, JobConflictError
 from jobs.home import Home
 from jobs.job import Job, JobState
 from jobs.run_reading import run_reader
-from server.cli.server_client import RefusedError, ServerClient
+from server.cli.server_client import FIRST_PATIENCE, RefusedError, ServerClient
 from server.job_events import describe_job, describe_worker
 from server.job_log import log_tail
 from server.job_query import JobQuery, cursor
@@ -109,13 +109,13 @@ class HomeDesk:
 class ServerDesk:
     """The jobs of a server elsewhere."""
 
-    def __init__(self, url: str) -> None:
-        """Connect to nothing yet.
+    def __init__(self, url: str, patience: float = FIRST_PATIENCE) -> None:
+        """Connect to nothing yet; `patience` is that of `ServerClient`.
 
         Raises:
             InputError: the URL is none of a server.
         """
-        self._client = ServerClient(url)
+        self._client = ServerClient(url, patience)
 
     def page(self, query: Query) -> dict[str, Any]:
         """Return a page of the list of jobs."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 
-__all__ = ["duration", "job_details", "job_table", "seconds_of", "since", "worker_table"]
+__all__ = ["duration", "job_details", "job_table", "no_worker", "seconds_of", "since", "worker_table"]
 
 _UNITS = {"s": 1.0, "m": 60.0, "h": 3600.0, "d": 86400.0}
 
@@ -87,6 +87,13 @@ def job_details(job: dict[str, Any], now: float) -> str:
         "last word": f"{duration(now - job['updated'])} ago",
     }
     return "\n".join(f"{name:<11} {value}" for name, value in lines.items() if value is not None)
+
+
+def no_worker(jobs: Sequence[dict[str, Any]], workers: Sequence[Any], server: str = "") -> str:
+    """Return the line for jobs that are queued where nobody takes them, on this machine or on a `server`; else ""."""
+    if workers or all(job["state"] != "queued" for job in jobs):
+        return ""
+    return f"queued; no worker is running{f' at {server}' if server else ''}: start one with hgs worker, or hgs serve"
 
 
 def worker_table(workers: Sequence[dict[str, Any]], now: float) -> str:

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
-from server.cli.job_words import job_details, job_table, since, worker_table
+from server.cli.job_words import job_details, job_table, no_worker, since, worker_table
 from server.cli.progress_bars import ProgressBars
+from server.cli.server_client import add_patience_option
 
 if TYPE_CHECKING:
     from server.cli.job_desk import JobDesk
@@ -32,6 +33,7 @@ def add_parser(commands: Any) -> None:
     actions = parser.add_subparsers(metavar="ACTION", required=True)
     common = argparse.ArgumentParser(add_help=False)
     common.add_argument("--to", metavar="URL", help="a server, as in http://host:8000; default: HGS_HOME here")
+    add_patience_option(common)
     common.add_argument("--json", action="store_true", help="print JSON, as the REST interface answers")
 
     listing = _action(actions, common, "ls", "list jobs: those that run, those that wait, those that are finished", _ls)
@@ -75,7 +77,8 @@ def _at_desk(run: Any, options: argparse.Namespace) -> int:
     from jobs.home import Home
     from server.cli.job_desk import HomeDesk, ServerDesk
 
-    with ServerDesk(options.to) if options.to is not None else HomeDesk(Home.from_environment()) as desk:
+    there = options.to is not None
+    with ServerDesk(options.to, options.patience) if there else HomeDesk(Home.from_environment()) as desk:
         status: int = run(desk, options)
         return status
 
@@ -88,6 +91,9 @@ def _ls(desk: JobDesk, options: argparse.Namespace) -> int:
         _print_json({"jobs": jobs})
     else:
         print(job_table(jobs, time.time()))
+        waiting = [job for job in jobs if job["state"] == "queued"]
+        if waiting and (line := no_worker(waiting, desk.workers()["workers"], options.to or "")):
+            print(line, file=sys.stderr)
     return 0
 
 

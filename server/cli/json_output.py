@@ -8,6 +8,7 @@ from typing import Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_file
 
 __all__ = ["JsonOutput"]
 
@@ -25,6 +26,8 @@ class JsonOutput:
         self._file = None if option in (None, "-") else Path(str(option))
         if self._file is not None and (self._file.is_dir() or not self._file.parent.is_dir()):
             raise InputError("--json", f"{self._file} is not a file in a folder that exists")
+        if self._file is not None:
+            require_writable_file(self._file)
 
     def show(self, result: Any, text: str) -> None:
         """Print the result in one form, and write the JSON where a file is wanted."""

@@ -16,6 +16,7 @@ from hgs_core.base.errors import InputError
 __all__ = ["add_parser"]
 
 _UNITS = {"s": 1, "m": 60, "h": 3600, "d": 86400}
+_LONGEST = 36500 * 86400.0  # seconds: a century
 _SCOPES = ("view", "submit", "publish", "admin")
 
 
@@ -115,6 +116,10 @@ def seconds(text: str) -> float:
     value = float(found[1]) * _UNITS[found[2]] if found else math.nan
     if not value > 0:
         raise InputError("--for", f"{text!r} is no length of time", "give a number with s, m, h or d, such as 12h")
+    if value > _LONGEST:
+        raise InputError(
+            "--for", f"{text} is too long", "give 36500d at most, or leave it out for a key without an end"
+        )
     return value
 
 

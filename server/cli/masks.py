@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import StageStopped
+from hgs_core.base.progress import StageStopped, interruptible
+from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
@@ -37,9 +38,11 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.capture.open import open_capture
-    from hgs_core.decompose.export import export_masks
+    from hgs_core.decompose.export import export_masks, require_new_folder
     from hgs_core.decompose.masks import motion_masks
 
+    require_new_folder(options.out)
+    require_writable_folder(options.out)
     capture = open_capture(options.capture)
     if len(capture.times) == 1:
         raise InputError(options.capture, "all pictures are of one moment", "nothing moves, no masks are needed")
@@ -51,7 +54,7 @@ def _run(options: argparse.Namespace) -> int:
     for note in capture.notes:
         print(f"{options.capture}: {note}", file=sys.stderr)
     frames = range(len(capture.times))
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
 
             def numbers(camera: int) -> list[int]:

@@ -9,6 +9,7 @@ from urllib.parse import urlsplit, urlunsplit
 
 from hgs_core.base.errors import InputError
 from server.cli.json_output import JsonOutput
+from server.cli.server_client import ServerClient, add_patience_option
 
 __all__ = ["add_parser"]
 
@@ -23,6 +24,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("url", metavar="URL", help="a scene's page, http://HOST/view/NAME, or its stream, ws://...")
     parser.add_argument("--stats", action="store_true", help="tell how the stream went; there is no picture to show")
     parser.add_argument("--seconds", metavar="S", type=float, default=None, help="to watch; default: the scene once")
+    add_patience_option(parser)
     parser.add_argument(
         "--json", metavar="FILE", nargs="?", const="-",
         help="write JSON to FILE, or to standard output in place of text",
@@ -31,12 +33,14 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    url = _stream(options.url)
+    url, server = _stream(options.url)
     if not options.stats:
         raise InputError("hgs play", "draws no pictures", "give --stats, or open the page in a browser")
     if options.seconds is not None and not 0 < options.seconds < float("inf"):
         raise InputError("--seconds", f"{options.seconds} is not a time to watch", "give a number above 0")
     output = JsonOutput(options.json)
+    with ServerClient(server, options.patience) as client:  # a stream would be tried for ever
+        client.request("GET", "/v1/health")
     from server.client import StreamRefusedError
     from server.viewing import play
 
@@ -53,18 +57,23 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _stream(url: str) -> str:
-    """Return the address of the stream of a scene's page.
+def _stream(url: str) -> tuple[str, str]:
+    """Return the address of the stream of a scene's page, and that of its server.
 
     Raises:
         InputError: it is neither.
     """
-    parts = urlsplit(url)
+    try:
+        parts = urlsplit(url)
+    except ValueError:  # a bracket that is not closed
+        parts = urlsplit("")
     if parts.scheme in ("ws", "wss") and parts.netloc:
-        return url
+        before = parts.path.partition("/v1/scenes/")[0]
+        return url, urlunsplit((parts.scheme.replace("ws", "http"), parts.netloc, before, "", ""))
     before, view, scene = parts.path.rstrip("/").rpartition("/view/")
     if parts.scheme not in ("http", "https") or not view or not scene:
         raise InputError(
             url, "is not the address of a scene", "give http://HOST/view/NAME or ws://HOST/v1/scenes/NAME/stream"
         )
-    return urlunsplit((parts.scheme.replace("http", "ws"), parts.netloc, f"{before}/v1/scenes/{scene}/stream", "", ""))
+    stream = (parts.scheme.replace("http", "ws"), parts.netloc, f"{before}/v1/scenes/{scene}/stream", "", "")
+    return urlunsplit(stream), urlunsplit((parts.scheme, parts.netloc, before, "", ""))

@@ -1,17 +1,17 @@
 """The `hgs` command line.
 
-Exit status: 0 done; 2 bad input, told in one line on standard error; 130 stopped by Ctrl-C; 1 a fault, with a
-traceback.
+Exit status: 0 done; 2 bad input, or a place that cannot be read or written, told in one line on standard error; 130
+stopped by Ctrl-C, 143 by SIGTERM; 141 nobody reads the output any more; 1 a fault, with a traceback.
 """
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Sequence
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.own_modules import guard_imports
+from hgs_core.base.system_errors import THE_OUTPUT
 from hgs_core.base.version import software_version
 from server.cli import (
     ablate,
@@ -38,16 +38,21 @@ from server.cli import (
     train,
     worker,
 )
+from server.cli.command_line import BAD_INPUT, CommandLine
+from server.cli.interrupts import Terminated, terminating
+from server.cli.outer_faults import outer_fault
+from server.cli.standard_streams import accept_any_text, discard_output, flush_output
 
-__all__ = ["main"]
+__all__ = ["BAD_INPUT", "command_line", "main"]
 
-BAD_INPUT = 2
 INTERRUPTED = 130
+UNREAD = 141  # as of a program that SIGPIPE ends
+TERMINATED = 143
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command and return the exit status; `arguments` default to the process's own."""
-    parser = argparse.ArgumentParser(prog="hgs", description="Dynamic scenes from multi-view video, streamed.")
+def command_line() -> CommandLine:
+    """Return the parser of all commands."""
+    parser = CommandLine(prog="hgs", description="Dynamic scenes from multi-view video, streamed.")
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
@@ -55,14 +60,51 @@ def main(arguments: Sequence[str] | None = None) -> int:
         play, worker, submit, jobs, gc, backup, restore, keys, bench, ablate,
     ):  # fmt: skip
         command.add_parser(commands)
-    options = parser.parse_args(arguments)
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return the exit status; `arguments` default to the process's own."""
+    accept_any_text()
+    given = list(sys.argv[1:] if arguments is None else arguments)
     if arguments is None:  # a process of its own
         guard_imports()
     try:
-        status: int = options.run(options)
-    except InputError as error:
-        print(f"hgs: {' '.join(str(error).split())}", file=sys.stderr)
-        return BAD_INPUT
+        with terminating():
+            _refuse_nul(given)
+            options = command_line().parse_args(given)
+            status: int = options.run(options)
+            flush_output()
     except KeyboardInterrupt:
         return INTERRUPTED
+    except Terminated:
+        return TERMINATED
+    except BrokenPipeError as error:
+        if error.filename is not None:
+            return _refused(error)
+        discard_output()  # as in hgs jobs ls | head -1
+        return UNREAD
+    except Exception as error:
+        return _refused(error)
     return status
+
+
+def _refused(error: Exception) -> int:
+    """Tell in one line of a fault that people can mend.
+
+    Raises:
+        Exception: the fault is the program's own.
+    """
+    told = outer_fault(error)
+    if told is None:
+        raise error
+    if told.where == THE_OUTPUT:
+        discard_output()
+    print(f"hgs: {' '.join(str(told).split())}", file=sys.stderr)
+    return BAD_INPUT
+
+
+def _refuse_nul(arguments: Sequence[str]) -> None:
+    for argument in arguments:
+        if "\0" in argument:
+            raise InputError(f"{argument[:40]!a}", "holds NUL, which no name of a file can", "leave it out")

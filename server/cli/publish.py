@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.writable import require_writable_folder
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_audio_option
 
@@ -74,6 +75,8 @@ def _to_files(options: argparse.Namespace) -> int:
     from server.web_folder import publish_to_folder
 
     run, to = options.run_folder, options.to
+    if not _ADDRESS.match(to) and (Path(to).is_dir() or not Path(to).exists()):
+        require_writable_folder(Path(to))
     player = None if options.data_only else VIEWER / PLAYER
     with ProgressBars() as bars:
         if _ADDRESS.match(to):

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+from hgs_core.base.writable import require_writable_file, require_writable_folder
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -29,11 +30,14 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.folder import RunFolder
 
-    for folder in (options.run_folder, *options.against):
-        RunFolder(folder).read_spec()  # before torch is loaded: a wrong path is told at once
+    out = options.out or options.run_folder / "report.html"
+    for run in map(RunFolder, (options.run_folder, *options.against)):
+        run.read_spec()  # before torch is loaded: a wrong path is told at once
+        if not run.evaluation.exists():  # it is measured first
+            require_writable_folder(run.path)
+    require_writable_file(out)
     from hgs_core.report.write import write_report
 
-    out = options.out or options.run_folder / "report.html"
     with ProgressBars() as bars:
         write_report(options.run_folder, out, options.against, bars)
     print(out)

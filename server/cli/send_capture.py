@@ -81,6 +81,7 @@ class _Sending:
                     task.result()
             except BaseException:
                 self._stopped.set()
+                self._client.stop()
                 pool.shutdown(wait=True, cancel_futures=True)
                 raise
         return str(self._client.request("POST", f"{address}/finish").value["capture"])

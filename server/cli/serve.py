@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import signal
 import sys
 from contextlib import closing
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["add_parser"]
 
 MOST_DRAIN = 300
+_ORIGIN = re.compile(r"https?://[^\s/?#]+")
 
 
 def add_parser(commands: Any) -> None:
@@ -84,6 +86,12 @@ def _run(options: argparse.Namespace) -> int:
         raise InputError("--max-streams", f"{options.max_streams} is too few", "give 1 or more")
     if not 0 <= options.drain <= MOST_DRAIN:
         raise InputError("--drain", f"{options.drain} is no number of seconds", f"give 0 to {MOST_DRAIN}")
+    for origin in options.origins:
+        if origin != "*" and not _ORIGIN.fullmatch(origin):
+            raise InputError("--allow-origin", f"{origin!r} is no origin", "give it as in https://example.org, or *")
+    for folder in filter(None, options.captures.split(os.pathsep)):
+        if not Path(folder).is_dir():
+            raise InputError("--captures", f"{folder} is not a folder", "make it first, or give another")
     from jobs.artifacts import open_store
     from jobs.home import Home
     from jobs.keys import KeyTable

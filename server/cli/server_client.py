@@ -1,26 +1,40 @@
-"""Requests to a server elsewhere, with patience for lines that break."""
+"""Requests to a server elsewhere: soon given up where nobody answers, with patience for lines that break."""
 
 from __future__ import annotations
 
+import argparse
+import contextlib
 import http.client
 import json
 import os
+import re
+import socket
 import ssl
+import sys
 import threading
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Self
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
+
+from tqdm import tqdm
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import StageStopped
+from server.cli.job_words import duration
 
-__all__ = ["Answer", "LostConnectionError", "RefusedError", "ServerClient"]
+__all__ = ["FIRST_PATIENCE", "Answer", "LostConnectionError", "RefusedError", "ServerClient", "add_patience_option"]
+
+FIRST_PATIENCE = 10.0
+"""Seconds after which a server that never answered is given up."""
 
 _TIMEOUT = 120.0  # seconds that a connection may be silent
-_PATIENCE = 600.0  # seconds without any success after which nothing is tried again
+_PATIENCE = 600.0  # seconds without any success after which a server that answered before is given up
 _LONGEST_WAIT = 20.0  # seconds between two tries
+_LONGEST_PATIENCE = 1e6  # seconds
+_HOST = re.compile(r"[\w.:%-]+")
 _MAY_PASS = frozenset((408, 429, 502, 503, 504))  # that another try may not get
 
 
@@ -49,24 +63,33 @@ class LostConnectionError(Exception):
     """A connection broke, or the server answered what may pass."""
 
 
+def add_patience_option(parser: argparse.ArgumentParser) -> None:
+    """Add --patience."""
+    parser.add_argument(
+        "--patience", metavar="SECONDS", type=float, default=FIRST_PATIENCE,
+        help="how long to try a server that does not answer (default: %(default)g)",
+    )  # fmt: skip
+
+
 class ServerClient:
     """A client of one server; safe to use from several threads, each of which has its own connection."""
 
-    def __init__(self, url: str, patience: float = _PATIENCE) -> None:
+    def __init__(self, url: str, patience: float = FIRST_PATIENCE) -> None:
         """Connect to nothing yet; `HGS_KEY` in the environment is the key that the server may ask for.
 
+        `patience` is for how many seconds a server is tried that never answered; one that did is tried for 10 minutes
+        at least.
+
         Raises:
-            InputError: the URL is none of a server.
+            InputError: the URL is none of a server, or the patience is negative.
         """
-        parts = urlsplit(url)
-        try:
-            port = parts.port
-        except ValueError:
-            port = -1
-        if parts.scheme not in ("http", "https") or not parts.hostname or port == -1 or parts.query or parts.fragment:
-            raise InputError("--to", f"{url!r} is not the address of a server", "give it as in http://host:8000")
+        if not 0 <= patience < _LONGEST_PATIENCE:
+            cure = f"give 0 to {_LONGEST_PATIENCE:.0f}"
+            raise InputError("--patience", f"{patience:g} is no number of seconds to wait", cure)
+        self._parts = _parts(url)
         self.url = url.rstrip("/")
-        self._parts = parts
+        self._answered = False
+        self._stopped = threading.Event()
         self._own = threading.local()
         self._connections: list[http.client.HTTPConnection] = []  # those of all threads
         self._patience = patience
@@ -89,20 +112,32 @@ class ServerClient:
         """
         sent = dict(headers or {})
         if key := os.environ.get("HGS_KEY"):
+            if not (key.isascii() and key.isprintable()):
+                raise InputError("HGS_KEY", "holds what no key does", "set it to what hgs keys add printed")
             sent["Authorization"] = f"Bearer {key}"
         if json_body is not None:
             sent["Content-Type"], body = "application/json", json.dumps(json_body).encode()
+        began = time.monotonic()
         try:
             answer = self._exchange(method, self._parts.path.rstrip("/") + path, sent, body)
+        except ssl.SSLError as error:  # which another try would get, too
+            self._drop()
+            reason = getattr(error, "verify_message", "") or error.reason or str(error)
+            cure = "is it http:// there? else mend the server's certificate"
+            raise InputError(self.url, f"cannot be reached safely ({reason})", cure) from error
         except (OSError, http.client.HTTPException) as error:
             self._drop()
-            raise LostConnectionError(str(error) or type(error).__name__) from error
+            self._failing = began if self._failing is None else self._failing
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            raise LostConnectionError(reason) from error
         if answer.status in _MAY_PASS:
             detail = answer.value.get("detail") if isinstance(answer.value, dict) else None
             raise LostConnectionError(detail or f"the server answered {answer.status}")
-        self._failing = None
+        self._failing, self._answered = None, True
         if answer.status >= 400:
             raise RefusedError(self.url, answer)
+        if method == "GET" and not isinstance(answer.value, dict):
+            raise InputError(self.url, "does not answer as a server of HGS does", "check the address and the port")
         return answer
 
     def request(self, method: str, path: str, **arguments: Any) -> Answer:
@@ -120,18 +155,32 @@ class ServerClient:
                 tries += 1
 
     def wait(self, tries: int, reason: Exception) -> None:
-        """Wait before another try, longer each time.
+        """Wait before another try, longer each time; the first time say so.
 
         Raises:
             InputError: nothing has succeeded for long.
+            StageStopped: `stop` was called.
         """
         seconds = min(_LONGEST_WAIT, 0.5 * 2 ** min(tries, 10))
         now = time.monotonic()
         self._failing = now if self._failing is None else self._failing
-        if now + seconds - self._failing > self._patience:
-            cure = "run the same command again to go on"
+        patience = max(self._patience, _PATIENCE) if self._answered else self._patience
+        if now + seconds - self._failing > patience:
+            cure = "check the address, or give it longer with --patience 600"
+            cure = "run the same command again to go on" if self._answered else cure
             raise InputError(self.url, f"the server cannot be reached ({reason})", cure) from reason
-        time.sleep(seconds)
+        if tries == 0:
+            line = f"{self.url}: cannot be reached ({reason}), trying again for {duration(patience)}"
+            tqdm.write(line, file=sys.stderr)
+        if self._stopped.wait(seconds):
+            raise StageStopped
+
+    def stop(self) -> None:
+        """End what other threads wait for: their next try, or an answer."""
+        self._stopped.set()
+        for connection in list(self._connections):
+            with contextlib.suppress(OSError, AttributeError):
+                connection.sock.shutdown(socket.SHUT_RDWR)
 
     def close(self) -> None:
         """Close the connections of all threads."""
@@ -165,12 +214,17 @@ class ServerClient:
         found: http.client.HTTPConnection | None = getattr(self._own, "connection", None)
         if found is None:
             host, port = str(self._parts.hostname), self._parts.port
+            # One that never answered is given no longer than it is tried.
+            timeout = _TIMEOUT if self._answered else min(_TIMEOUT, max(1.0, self._patience))
             if self._parts.scheme == "https":
-                found = http.client.HTTPSConnection(host, port, timeout=_TIMEOUT, context=ssl.create_default_context())
+                found = http.client.HTTPSConnection(host, port, timeout=timeout, context=ssl.create_default_context())
             else:
-                found = http.client.HTTPConnection(host, port, timeout=_TIMEOUT)
+                found = http.client.HTTPConnection(host, port, timeout=timeout)
             self._own.connection = found
             self._connections.append(found)
+            found.connect()
+        if self._stopped.is_set():  # after it is connected: `stop` ends what it finds so
+            raise StageStopped
         return found
 
     def _drop(self) -> None:
@@ -179,3 +233,22 @@ class ServerClient:
             connection.close()
             self._own.connection = None
             self._connections.remove(connection)
+
+
+def _parts(url: str) -> SplitResult:
+    """Return the parts of a server's address.
+
+    Raises:
+        InputError: it is none.
+    """
+    try:
+        parts = urlsplit(url)
+        host = parts.hostname or ""
+        host.encode("idna")
+        parts.path.encode("ascii")
+        known = parts.scheme in ("http", "https") and _HOST.fullmatch(host) and parts.port != 0
+        if known and not (parts.query or parts.fragment or any(map(str.isspace, url))):
+            return parts
+    except ValueError:  # of a port, a bracket, or a name that nobody can have
+        pass
+    raise InputError(f"{url[:100]!r}", "is not the address of a server", "give it as in http://host:8000")

@@ -10,7 +10,9 @@ from typing import Any
 
 from hgs_core.base.progress import Progress
 from server.cli.job_options import add_job_options, job_options
+from server.cli.job_words import no_worker
 from server.cli.progress_bars import ProgressBars
+from server.cli.server_client import add_patience_option
 from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
 
 __all__ = ["add_parser"]
@@ -34,6 +36,7 @@ def add_parser(commands: Any) -> None:
     parser.add_argument(
         "--wait", action="store_true", help="follow the job to its end; the exit status tells how it went"
     )
+    add_patience_option(parser)
     add_job_options(parser)
     add_masks_option(parser)
     add_audio_option(parser, "auto", "default: auto")
@@ -58,6 +61,8 @@ def _run(options: argparse.Namespace) -> int:
     with JobClient(Home.from_environment()) as client:
         job_id = client.submit(request)
         print(job_id, flush=True)
+        if line := no_worker([{"state": "queued"}], client.workers()):
+            print(line, file=sys.stderr)
         return _follow(client, job_id) if options.wait else 0
 
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import Progress, StageStopped
+from hgs_core.base.progress import Progress, StageStopped, interruptible
 from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
-from server.cli.capture_files import capture_files, opened_capture
+from server.cli.capture_files import archive_ending, capture_files, opened_capture
 from server.cli.interrupts import Interrupts
 from server.cli.job_options import job_options
+from server.cli.job_words import no_worker
 from server.cli.progress_bars import ProgressBars
 from server.cli.send_capture import send_capture
 from server.cli.server_client import RefusedError, ServerClient
@@ -44,30 +45,40 @@ def submit_to_server(options: argparse.Namespace) -> int:
         raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
     if (audio := _sent_sound(options)) != OWN_SOUND:
         settings["audio"] = audio
-    with ServerClient(options.to) as client, Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    archive_ending(options.capture)  # before a server is asked
+    with (
+        ServerClient(options.to, options.patience) as client,
+        Interrupts() as interrupts,
+        ProgressBars(interrupts) as bars,
+        interruptible(),  # whatever it waits for: what the server has stays there
+    ):
 
         def show(done: int, total: int) -> None:
             bars(Progress("sending MB", done // 1_000_000, max(1, total // 1_000_000)))
 
         try:
-            limits = UploadLimits(**client.request("GET", "/v1/uploads").value["limits"])
+            limits = _limits(client)
             with opened_capture(options.capture, limits) as (name, folder):
                 capture = send_capture(client, name, capture_files(folder), show)
             bars.close()
             print(f"the capture is {capture} on the server", file=sys.stderr)
             capture = _trainable(client, capture)
             _check(client, capture, bars, bool(settings["config"].get("capture.trust_poses")))
-            job_id = _queue(client, key, {"capture": capture, "title": options.title, **settings})
-            print(job_id, flush=True)
-            return _follow(client, job_id, bars) if options.wait else 0
+            job = _queue(client, key, {"capture": capture, "title": options.title, **settings})
+            print(job["id"], flush=True)
+            workers = client.request("GET", "/v1/workers").value["workers"]
+            if line := no_worker([job], workers, client.url):
+                bars.close()
+                print(line, file=sys.stderr)
+            return _follow(client, job["id"], bars) if options.wait else 0
         except StageStopped:
             bars.close()
             print("stopped; run the same command again to go on", file=sys.stderr)
             return INTERRUPTED
 
 
-def _queue(client: ServerClient, key: str, asked: dict[str, Any]) -> str:
-    """Make the job, once the server has looked at the capture, and return its id."""
+def _queue(client: ServerClient, key: str, asked: dict[str, Any]) -> dict[str, Any]:
+    """Make the job, once the server has looked at the capture, and return it."""
     place = ""
     while True:
         try:
@@ -82,9 +93,18 @@ def _queue(client: ServerClient, key: str, asked: dict[str, Any]) -> str:
             place = ""  # the server was started anew meanwhile
             continue
         if answer.status != 202:
-            return str(answer.value["id"])
+            job: dict[str, Any] = answer.value
+            return job
         place = answer.headers["location"]
         time.sleep(POLL_SECONDS)
+
+
+def _limits(client: ServerClient) -> UploadLimits:
+    """Return how much the server takes: the first question, which another program's server cannot answer."""
+    try:
+        return UploadLimits(**client.request("GET", "/v1/uploads").value["limits"])
+    except (KeyError, TypeError) as error:
+        raise InputError(client.url, "is no server of HGS, or one of another version", "check the address") from error
 
 
 def _sent_sound(options: argparse.Namespace) -> str:

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.progress import ProgressCallback, StageStopped
+from hgs_core.base.progress import ProgressCallback, StageStopped, interruptible
+from hgs_core.base.writable import require_writable_file
 from hgs_core.capture.config import SYNC_BY
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
@@ -44,7 +45,9 @@ def _run(options: argparse.Namespace) -> int:
     out = options.out or options.capture / SYNC_FILE
     if out.exists():
         raise InputError(out, "is there already", "move it away to have the offsets found again")
-    with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
+    if options.out is not None or options.capture.is_dir():  # else it is said that there is no such capture
+        require_writable_file(out)
+    with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
             starts = _starts(options.capture, options.by, bars)
         except StageStopped:

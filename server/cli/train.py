@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.progress import StageStopped
+from hgs_core.base.writable import require_writable_folder
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_audio_option, add_masks_option, add_training_options, training_config
@@ -33,6 +34,7 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
+    require_writable_folder(options.out)
     if config.train.backend == "triton":  # before minutes of initialisation
         from hgs_core.render.backends import training_device
 

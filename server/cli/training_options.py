@@ -48,10 +48,10 @@ def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto"
 def _reductions(text: str) -> tuple[int | None, list[str]]:
     """Return the factor for all cameras, if there is one, and those of single ones as the config has them."""
     parts = [part.strip() for part in text.split(",")]
-    whole = [int(part) for part in parts if "=" not in part]  # argparse tells of a ValueError
-    if len(whole) > 1:
-        raise ValueError
-    return whole[0] if whole else None, [part for part in parts if "=" in part]
+    whole = [part for part in parts if "=" not in part]
+    if len(whole) > 1 or not all(part.isascii() and part.isdecimal() and len(part) < 10 for part in whole):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not N, or CAMERA=N with commas between them")
+    return int(whole[0]) if whole else None, [part for part in parts if "=" in part]
 
 
 def add_masks_option(parser: argparse.ArgumentParser) -> None:

@@ -41,6 +41,7 @@ class BirthRound:
 
     name: ClassVar[str] = "births"
     on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = True
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

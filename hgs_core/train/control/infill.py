@@ -39,6 +39,7 @@ class InfillRound:
 
     name: ClassVar[str] = "infill"
     on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = True
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

@@ -49,6 +49,7 @@ class LabelRound:
 
     name: ClassVar[str] = "labels"
     on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = True
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

@@ -30,6 +30,7 @@ class MovingSteps:
 
     name: ClassVar[str] = "moving steps"
     on_host: ClassVar[bool] = False
+    is_long: ClassVar[bool] = False
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

@@ -32,6 +32,7 @@ class PruningRound:
 
     name: ClassVar[str] = "pruning"
     on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = True
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

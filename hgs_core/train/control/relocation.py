@@ -64,6 +64,7 @@ class NoiseRound:
 
     name: ClassVar[str] = "noise"
     on_host: ClassVar[bool] = False
+    is_long: ClassVar[bool] = False
 
     def due(self, iteration: int) -> bool:
         """Return that the round follows every iteration."""

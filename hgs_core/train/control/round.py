@@ -44,6 +44,8 @@ class Round(Protocol):
     name: ClassVar[str]  # of the activity in the profile of train.json
     on_host: ClassVar[bool]  # whether the state is brought to the host first; frequent rounds run where it is
 
+    is_long: ClassVar[bool]  # whether it may take more than a second or two: it can be interrupted then
+
     def due(self, iteration: int) -> bool:
         """Return whether the round follows this iteration, counted from 0."""
 
@@ -57,6 +59,7 @@ class BudgetRound:
 
     name: ClassVar[str] = "density"
     on_host: ClassVar[bool] = True
+    is_long: ClassVar[bool] = False
     config: TrainConfig
 
     def due(self, iteration: int) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hgs_core.bench.viewers import ViewerPoint, ViewerReport
-from hgs_core.bench.viewers_table import viewers_text
+from hgs_core.bench.viewers_table import viewer_line, viewers_text
 
 MACHINE = {"cpu": "A processor", "cores": 4, "load": 0.5}
 
@@ -25,3 +25,8 @@ def test_times_stand_beside_the_fastest_of_the_others() -> None:
 def test_alone_there_is_nothing_to_compare_with() -> None:
     _, only = _lines(ViewerPoint("hgs", 300.0, 330.0, None, (68.4, 68.1)))
     assert only[1:6] == ["300", "-", "330", "-", "-"]
+
+
+def test_a_viewer_is_one_line_as_soon_as_it_is_measured() -> None:
+    line = viewer_line(ViewerPoint("hgs", 300.0, 330.4, 345.0, (68.4, 68.1)), 1, 3)
+    assert line == "hgs: still 300 ms, orbit 330 ms, playing 345 ms, 68.1 dB at worst (round 1 of 3)"

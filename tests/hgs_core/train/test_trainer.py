@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import torch
 
+import hgs_core.train.trainer
 from hgs_core.base.config_fields import with_fields
-from hgs_core.base.progress import Progress, StageStopped, silent
+from hgs_core.base.progress import Progress, StageStopped, silent, stop_if_interruptible
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.decompose.masks import motion_masks
@@ -18,7 +19,12 @@ from hgs_core.points.point_cloud import PointCloud
 from hgs_core.scene import HybridScene
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
+from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.config import DensityConfig, LearningRates, TrainConfig
+from hgs_core.train.control import Round, RoundContext
+from hgs_core.train.control.infill import InfillRound
+from hgs_core.train.control.labels import LabelRound
+from hgs_core.train.control.pruning import PruningRound
 from hgs_core.train.initialise import initial_splats
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.segments import cut_into_segments
@@ -209,8 +215,43 @@ def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_
     with pytest.raises(RuntimeError, match="killed"):
         trainer(capture_folder, checkpoint, config()).run(kill)
     resumed = trainer(capture_folder, checkpoint, config())
-    assert resumed.state.iteration == 20
+    assert 20 <= resumed.state.iteration < 30
     assert same_bits(whole, resumed.run(silent))
+
+
+@pytest.mark.parametrize("control", [PruningRound, InfillRound, LabelRound])
+def test_a_stop_amid_a_long_round_loses_no_iteration(
+    capture_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, control: type[Round]
+) -> None:
+    """The round has changed the state already, which is not what is kept then."""
+    whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
+    apply, stopped = control.apply, list[int]()
+
+    def stop(self: Round, state: TrainState, context: RoundContext) -> None:
+        apply(self, state, context)
+        if not stopped:
+            stopped.append(context.iteration)
+            stop_if_interruptible()
+
+    monkeypatch.setattr(control, "apply", stop)
+    checkpoint = tmp_path / "stopped.pt"
+    with pytest.raises(StageStopped):
+        trainer(capture_folder, checkpoint, config()).run(silent)
+    resumed = trainer(capture_folder, checkpoint, config())
+    assert [resumed.state.iteration] == stopped
+    assert same_bits(whole, resumed.run(silent))
+
+
+def test_a_slow_training_reports_more_often_than_every_ten_iterations(
+    capture_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that it can be stopped: whoever asks for that waits ten seconds."""
+    monkeypatch.setattr(hgs_core.train.trainer, "_LONGEST_SILENCE", 0.0)
+    told: list[int] = []
+    training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(iterations=12))
+    training.run(lambda progress: told.append(progress.done))
+    assert told == list(range(1, 13))
+    assert training.state.history.curves["iteration"] == [10, 12]
 
 
 def test_relocation_fills_the_budgets_and_learns(capture_folder: Path, tmp_path: Path) -> None:

@@ -73,3 +73,17 @@ def test_a_board_that_is_half_described_is_refused(
 ) -> None:
     assert main(["cameras", str(tmp_path), *options]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_videos_of_a_folder_inside_are_called_so(
+    n3dv: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("hgs_core.calibrate.find_cameras.find_cameras", lambda folder, **options: SOLUTION)
+    (n3dv / "poses_bounds.npy").unlink()
+    outer = n3dv.parent / "outer"
+    outer.mkdir()
+    n3dv.rename(outer / "inside")
+    assert main(["cameras", str(outer)]) == 0
+    assert f"{outer}: has no videos of its own; those of {outer / 'inside'} are taken" in capsys.readouterr().err
+    assert main(["cameras", str(outer / "inside")]) == 0
+    assert "of its own" not in capsys.readouterr().err

@@ -73,6 +73,13 @@ def test_text_names_every_field(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert lines["lpips"] == "-"
 
 
+def test_what_lpips_lacks_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", str(tmp_path)]) == 0
+    assert "no LPIPS: give its weights with --lpips FILE" in capsys.readouterr().err
+    assert main(["eval", str(tmp_path), "--lpips", "weights.npz"]) == 0
+    assert "no LPIPS" not in capsys.readouterr().err
+
+
 def test_by_default_the_cheap_metrics_of_the_held_out_cameras_are_asked_for(
     tmp_path: Path, wishes: dict[str, Any]
 ) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from jobs.job import Job, JobState
-from server.cli.job_words import duration, job_details, job_table, seconds_of, since, worker_table
+from server.cli.job_words import duration, job_details, job_table, no_worker, seconds_of, since, worker_table
 from server.job_events import describe_job
 
 
@@ -67,3 +67,13 @@ def test_the_sound_of_a_job_is_shown_if_one_was_chosen(audio: str, shown: list[s
 def test_a_table_of_workers() -> None:
     worker = {"id": "a-1", "host": "a", "device": None, "job": None, "idle_because": "no home", "started": 0.0}
     assert worker_table([worker], now=60.0).splitlines()[1].split() == ["a-1", "a", "-", "-", "1", "min", "no", "home"]
+
+
+def test_queued_jobs_that_nobody_takes_are_called_so() -> None:
+    queued, done = {"state": "queued"}, {"state": "succeeded"}
+    line = "queued; no worker is running: start one with hgs worker, or hgs serve"
+    assert no_worker([done, queued], []) == line
+    assert no_worker([queued], [], "http://host:8000").startswith("queued; no worker is running at http://host:8000: ")
+    assert no_worker([queued], [object()]) == ""
+    assert no_worker([done], []) == ""
+    assert no_worker([], []) == ""

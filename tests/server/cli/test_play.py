@@ -7,6 +7,7 @@ import pytest
 
 from server import viewing
 from server.cli import main
+from server.cli.server_client import ServerClient
 from server.viewing import Watched
 
 WATCHED = Watched(0.5, 1000, 1, 0.25, 5000, 0, ())
@@ -30,8 +31,11 @@ def test_scene_is_played_from_its_page_or_its_stream(
         return WATCHED
 
     monkeypatch.setattr(viewing, "play", play)
+    greeted: list[Any] = []
+    monkeypatch.setattr(ServerClient, "request", lambda client, *question: greeted.append((client.url, *question)))
     assert main(["play", url, "--stats", "--seconds", "2", "--json"]) == 0
     assert asked == [(stream, 2.0)]
+    assert greeted == [(stream.partition("/v1/")[0].replace("ws", "http"), "GET", "/v1/health")]
     assert json.loads(capsys.readouterr().out) == WATCHED.to_json()
     assert main(["play", url, "--stats"]) == 0
     assert "plays after 0.50 s" in capsys.readouterr().out

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import http.server
+import socket
 import threading
 from collections.abc import Iterator
 
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.progress import StageStopped
 from server.cli import server_client
 from server.cli.server_client import LostConnectionError, RefusedError, ServerClient
 
@@ -21,6 +23,9 @@ class Scripted(http.server.BaseHTTPRequestHandler):
     """Answers as it is told, and then what it was asked."""
 
     protocol_version = "HTTP/1.1"
+
+    def do_GET(self) -> None:
+        self.do_POST()
 
     def do_POST(self) -> None:
         body = self.rfile.read(int(self.headers["Content-Length"] or 0))
@@ -79,11 +84,76 @@ def test_a_refusal_is_told_in_the_servers_words(client: ServerClient) -> None:
 def test_patience_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server_client, "_LONGEST_WAIT", 0.0)
     client = ServerClient("http://127.0.0.1:1", patience=0.0)
-    with pytest.raises(InputError, match=r"cannot be reached \(.*\); run the same command again"):
+    with pytest.raises(InputError, match=r"cannot be reached \(.*\); check the address, or give it longer"):
         client.request("GET", "/x")
 
 
-@pytest.mark.parametrize("url", ["host:8000", "ftp://host", "http://", "http://host:port", "http://host/?a"])
+def test_the_first_refusal_is_told_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    client = ServerClient("http://127.0.0.1:1", patience=0.6)
+    with pytest.raises(InputError, match="cannot be reached"):
+        client.request("GET", "/x")
+    assert (
+        capsys.readouterr().err == "http://127.0.0.1:1: cannot be reached (Connection refused), trying again for 1 s\n"
+    )
+
+
+def test_a_server_that_answered_is_tried_for_longer(
+    client: ServerClient, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    client.request("POST", "/x")
+    monkeypatch.setattr(client, "_patience", 0.0)
+    ANSWERS.extend([(0, b"")] * 5)
+    client.request("POST", "/x")
+    assert capsys.readouterr().err.endswith("trying again for 10 min\n")
+
+
+def test_a_stopped_client_waits_for_nothing(client: ServerClient) -> None:
+    client.stop()
+    with pytest.raises(StageStopped):
+        client.wait(0, LostConnectionError("away"))
+    with pytest.raises(StageStopped):
+        client.request("POST", "/x")
+
+
+@pytest.mark.parametrize("answer", [(200, b"[]"), (200, b""), (200, b"null")])
+def test_what_is_no_server_of_ours_is_called_so(client: ServerClient, answer: tuple[int, bytes]) -> None:
+    ANSWERS.append(answer)
+    with pytest.raises(InputError, match="does not answer as a server of HGS does"):
+        client.request("GET", "/x")
+
+
+def test_a_server_that_accepts_and_says_nothing_is_given_up() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        client = ServerClient(f"http://127.0.0.1:{listener.getsockname()[1]}", patience=0.0)
+        with pytest.raises(InputError, match="cannot be reached"):
+            client.request("GET", "/x")
+
+
+def test_a_server_without_tls_is_told_from_one_that_is_away() -> None:
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Scripted) as server:
+        threading.Thread(target=server.serve_forever, args=(0.01,)).start()
+        try:
+            with pytest.raises(InputError, match="cannot be reached safely"):
+                ServerClient(f"https://127.0.0.1:{server.server_port}").request("GET", "/x")
+        finally:
+            server.shutdown()
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "host:8000",
+        "ftp://host",
+        "http://",
+        "http://host:port",
+        "http://host/?a",
+        "http://[::1",
+        "http://a..b",
+        "http://a b",
+        "http://host/é",
+        "",
+    ],
+)
 def test_what_is_no_address_is_refused(url: str) -> None:
     with pytest.raises(InputError, match="give it as in http://host:8000"):
         ServerClient(url)

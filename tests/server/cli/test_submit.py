@@ -91,3 +91,13 @@ def test_a_job_that_does_not_succeed_says_so_in_its_exit_status(
     assert main(["submit", str(n3dv), "--wait"]) == 1
     told = capsys.readouterr()
     assert told.err.splitlines()[-1] == f"hgs: job {told.out.strip()}: {words}"
+
+
+def test_a_job_that_no_worker_takes_is_called_so(n3dv: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    line = "queued; no worker is running: start one with hgs worker, or hgs serve"
+    assert main(["submit", str(n3dv)]) == 0
+    told = capsys.readouterr()
+    assert told.err.splitlines()[-1] == line
+    assert len(told.out.split()) == 1
+    assert main(["jobs", "ls"]) == 0
+    assert capsys.readouterr().err == f"{line}\n"

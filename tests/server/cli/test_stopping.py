@@ -1,0 +1,94 @@
+"""`hgs train` stopped by SIGTERM and SIGINT in each of its stages: it says so, keeps what it has, and goes on."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import REPOSITORY
+
+STAGES = ("check", "masks", "points", "train", "encode")
+SETTINGS = ("--preset", "preview", "--hold-out", "2", "--trust-poses", "--set", "train.iterations=60")
+SAYS = "stopped; run the same command again to resume"
+
+# Runs the command again and again in one process, which signals itself at the first report of the stage's second step.
+STOPS_ITSELF = """
+import json, os, signal, sys
+from pathlib import Path
+from server.cli import main
+from server.cli.progress_bars import ProgressBars
+capture, out, *settings = sys.argv[1:]
+report, asked = ProgressBars.__call__, []
+
+def signalled(self, progress):
+    if asked and progress.stage == asked[0][0] and (progress.done > 0 or progress.stage in ("masks", "check")):
+        os.kill(os.getpid(), asked.pop()[1])
+    report(self, progress)
+
+ProgressBars.__call__ = signalled
+for stage in ("check", "masks", "points", "train", "encode"):
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asked.append((stage, number))
+        status = main(["train", capture, "--out", out, *settings])
+        files = {path.name: path.stat().st_mtime_ns for path in Path(out).iterdir() if path.is_file()}
+        print(json.dumps({"stage": stage, "status": status, "asked": len(asked), "files": files}), flush=True)
+print(json.dumps({"stage": "", "status": main(["train", capture, "--out", out, *settings])}))
+"""
+
+
+def arguments(capture: Path, out: Path) -> list[str]:
+    return [str(capture), str(out), *SETTINGS]
+
+
+def test_every_stage_can_be_stopped_and_goes_on(capture: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    ended = subprocess.run(
+        [sys.executable, "-c", STOPS_ITSELF, *arguments(capture, out)],
+        cwd=REPOSITORY, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    told = [json.loads(line) for line in ended.stdout.splitlines() if line.startswith("{")]
+    assert [one["stage"] for one in told] == [stage for stage in STAGES for _ in range(2)] + [""]
+    assert [one["status"] for one in told] == [130] * (2 * len(STAGES)) + [0]
+    assert not any(one.get("asked") for one in told)
+    assert ended.stderr.count(SAYS) == 2 * len(STAGES)
+    for words in ("Traceback", "Aborted", "stack trace"):
+        assert words not in ended.stderr
+    kept = {name: {one["files"].get(name) for one in told if "files" in one} - {None} for name in told[-2]["files"]}
+    for name in ("check.json", "masks.npz", "points.npz", "train.json", "scene.npz"):
+        assert len(kept[name]) == 1, f"{name} was made again"
+    assert "checkpoint.pt" in told[2 * STAGES.index("train")]["files"]
+    assert json.loads((out / "train.json").read_text())["iterations"] == 60
+    assert not list(out.glob(".*.tmp"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("stage", STAGES)
+def test_a_process_that_is_told_to_stop_ends_in_order(
+    capture: Path, tmp_path: Path, stage: str, number: signal.Signals
+) -> None:
+    command = [sys.executable, "-m", "server.cli", "train", str(capture), "--out", str(tmp_path / "run"), *SETTINGS]
+    with subprocess.Popen(
+        command, cwd=REPOSITORY, stderr=subprocess.PIPE, env={**os.environ, "PYTHONUNBUFFERED": "1"}
+    ) as process:
+        assert process.stderr is not None
+        told = b""
+        while f"\r{stage}".encode() not in told.replace(b"\n", b"\r"):
+            piece = os.read(process.stderr.fileno(), 4096)
+            assert piece, told.decode()
+            told += piece
+        process.send_signal(number)
+        told += process.stderr.read()
+    assert process.returncode == 130, told.decode()
+    assert SAYS in told.decode()
+    for words in (b"Traceback", b"Aborted", b"stack trace"):
+        assert words not in told
+    again = subprocess.run(command, cwd=REPOSITORY, capture_output=True, check=False)
+    assert again.returncode == 0, again.stderr.decode()
