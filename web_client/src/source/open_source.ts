@@ -37,8 +37,8 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
 
 function openStream(stream: string): OpenSource {
   return openLate(async () => {
-    const { SceneStream } = await import("./scene_stream"); // a folder needs none of it
-    return (events, playhead) => new SceneStream(stream, events, playhead);
+    const { openServed } = await import("./served_source"); // a folder needs none of it
+    return openServed(stream);
   });
 }
 

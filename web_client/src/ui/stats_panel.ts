@@ -8,7 +8,13 @@ import { formatBitRate, formatCount } from "./format_figures";
 
 /** Often enough to follow, and slowly enough to read, milliseconds. */
 const REFRESH = 500;
-const STREAM_NAMES = { connecting: "connecting", open: "connected", retrying: "reconnecting", closed: "closed" };
+const STREAM_NAMES = {
+  connecting: "connecting",
+  open: "connected",
+  "over-http": "HTTP: no WebSockets here",
+  retrying: "reconnecting",
+  closed: "closed",
+};
 
 type Figures = Readonly<Record<string, string>>;
 

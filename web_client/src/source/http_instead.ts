@@ -1,0 +1,44 @@
+/** A served scene by HTTP alone: whether it can be had so, and from where. Loaded when its stream does not come about. */
+
+import { HttpSource } from "./http_source";
+import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
+
+const PATIENCE = 10_000; // ms
+/** The first byte of an index, which a page that some proxy shows in its place has not. */
+const GZIP = 0x1f;
+const REMARK =
+  "hgs: this site does not pass WebSockets; the scene is loaded over HTTP instead. See docs/deploy.md of the server.";
+
+/** The scene can be had over HTTP; it can by nobody, or not by this visitor; or nobody knows, as the server does not answer. */
+export type HttpAnswer = "there" | "away" | Extract<SourceFailure, "no-scene" | "no-access">;
+
+/** The index of the scene whose stream is `ws://host/v1/scenes/{scene}/stream`. */
+function addressOf(stream: string): URL {
+  return new URL("index.hgs", stream.replace(/^ws/, "http"));
+}
+
+export async function askOverHttp(stream: string, signal: AbortSignal): Promise<HttpAnswer> {
+  const address = addressOf(stream);
+  address.search = new URL(stream).search;
+  try {
+    const response = await fetch(address, {
+      signal: AbortSignal.any([signal, AbortSignal.timeout(PATIENCE)]),
+      cache: "no-cache",
+    });
+    if (response.status === 200) {
+      return new Uint8Array(await response.arrayBuffer())[0] === GZIP ? "there" : "away";
+    }
+    if (response.status === 401 || response.status === 403) return "no-access";
+    const { code } = await response.json(); // a server's own answer: a proxy's page is none
+    return code === "scene-not-found" ? "no-scene" : "away";
+  } catch {
+    return "away";
+  }
+}
+
+export function openInstead(stream: string, events: SourceEvents, playhead: Playhead): SceneSource {
+  // biome-ignore lint/suspicious/noConsole: for who runs the site; a visitor misses nothing
+  console.info(REMARK);
+  const told: SourceEvents = { ...events, state: (state) => events.state(state === "open" ? "over-http" : state) };
+  return new HttpSource(addressOf(stream).href, told, playhead, undefined, new URL(stream).search);
+}
