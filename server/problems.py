@@ -16,6 +16,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, HTTPConnection
 
 from hgs_core.base.errors import InputError
+from server.site_root import site_root
 
 __all__ = ["PROBLEM_JSON", "ProblemError", "install_problem_handlers", "problem_document", "problem_response"]
 
@@ -93,17 +94,21 @@ def install_problem_handlers(app: FastAPI) -> None:
 
 def problem_response(request: HTTPConnection, problem: ProblemError) -> Response:
     """Return the problem document that answers `request`."""
-    return Response(problem_document(problem, request.scope["path"]), problem.status, problem.headers, PROBLEM_JSON)
+    body = problem_document(problem, request.scope["path"], site_root(request))
+    return Response(body, problem.status, problem.headers, PROBLEM_JSON)
 
 
-def problem_document(problem: ProblemError, path: str) -> bytes:
-    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request."""
+def problem_document(problem: ProblemError, path: str, root: str = "") -> bytes:
+    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request.
+
+    `root` is the path, quoted, under which a proxy has put the server.
+    """
     body = {
         "type": "about:blank",
         "title": HTTPStatus(problem.status).phrase,
         "status": problem.status,
         "detail": " ".join(problem.detail.split()),
-        "instance": quote(path, errors="replace"),
+        "instance": root + quote(path, errors="replace"),
         "code": problem.code,
     }
     if problem.field:

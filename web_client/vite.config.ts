@@ -9,6 +9,7 @@ import { zstdWasmFile } from "./plugins/zstd_wasm.ts";
 const server = process.env.HGS_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
+  base: "./", // the server tells each page where the scripts are from there: a proxy may put all of it below any path
   plugins: [
     zstdWasmFile(),
     leanShaders(),

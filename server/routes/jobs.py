@@ -61,7 +61,7 @@ async def submit(request: Request, service: ServiceDep) -> Response:
     submission = await read_json(request, Submission, bounded="config")
     key = request.headers.get("Idempotency-Key", "")
     job = await run_in_threadpool(_submit, service, submission, key)
-    return JSONResponse(describe_job(job), 201, {"Location": f"/v1/jobs/{job.id}"})
+    return JSONResponse(describe_job(job), 201, {"Location": f"jobs/{job.id}"})
 
 
 @router.api_route("", methods=["GET", "HEAD"])

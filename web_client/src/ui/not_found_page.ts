@@ -1,5 +1,6 @@
 /** The page of an address at which there is nothing. */
 
+import { siteUrl } from "../protocol/site";
 import { element } from "./element";
 
 export function showNotFoundPage(root: HTMLElement): void {
@@ -9,10 +10,10 @@ export function showNotFoundPage(root: HTMLElement): void {
     element(
       "main",
       {},
-      element("img", { src: "/icon.svg", alt: "", width: 56, height: 56 }),
+      element("img", { src: siteUrl("icon.svg"), alt: "", width: 56, height: 56 }),
       element("h1", {}, "There is nothing at this address"),
       element("p", { class: "hint" }, "The link may be mistyped, or the scene may have gone."),
-      element("a", { class: "button", href: "/" }, "All scenes"),
+      element("a", { class: "button", href: siteUrl("") }, "All scenes"),
     ),
   );
 }
