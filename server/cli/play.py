@@ -85,7 +85,7 @@ def _scene(url: str) -> str:
         if _FOLDER.fullmatch(parts.path):
             return urlunsplit((*parts[:4], ""))
     cure = (
-        "give http://HOST/view/NAME, ws://HOST/v1/scenes/NAME/stream, or a scene's folder, as http://HOST/NAME/ or, at the "
-        "root, http://HOST/manifest.json"
+        "give http://HOST/view/NAME, ws://HOST/v1/scenes/NAME/stream, or a scene's folder, as http://HOST/NAME/ or, at "
+        "the root, http://HOST/manifest.json"
     )
     raise InputError(url, "is not the address of a scene", cure)

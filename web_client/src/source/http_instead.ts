@@ -39,6 +39,10 @@ export async function askOverHttp(stream: string, signal: AbortSignal): Promise<
 export function openInstead(stream: string, events: SourceEvents, playhead: Playhead): SceneSource {
   // biome-ignore lint/suspicious/noConsole: for who runs the site; a visitor misses nothing
   console.info(REMARK);
-  const told: SourceEvents = { ...events, state: (state) => events.state(state === "open" ? "over-http" : state) };
+  // Also when all is here and the source is closed: it stays worth knowing.
+  const told: SourceEvents = {
+    ...events,
+    state: (state) => events.state(state === "open" || state === "closed" ? "over-http" : state),
+  };
   return new HttpSource(addressOf(stream).href, told, playhead, undefined, new URL(stream).search);
 }
