@@ -121,7 +121,7 @@ def test_a_scene_plays_and_says_calmly_what_is_missing(
     page.wait_for_function("() => window.hgs.state.complete")
     assert page.evaluate("() => window.hgs.state.stream") == ("over-http" if over_http else "closed")  # as all is here
     assert [line.startswith(REMARK) for line in said] == ([True] if over_http else [])
-    assert page.locator(".notices").is_hidden()
+    assert page.locator(".notice >> visible=true").count() == 0
     assert failed == []
 
 
