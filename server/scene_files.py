@@ -61,9 +61,8 @@ class SceneFiles:
         if found is None:
             return None
         try:
-            if not found[0].startswith(_GZIP):
-                return dict(json.loads(found[0]))
-            document = read_index(found[0], self.first)
+            packed = found[0].startswith(_GZIP)
+            document = read_index(found[0], self.first) if packed else dict(json.loads(found[0]))
             if document.get("format") == INDEX_FORMAT:
                 whole = await self._get(self.whole + self.opens)
                 document = dict(json.loads(whole[0] if whole else b""))
