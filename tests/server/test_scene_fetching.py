@@ -18,6 +18,7 @@ from server.client import StreamClient, StreamRefusedError
 from server.one_scene_server import serving
 from server.protocol import Seek
 from server.scene_index import read_scene
+from tests.growing import write_growing_scene
 from tests.server.lacking_proxy import Lack, lacking_proxy
 
 SCENE = made_up_scene(3, static_bytes=200_000, slice_bytes=30_000)
@@ -190,3 +191,25 @@ def test_hgs_play_plays_a_folder_below_a_path(tmp_path: Path, capsys: pytest.Cap
         assert "bytes of chunks came" in capsys.readouterr().out
         assert main(["play", f"{host}/none/", "--stats", "--seconds", "5"]) == 2
         assert "404" in capsys.readouterr().err
+
+
+def test_a_scene_that_grows_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scene_fetching, "POLL", 0.05)
+    write_growing_scene(tmp_path / "live", 1)
+
+    async def scenario(host: str) -> StreamClient:
+        client = StreamClient(f"{host}/live/")
+
+        async def grow() -> None:
+            while len(client.have) < 2:
+                await asyncio.sleep(0.01)
+            assert not client.complete
+            write_growing_scene(tmp_path / "live", 3)
+
+        await asyncio.gather(received(client), grow())
+        return client
+
+    with hosting(tmp_path) as host:
+        client = asyncio.run(scenario(host))
+    assert client.manifest is not None
+    assert (client.manifest.end, client.manifest.live, len(client.have)) == (3.0, None, 4)
