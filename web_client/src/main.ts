@@ -4,7 +4,7 @@
  */
 
 import { KEY_NEEDED } from "./protocol/http";
-import { beginSiteAt, pathInSite } from "./protocol/site";
+import { beginSiteAt, pathInSite, siteUrl } from "./protocol/site";
 import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
 import "./console/tokens.css";
@@ -42,7 +42,7 @@ switch (page.kind) {
   }
   case "unknown": {
     const { showNotFoundPage } = await import("./ui/not_found_page");
-    showNotFoundPage(document.body);
+    showNotFoundPage(document.body, siteUrl(""));
   }
 }
 

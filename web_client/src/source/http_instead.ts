@@ -1,7 +1,6 @@
 /** A served scene by HTTP alone: whether it can be had so, and from where. Loaded when its stream does not come about. */
 
-import { HttpSource } from "./http_source";
-import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
+import type { OpenSource, SourceFailure } from "./scene_source";
 
 const PATIENCE = 10_000; // ms
 /** The first byte of an index, which a page that some proxy shows in its place has not. */
@@ -36,13 +35,15 @@ export async function askOverHttp(stream: string, signal: AbortSignal): Promise<
   }
 }
 
-export function openInstead(stream: string, events: SourceEvents, playhead: Playhead): SceneSource {
+/** The scene of a stream as `openFiles` brings it, by the address of its index and the query that opens it. */
+export function openInstead(stream: string, openFiles: (index: string, query: string) => OpenSource): OpenSource {
   // biome-ignore lint/suspicious/noConsole: for who runs the site; a visitor misses nothing
   console.info(REMARK);
   // Also when all is here and the source is closed: it stays worth knowing.
-  const told: SourceEvents = {
-    ...events,
-    state: (state) => events.state(state === "open" || state === "closed" ? "over-http" : state),
-  };
-  return new HttpSource(addressOf(stream).href, told, playhead, undefined, new URL(stream).search);
+  const open = openFiles(addressOf(stream).href, new URL(stream).search);
+  return (events, playhead) =>
+    open(
+      { ...events, state: (state) => events.state(state === "open" || state === "closed" ? "over-http" : state) },
+      playhead,
+    );
 }

@@ -7,8 +7,15 @@ import { SceneStream } from "./scene_stream";
 /** Connections that have failed while the scene could be had over HTTP: a single one may be that of a server that restarts. */
 const ENOUGH = 2;
 
-/** @param stream `ws://host/v1/scenes/{scene}/stream`, with the link that opens it. */
-export function openServed(stream: string, connect?: (url: string) => Socket): OpenSource {
+/**
+ * @param stream `ws://host/v1/scenes/{scene}/stream`, with the link that opens it.
+ * @param openFiles opens a scene by the address of its index, and the query that opens it.
+ */
+export function openServed(
+  stream: string,
+  openFiles: (index: string, query: string) => OpenSource,
+  connect?: (url: string) => Socket,
+): OpenSource {
   return (events, playhead) => {
     let failures = 0; // one after the other, with an answer over HTTP after each
     let hopeful = true; // nothing has been there that could be lost, nor is the server known to be away
@@ -46,7 +53,7 @@ export function openServed(stream: string, connect?: (url: string) => Socket): O
         source.wake();
       } else {
         socketed.close();
-        source = words?.openInstead(stream, events, playhead) ?? source;
+        source = words?.openInstead(stream, openFiles)(events, playhead) ?? source;
       }
     }
 

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { openFiles } from "../../src/source/open_source";
 import { openServed } from "../../src/source/served_source";
 import { FakeSocket } from "../socket_double";
 import { TWO_SEGMENTS } from "../worker_double";
@@ -32,7 +33,7 @@ function open() {
     sockets.push(new FakeSocket());
     return sockets[sockets.length - 1];
   };
-  const source = openServed(STREAM, connect)(events, { time: null, rate: 1 });
+  const source = openServed(STREAM, openFiles, connect)(events, { time: null, rate: 1 });
   return { source, events, states };
 }
 
