@@ -118,6 +118,22 @@ REFUSED_BY_CLIENT: dict[str, bytes] = {
     "missing-with-text": msgpack.packb({"type": "missing", "id": "00"}),
     "cut-off": msgpack.packb({"type": "end", "bytes": 70000})[:-2],
 }
+# Every code with which a server closes a stream, with the error code before it, and whether a client comes back.
+CLOSING: list[tuple[int, str | None, bool]] = [
+    (1003, "not-binary", False),
+    (1006, None, True),
+    (1009, "message-too-large", False),
+    (1011, "internal", True),
+    (1012, None, True),
+    (4000, "malformed", False),
+    (4000, "flood", False),
+    (4001, "protocol-unsupported", False),
+    (4003, "access-ended", False),
+    (4004, "scene-not-found", False),
+    (4004, "scene-changed", False),
+    (4008, "hello-timeout", True),
+    (4009, "credit-overflow", False),
+]
 FRAME = {"id": ID, "offset": 4096, "size": 70000, "payload": b"splats"}
 
 
@@ -151,6 +167,7 @@ def document() -> dict[str, Any]:
         "server": packed(SERVER),
         "refused_by_server": refused(REFUSED_BY_SERVER),
         "refused_by_client": refused(REFUSED_BY_CLIENT),
+        "closing": [{"code": code, "error": error, "retry": retry} for code, error, retry in CLOSING],
         "chunk_frame": {"bytes": frame.hex(), "frame": plain(FRAME)},
     }
 

@@ -22,7 +22,9 @@ _RULES: tuple[tuple[frozenset[str] | None, re.Pattern[str], Scope | None], ...] 
     ),  # the viewer's files hold no data
     (
         _READS,
-        re.compile(rf"/v1/scenes(?:/{_SCENE}(?:/manifest|/index\.hgs|/thumbnail|/chunks/[^/]*)?)?|/v1/chunks/[^/]*"),
+        re.compile(
+            rf"/v1/scenes(?:/{_SCENE}(?:/manifest|/index\.hgs|/thumbnail|/stream|/chunks/[^/]*)?)?|/v1/chunks/[^/]*"
+        ),
         Scope.VIEW,
     ),
     (frozenset({"WEBSOCKET"}), re.compile(rf"/v1/scenes/{_SCENE}/stream"), Scope.VIEW),

@@ -47,6 +47,7 @@ def describe_api(app: FastAPI) -> dict[str, Any]:
         warnings.simplefilter("ignore")  # GET and HEAD of a route share a name, which is mended below
         found = get_openapi(title="HGS", version=software_version(), routes=app.routes)
     found["paths"].pop("/{path}", None)
+    found["servers"] = [{"url": "."}]  # relative to this document, whatever path a proxy has put it under
     components = found.setdefault("components", {})
     components["securitySchemes"] = {"key": {"type": "http", "scheme": "bearer"}}
     schemas = components.setdefault("schemas", {})

@@ -48,6 +48,7 @@ from server.routes import uploads as upload_routes
 from server.run_creation import LimitedCreation
 from server.security_headers import SecurityHeaders
 from server.service import Artifacts, Jobs, Service
+from server.site_root import SiteRoot
 from server.uploads.limits import UploadLimits
 from server.uploads.uploads import Uploads
 from server.viewer import VIEWER, viewer_router
@@ -71,13 +72,15 @@ def create_app(
     access: Access | None = None,
     max_streams: int | None = None,
     viewer: Path = VIEWER,
+    root: str = "",
 ) -> FastAPI:
     """Return the application that serves `home`; creates the home and its tables where they are missing.
 
     `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
     hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
     localhost alone, `access` who is let in, by default everybody, `max_streams` how many streams are open at once, by
-    default as many as come. The queue, the store and the folder of the built viewer can be replaced, as tests do.
+    default as many as come, `root` the path under which a proxy passes requests on, by default none. The queue, the
+    store and the folder of the built viewer can be replaced, as tests do.
     """
     store = artifacts or open_store(home)
     received = Uploads(home.folder / "uploads", uploads, StoredCaptures(home) if home.runs_in_store else None)
@@ -132,6 +135,7 @@ def create_app(
     app.add_middleware(HostCheck, hosts=hosts or AllowedHosts())
     app.add_middleware(SecurityHeaders)
     app.add_middleware(RequestLog, metrics=metrics)
+    app.add_middleware(SiteRoot, root=root)
     for module in (
         health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs,
         submissions, job_runs, workers, scenes, chunks, stream,

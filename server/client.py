@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import gzip
-import hashlib
 import json
 import random
 import struct
@@ -17,12 +16,9 @@ import msgpack
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from hgs_core.base.errors import InputError
 from hgs_core.codec.format.growth import apply_growth
-from hgs_core.codec.format.manifest import Manifest
-from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
+from hgs_core.codec.format.paged_manifest import read_index
 from server.client_hello import hello_of
-from server.playback import Throughput
 from server.protocol import (
     CHUNK_FRAME,
     HEADER_BYTES,
@@ -33,6 +29,10 @@ from server.protocol import (
     Ping,
     encode,
 )
+from server.received_scene import ReceivedScene, StreamRefusedError
+from server.scene_fetching import SceneFetching
+from server.scene_files import AwayError, SceneFiles
+from server.stream_endings import meaning, passes
 
 __all__ = ["StreamClient", "StreamRefusedError"]
 
@@ -41,18 +41,21 @@ LARGEST_WINDOW = 2 << 20
 SHORTEST_TRIP = 0.05  # seconds
 FIRST_RETRY = 0.5  # seconds; doubled with each attempt
 LAST_RETRY = 8.0
-PASSING = frozenset({1006, 1011, 1012, 4008})  # close codes after which a client comes back
+FIRST_MESSAGE = 10.0  # seconds after a hello; on a line that brings nothing in that time nothing will come
+DOUBTS = 2  # failures before any stream, with an answer over HTTP after each, until there is to be none
+UPGRADE_NEEDED = 426  # the server's own word for a handshake without its Upgrade
 TELL_SECONDS = 1.0  # between two messages of how fast the line is
 TOLD_CHANGE = 1.2
 
 
-class StreamRefusedError(Exception):
-    """The server has closed the stream for a reason that trying again does not cure."""
+class _SilentError(Exception):
+    """A connection that was accepted brings nothing."""
 
 
-class StreamClient:
+class StreamClient(ReceivedScene):
     """Receives a scene and keeps it in memory; comes back with what it has after a broken connection, and follows a
-    scene that grows.
+    scene that grows. Where something on the way passes no WebSockets, or where the address is that of a folder on a web
+    server, the scene is fetched over HTTP.
 
     `run` receives until it is cancelled. `arrived` is called whenever `manifest` or `have` may have changed.
     """
@@ -66,38 +69,28 @@ class StreamClient:
         protocol: int = PROTOCOL_VERSION,
         splats: int | None = None,
         audio: bool = False,
+        key: str = "",
         arrived: Callable[[], None] = lambda: None,
     ) -> None:
         """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first what is shown `at` that second.
 
-        With `audio` its sound comes, too, and `have` holds the pieces that the manifest's `audio` names.
+        `url` may be that of a scene's folder, manifest.json or index.hgs on a web server, too. With `audio` the scene's
+        sound comes, and `have` holds the pieces that the manifest's `audio` names. `key` is what the server asks for.
         """
-        self.have: dict[str, bytes] = {}
-        self.missing: set[str] = set()
-        self.complete = False  # but for what limits leave out
-        self.payload = 0  # bytes of chunks that have come
-        self.twice = 0  # of them, bytes that had come before
-        self.wire = 0  # bytes of all messages that have come
-        self.manifests = 0  # that have come
+        super().__init__(url, arrived)
         self.connections = 0
-        self.line = Throughput()
-        self._url, self._protocol, self._splats, self._audio = url, protocol, splats, audio
-        self._arrived = arrived
-        self._place, self._rate = at, rate
+        self.over_http = not url.startswith("ws")  # or has become so, for want of a stream
+        self._protocol, self._splats, self._audio, self._key = protocol, splats, audio, key
+        self._place, self._rate, self._placed = at, rate, time.monotonic()
         self._parts: dict[str, bytearray] = {}
         self._manifest_id: bytes | None = None
-        self._paged: PagedManifest | None = None
         self._document: dict[str, Any] = {}  # of the manifest, in versions 1 and 2
         self._socket: ClientConnection | None = None
+        self._closed = asyncio.Event()
         self._window = self._granted = 0
         self._trip = SHORTEST_TRIP
         self._pinged: float | None = None
         self._told = (0.0, 0.0)  # when, and bytes per second
-
-    @property
-    def manifest(self) -> Manifest | None:
-        """The manifest, as far as its pages have come; another object whenever more of it has."""
-        return None if self._paged is None else self._paged.manifest
 
     async def run(self) -> None:
         """Receive; return when the client has closed the stream.
@@ -105,31 +98,68 @@ class StreamClient:
         Raises:
             StreamRefusedError: the server has refused the stream.
         """
-        failures = 0
-        while True:
-            before = self.payload
+        failures = doubts = 0
+        while not self.over_http:
+            before, doubt = self.payload, 1
             try:
-                async with websockets.connect(
-                    self._url, compression=None, max_size=None, ping_interval=None
-                ) as self._socket:
-                    self.connections += 1
-                    await self._listen(self._socket)
-                return
+                await self._connect()
+                if self._closed.is_set():
+                    return
             except websockets.ConnectionClosed as closed:
+                if self._closed.is_set():
+                    return
                 code = 1006 if closed.rcvd is None else closed.rcvd.code
-                if code not in PASSING:
-                    raise StreamRefusedError(f"the server closed the stream: {code}") from closed
-            except OSError:
+                if not passes(code):
+                    raise StreamRefusedError(f"the server closed the stream ({code}): {meaning(code)}") from closed
+            except websockets.InvalidStatus as error:
+                doubt = DOUBTS if error.response.status_code == UPGRADE_NEEDED else 1
+            except _SilentError:
+                doubt = DOUBTS
+            except (OSError, websockets.InvalidHandshake):
                 pass
             finally:
                 self._socket = None
+            # One connection that fails while HTTP is answered may be that of a server that restarts.
+            doubts = doubts + doubt if self.paged is None and await self._answered_over_http() else 0
+            self.over_http = doubts >= DOUBTS
             failures = 0 if self.payload > before else failures + 1
-            await asyncio.sleep(random.random() * min(LAST_RETRY, FIRST_RETRY * 2**failures))
+            if not self.over_http:
+                await asyncio.sleep(random.random() * min(LAST_RETRY, FIRST_RETRY * 2**failures))
+        await SceneFetching(self, self._files(), self._playhead, splats=self._splats, audio=self._audio).run()
+        await self._closed.wait()
+
+    async def _connect(self) -> None:
+        headers = {"Authorization": f"Bearer {self._key}"} if self._key else None
+        async with websockets.connect(
+            self.url, compression=None, max_size=None, ping_interval=None, additional_headers=headers
+        ) as self._socket:
+            self.connections += 1
+            await self._listen(self._socket)
+
+    def _files(self) -> SceneFiles:
+        place = SceneFiles.beside if self.url.startswith("ws") else SceneFiles.at
+        return place(self.url, self._key)
+
+    async def _answered_over_http(self) -> bool:
+        """Return whether the scene can be had without a stream.
+
+        Raises:
+            StreamRefusedError: it is refused in this way, too.
+        """
+        try:
+            return await self._files().manifest() is not None
+        except AwayError:
+            return False
+
+    def _playhead(self) -> tuple[float | None, float]:
+        """Return where the playhead is, and its rate."""
+        place = self._place
+        return None if place is None else place + self._rate * (time.monotonic() - self._placed), self._rate
 
     async def send(self, message: Any) -> None:
         """Send a message of `server.protocol`, if there is a connection; note the playhead for the next one."""
         if hasattr(message, "time"):
-            self._place = message.time
+            self._place, self._placed = message.time, time.monotonic()
         self._rate = getattr(message, "rate", self._rate)
         if self._socket is not None:
             with contextlib.suppress(websockets.ConnectionClosed):
@@ -137,6 +167,7 @@ class StreamClient:
 
     async def close(self) -> None:
         """Leave for good."""
+        self._closed.set()
         if self._socket is not None:
             await self._socket.close(1000)
 
@@ -148,6 +179,13 @@ class StreamClient:
     async def _listen(self, socket: ClientConnection) -> None:
         try:
             await self._greet(socket)
+            try:
+                async with asyncio.timeout(FIRST_MESSAGE):
+                    first = await socket.recv(decode=False)
+            except TimeoutError:
+                self.drop()
+                raise _SilentError from None
+            await self._receive(first)
             async for message in socket:
                 await self._receive(bytes(message) if isinstance(message, bytes) else message.encode())
         except asyncio.CancelledError:
@@ -160,7 +198,7 @@ class StreamClient:
         hello = hello_of(
             self._protocol,
             SMALLEST_WINDOW,
-            paged=self._paged,
+            paged=self.paged,
             have=self.have,
             parts=self._parts,
             manifest_id=self._manifest_id,
@@ -179,7 +217,7 @@ class StreamClient:
             await self._frame(message)
         else:
             self._control(msgpack.unpackb(message))
-        self._arrived()
+        self.arrived()
 
     def _control(self, message: dict[str, Any]) -> None:
         match message["type"]:
@@ -198,23 +236,17 @@ class StreamClient:
                 self._parts.pop(message["id"].hex(), None)
             case "end":
                 self.complete = True
-            case "error":
-                raise StreamRefusedError(f"{message['code']}: {message['detail']}")
+            case "error" if not passes(message["code"]):
+                raise StreamRefusedError(f"{message['code']}: {meaning(message['code']) or message['detail']}")
 
     def _become(self, message: dict[str, Any], manifest: bytes) -> None:
         paged = self._protocol > LAST_WITHOUT_PAGES
-        document = read_index(manifest, self._url) if paged else _json(message, "manifest")
+        document = read_index(manifest, self.url) if paged else _json(message, "manifest")
         self._read(document, message["manifest_id"])
 
     def _read(self, document: dict[str, Any], manifest_id: bytes) -> None:
-        later = PagedManifest(document, f"manifest of {self._url}")
-        if self._paged is None:
-            self._paged = later
-        elif self._paged.continued_by(later):
-            self._paged.become(later)
-        else:
-            raise StreamRefusedError("another scene has taken its place")
-        self._document, self._manifest_id, self.complete = document, manifest_id, False
+        self.become(document)
+        self._document, self._manifest_id = document, manifest_id
 
     async def _frame(self, message: bytes) -> None:
         offset, size = struct.unpack_from("<II", message, 4)
@@ -225,22 +257,10 @@ class StreamClient:
         part[offset:] = payload
         self.payload += len(payload)
         if len(part) == size:
-            data = bytes(self._parts.pop(name))
-            if hashlib.sha256(data).hexdigest() != name:
-                raise StreamRefusedError(f"chunk {name} has come damaged")
-            self._take(name, data)
+            self.take(name, bytes(self._parts.pop(name)))
         now = time.monotonic()
         self.line.count(len(message), now)
         await self._grant(len(message), now)
-
-    def _take(self, name: str, data: bytes) -> None:
-        if self._paged is None or not self._paged.lacks(name):
-            self.have[name] = data
-            return
-        try:
-            self._paged.add(name, data)
-        except InputError as error:
-            raise StreamRefusedError(str(error)) from error
 
     async def _grant(self, received: int, now: float) -> None:
         """Give credit back in quarters of the window, which is twice what the line carries in a round trip."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import random
+import re
 from collections.abc import Callable
 
 from starlette.requests import HTTPConnection
@@ -16,6 +17,7 @@ __all__ = ["OpenStreams", "StreamAdmission"]
 LATE_SECONDS = 1.0  # of the event loop, from which on nobody else is let in
 RETRY_SECONDS = (5, 15)  # between which a refused client is told to come again
 RESTARTING = 1012
+_INDEX = re.compile(r"/v1/scenes/[^/]+/index\.hgs")
 
 
 class OpenStreams:
@@ -63,7 +65,10 @@ class OpenStreams:
 
 
 class StreamAdmission:
-    """ASGI middleware: refuses WebSockets with 503 where there are enough, and ends those that are told to leave."""
+    """ASGI middleware: refuses WebSockets with 503 where there are enough, and ends those that are told to leave.
+
+    A scene's index is refused with them to whoever asks for it anew: that is how watching over HTTP begins.
+    """
 
     def __init__(self, app: ASGIApp, streams: OpenStreams, refused: Callable[[], None]) -> None:
         """Guard `app`; `refused` is called for each that is turned away."""
@@ -71,7 +76,7 @@ class StreamAdmission:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or pass on."""
-        if scope["type"] != "websocket":
+        if scope["type"] != "websocket" and not _begins_watching(scope):
             await self._app(scope, receive, send)
             return
         if self._streams.full:
@@ -80,6 +85,9 @@ class StreamAdmission:
             headers = {"Retry-After": str(random.randint(*RETRY_SECONDS))}
             problem = ProblemError(503, "server-busy", detail, headers=headers)
             await problem_response(HTTPConnection(scope), problem)(scope, receive, send)
+            return
+        if scope["type"] != "websocket":
+            await self._app(scope, receive, send)
             return
         accepted = False
 
@@ -103,3 +111,9 @@ class StreamAdmission:
             stream.result()
         elif accepted:
             await send({"type": "websocket.close", "code": RESTARTING})
+
+
+def _begins_watching(scope: Scope) -> bool:
+    """Return whether a scene's index is asked for by a client that does not have it."""
+    index = scope["type"] == "http" and _INDEX.fullmatch(scope["path"]) is not None
+    return index and "If-None-Match" not in HTTPConnection(scope).headers

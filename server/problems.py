@@ -18,6 +18,7 @@ from starlette.requests import ClientDisconnect, HTTPConnection
 from hgs_core.base.errors import InputError
 from server.allowed_methods import allowed_methods
 from server.problem_error import ProblemError
+from server.site_root import site_root
 
 __all__ = ["PROBLEM_JSON", "ProblemError", "install_problem_handlers", "problem_document", "problem_response"]
 
@@ -96,17 +97,21 @@ def _short(path: str) -> str:
 
 def problem_response(request: HTTPConnection, problem: ProblemError) -> Response:
     """Return the problem document that answers `request`."""
-    return Response(problem_document(problem, request.scope["path"]), problem.status, problem.headers, PROBLEM_JSON)
+    body = problem_document(problem, request.scope["path"], site_root(request))
+    return Response(body, problem.status, problem.headers, PROBLEM_JSON)
 
 
-def problem_document(problem: ProblemError, path: str) -> bytes:
-    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request."""
+def problem_document(problem: ProblemError, path: str, root: str = "") -> bytes:
+    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request.
+
+    `root` is the path, quoted, under which a proxy has put the server.
+    """
     body = {
         "type": "about:blank",
         "title": HTTPStatus(problem.status).phrase,
         "status": problem.status,
         "detail": " ".join(problem.detail.split()),
-        "instance": quote(_short(path), errors="replace"),
+        "instance": root + quote(_short(path), errors="replace"),
         "code": problem.code,
     }
     if problem.field:

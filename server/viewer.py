@@ -9,7 +9,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
 from starlette.exceptions import HTTPException
 
-from server.conditional import entity_tag, respond
+from server.conditional import entity_tag, respond, respond_compressed
 from server.content_coding import preferred_coding
 from server.media_types import MEDIA_TYPES
 from server.security_headers import CONSOLE_POLICY, EMBEDDABLE_POLICY
@@ -24,6 +24,9 @@ _CODED = {"br": ".br", "gzip": ".gz"}
 # At most one folder deep, and no name begins with a dot: what a client asks for never leads out of the folder.
 _FILE = re.compile(r"(?:[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 
+# What the build writes where an address is one of the server's root.
+_OF_ROOT = re.compile(r"""((?:href|src)=["'])\./""")
+
 _NAME = r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}"
 
 # The pages by the addresses that they are at, as page_address.ts reads them, and what browsers may do with each.
@@ -37,7 +40,7 @@ _PAGES = (
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HGS</title>
 <h1>The viewer is not built</h1>
-<p>The service runs, and its API answers under <a href="/v1/health">/v1</a>. To build the page, run
+<p>The service runs, and its API answers under <a href="./v1/health">/v1</a>. To build the page, run
 <code>npm ci &amp;&amp; npm run build</code> in the folder <code>web_client</code> and load this page again.</p>
 </html>
 """
@@ -68,9 +71,23 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
 
 
 def _page(request: Request, file: Path, policy: str) -> Response:
+    """Answer with a page of the build, in which every address is made relative to where the page is.
+
+    The server need not know under which path a proxy has put it.
+    """
+    up = "../" * (_raw_path(request).count("/") - 1) or "./"
     if not file.is_file():
-        return HTMLResponse(_NOT_BUILT, 503, {"Cache-Control": "no-store"})
-    return _file(request, file, policy)
+        return HTMLResponse(_NOT_BUILT.replace('"./', f'"{up}'), 503, {"Cache-Control": "no-store"})
+    body = _OF_ROOT.sub(rf"\1{up}", file.read_text(encoding="utf-8")).encode()
+    response = respond_compressed(request, body, MEDIA_TYPES[file.suffix])
+    response.headers["Content-Security-Policy"] = policy
+    return response
+
+
+def _raw_path(request: Request) -> str:
+    """Return the path as the browser sees it: a slash that was escaped parts nothing."""
+    raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
+    return raw.decode("latin-1")
 
 
 def _file(request: Request, file: Path, policy: str) -> Response:

@@ -8,12 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from server.client import StreamClient
+from server.client import StreamClient, StreamRefusedError
 from server.playback import Buffer, Clock
 from server.protocol import PROTOCOL_VERSION, Pause, Play, Seek
 
 __all__ = ["Viewer", "Watched", "play"]
 
+PATIENCE = 30.0  # seconds without any answer, where nobody has said for how long to watch
 TICK = 0.01  # seconds between two frames of a viewer
 
 
@@ -28,6 +29,7 @@ class Watched:
     bytes: int
     twice: int  # bytes of chunks that came again
     shown: Sequence[tuple[float, frozenset[str]]]  # seconds of the scene, and the chunks there were; every half second
+    over_http: bool = False  # no stream, but one download after the other
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form, without what was shown."""
@@ -37,9 +39,9 @@ class Watched:
 class Viewer:
     """A client that plays what it gets, as the player does, without a picture."""
 
-    def __init__(self, url: str, protocol: int = PROTOCOL_VERSION) -> None:
-        """Watch the stream of `url`; with protocol 1 as players did that knew no layers."""
-        self.client = StreamClient(url, protocol=protocol)
+    def __init__(self, url: str, protocol: int = PROTOCOL_VERSION, key: str = "") -> None:
+        """Watch the scene of `url`; with protocol 1 as players did that knew no layers. `key` may be asked for."""
+        self.client = StreamClient(url, protocol=protocol, key=key)
         self.clock: Clock | None = None
         self.shown: list[tuple[float, frozenset[str]]] = []
         self.start_bytes = 0
@@ -93,23 +95,31 @@ class Viewer:
         clock, client = self.clock, self.client
         start = None if clock is None or clock.started is None else clock.started - self._begun
         stalls, waited = (0, 0.0) if clock is None else (clock.stalls, clock.waited)
-        return Watched(start, self.start_bytes, stalls, waited, client.payload, client.twice, tuple(self.shown))
+        shown = tuple(self.shown)
+        return Watched(
+            start, self.start_bytes, stalls, waited, client.payload, client.twice, shown, over_http=client.over_http
+        )
 
 
-async def play(url: str, seconds: float | None = None) -> Watched:
-    """Watch the stream of `url` for so many seconds, or until the scene has been played once.
+async def play(url: str, seconds: float | None = None, key: str = "") -> Watched:
+    """Watch the scene of `url` for so many seconds, or until it has been played once.
+
+    `url` is that of a stream, or of a folder, a manifest or an index; `key` is what the server may ask for.
 
     Raises:
-        StreamRefusedError: the server has refused the stream.
+        StreamRefusedError: the server has refused the scene, or does not answer.
     """
-    viewer = Viewer(url)
+    viewer = Viewer(url, key=key)
     running = asyncio.create_task(viewer.client.run())
     begun, last = time.monotonic(), 0.0
     try:
         while not running.done():
             await viewer.frame()
             now = 0.0 if viewer.clock is None else viewer.clock.time
-            if time.monotonic() - begun > seconds if seconds is not None else viewer.playing and now < last:
+            passed = time.monotonic() - begun
+            if seconds is None and passed > PATIENCE and viewer.client.manifest is None:
+                raise StreamRefusedError("the server does not answer")
+            if passed > seconds if seconds is not None else viewer.playing and now < last:
                 break
             last = now
         else:

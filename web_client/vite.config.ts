@@ -9,13 +9,14 @@ import { zstdWasmFile } from "./plugins/zstd_wasm.ts";
 const server = process.env.HGS_SERVER ?? "http://127.0.0.1:8000";
 
 export default defineConfig({
+  base: "./", // the server tells each page where the scripts are from there: a proxy may put all of it below any path
   plugins: [
     zstdWasmFile(),
     leanShaders(),
     preloadedPages({
       "view.html": {
         module: "/src/console/view_page.ts",
-        later: ["/src/source/scene_stream.ts"],
+        later: ["/src/source/served_source.ts"],
         change: alwaysDark,
       },
       "job.html": { module: "/src/console/job_page.ts" },

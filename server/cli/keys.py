@@ -10,6 +10,7 @@ import time
 from contextlib import closing
 from datetime import UTC, datetime
 from typing import Any
+from urllib.parse import quote
 
 from hgs_core.base.errors import InputError
 
@@ -95,6 +96,7 @@ def _link(options: argparse.Namespace) -> int:
     from jobs.home import Home
     from jobs.keys import KeyTable
     from server.signed_tokens import SignedToken, sign_token
+    from server.site_root import configured_root
 
     home = Home.from_environment()
     expires = int(time.time() + seconds(options.duration))
@@ -102,7 +104,7 @@ def _link(options: argparse.Namespace) -> int:
         raise InputError(f"scene {options.scene}", "no such scene in the store", "give the id that hgs publish printed")
     with closing(KeyTable(home)) as table:
         token = sign_token(SignedToken("link", expires, "", options.scene), table.secret())
-    print(f"/view/{options.scene}?link={token}")
+    print(f"{quote(configured_root())}/view/{options.scene}?link={token}")
     return 0
 
 

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
+from urllib.parse import urljoin
 
 from hgs_core.base.errors import InputError
 from server.cli.capture_files import CaptureFile, upload_key
@@ -123,7 +124,8 @@ class _Sending:
         if file.size <= _SMALL and fresh and self._send_at_once(address, file, headers):
             return
         made = self._client.request("POST", f"{address}/files", headers=headers)
-        location, offset, tries = made.headers["location"], int(made.headers["upload-offset"]), 0
+        location = urljoin(f"{address}/files", made.headers["location"])
+        offset, tries = int(made.headers["upload-offset"]), 0
         with file.file.open("rb") as content:
             while offset < file.size and not self._stopped.is_set():
                 content.seek(offset)

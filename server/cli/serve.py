@@ -73,6 +73,11 @@ def add_parser(commands: Any) -> None:
         "--drain", metavar="SECONDS", type=float, default=5.0,
         help="over which streams are ended when the server stops, so that their clients do not all come back at once",
     )  # fmt: skip
+    parser.add_argument(
+        "--root-path", metavar="PATH", default="",
+        help="the path under which a proxy passes requests on as they came, such as /hgs; default: HGS_ROOT_PATH; "
+        "not for a proxy that takes the path off (docs/deploy.md)",
+    )  # fmt: skip
     parser.add_argument("--access-log", action="store_true", help="write a line of JSON for every request to stderr")
     parser.set_defaults(run=_run)
 
@@ -105,6 +110,7 @@ def _run(options: argparse.Namespace) -> int:
     from server.publishing import publish_run
     from server.request_log import configure_access_log
     from server.serving import HttpServer, bind, spare_collector
+    from server.site_root import configured_root
     from server.uploads.limits import UploadLimits
     from server.worker_processes import WorkerProcesses
 
@@ -115,6 +121,7 @@ def _run(options: argparse.Namespace) -> int:
     raise_open_file_limit()
     limits = ConnectionLimits.for_files(open_file_limit(), options.connections_per_address)
     hosts = AllowedHosts.configured(options.host, options.hosts)
+    root = configured_root(options.root_path)
     home = Home.from_environment()
     uploads = UploadLimits.configured(options.uploads)
     with bind(options.host, options.port) as listener, closing(KeyTable(home)) as keys:
@@ -132,6 +139,7 @@ def _run(options: argparse.Namespace) -> int:
             artifacts=store,
             access=Access(keys, asking),
             max_streams=options.max_streams,
+            root=root,
         )
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(options.host, options.host)
         host = f"[{host}]" if ":" in host else host

@@ -95,7 +95,7 @@ def _queue(client: ServerClient, key: str, asked: dict[str, Any]) -> dict[str, A
         if answer.status != 202:
             job: dict[str, Any] = answer.value
             return job
-        place = answer.headers["location"]
+        place = f"/v1/submissions/{answer.value['id']}"
         time.sleep(POLL_SECONDS)
 
 

@@ -12,6 +12,7 @@ from server.access import Visitor
 from server.request_body import read_json
 from server.scene_catalogue import unknown_scene
 from server.service import ServiceDep
+from server.site_root import site_root
 
 __all__ = ["router"]
 
@@ -39,4 +40,5 @@ async def link(request: Request, service: ServiceDep) -> dict[str, Any]:
     visitor: Visitor | None = request.state.visitor
     token = await service.access.link(wish.scene, wish.seconds, visitor.key if visitor else None)
     text = await service.access.sign(token)
-    return {"link": text, "expires": token.expires, "page": f"/view/{wish.scene}?link={text}"}
+    page = f"{site_root(request)}/view/{wish.scene}?link={text}"
+    return {"link": text, "expires": token.expires, "page": page}

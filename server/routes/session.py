@@ -11,6 +11,7 @@ from server.access import COOKIE, SESSION_SECONDS, Visitor
 from server.problems import ProblemError
 from server.request_body import read_json
 from server.service import ServiceDep
+from server.site_root import site_root
 
 __all__ = ["router"]
 
@@ -45,7 +46,7 @@ async def begin(request: Request, service: ServiceDep) -> Response:
         raise ProblemError(401, "key-needed", "this is no key of this server, or it holds no more", field="key")
     response = Response(status_code=204, headers={"Cache-Control": "no-store"})
     response.set_cookie(
-        COOKIE, begun[0], max_age=SESSION_SECONDS, path="/", httponly=True, samesite="strict",
+        COOKIE, begun[0], max_age=SESSION_SECONDS, path=f"{site_root(request)}/", httponly=True, samesite="strict",
         secure=request.url.scheme == "https",
     )  # fmt: skip
     return response
@@ -56,5 +57,5 @@ async def end(request: Request, service: ServiceDep) -> Response:
     """Forget the browser's key."""
     service.require_same_site(request)
     response = Response(status_code=204)
-    response.delete_cookie(COOKIE, path="/", httponly=True, samesite="strict")
+    response.delete_cookie(COOKIE, path=f"{site_root(request)}/", httponly=True, samesite="strict")
     return response

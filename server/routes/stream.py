@@ -58,6 +58,16 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
         await _refuse(socket, 1011, "internal", "a fault of the server; its log says more")
 
 
+@router.get("/v1/scenes/{scene_id}/stream", include_in_schema=False, response_model=None)
+def no_stream(scene_id: str) -> NoReturn:
+    """Say what a request lacks that was one for a stream before some proxy passed it on."""
+    detail = (
+        "this address is a WebSocket, and the request asks for none: something between client and server does not pass "
+        "the header Upgrade (docs/deploy.md); the scene is also read over HTTP, from index.hgs beside this address"
+    )
+    raise ProblemError(426, "upgrade-needed", detail, headers={"Upgrade": "websocket"})
+
+
 async def _converse(socket: WebSocket, session: StreamSession, service: Service, gone: asyncio.Event) -> None:
     """Read and write at once, until the scene is `gone`; whichever side fails first ends all."""
     news = asyncio.Event()

@@ -85,9 +85,11 @@ async def _answer(service: Service, pending: PendingSubmission, made: int) -> Re
     if pending.error is not None:
         raise pending.error
     if pending.job is not None:
-        place = f"/v1/jobs/{pending.job.id}"
-        return JSONResponse(describe_job(pending.job), made, {"Location" if made == 201 else "Content-Location": place})
-    headers = {"Location": f"/v1/submissions/{pending.id}", "Retry-After": "1", "Cache-Control": "no-store"}
+        job = f"jobs/{pending.job.id}"
+        place = {"Location": job} if made == 201 else {"Content-Location": f"../{job}"}
+        return JSONResponse(describe_job(pending.job), made, place)
+    here = f"submissions/{pending.id}" if made == 201 else pending.id
+    headers = {"Location": here, "Retry-After": "1", "Cache-Control": "no-store"}
     return JSONResponse(pending.to_json(), 202, headers)
 
 

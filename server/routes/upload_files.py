@@ -58,7 +58,7 @@ async def announce(request: Request, upload_id: str, service: ServiceDep) -> Res
     file = await run_in_threadpool(_add, service, upload, metadata, length)
     if request.headers.get("Content-Type", "") == OFFSET_STREAM and not file.verified:
         await _receive(service, upload, file, request, 0)
-    headers = {"Location": f"/v1/uploads/{upload.id}/files/{file.number}"}
+    headers = {"Location": f"files/{file.number}"}
     return Response(status_code=201, headers=headers | _state(service, upload, file))
 
 

@@ -44,7 +44,7 @@ async def begin(request: Request, service: ServiceDep) -> Response:
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
     upload, new = await run_in_threadpool(service.uploads.begin, announced, _client(request))
-    headers = {"Location": f"/v1/uploads/{upload.id}"}
+    headers = {"Location": f"uploads/{upload.id}"}
     return JSONResponse(service.uploads.describe(upload), 201 if new else 200, headers)
 
 

@@ -63,7 +63,7 @@ def submit(client: httpx.Client) -> Callable[[str], httpx.Response]:
         answer = client.post("/v1/jobs", json={"capture": capture})
         while answer.status_code == 202:
             time.sleep(float(answer.headers["Retry-After"]))
-            answer = client.get(answer.headers["Location"])
+            answer = client.get(answer.url.join(answer.headers["Location"]))
         return answer
 
     return until_looked_at

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from scripts.make_message_vectors import document
 from server import protocol
 from server.client_messages import decode
 from server.protocol import ClientMessage, Hello, ProtocolError, ServerMessage
+from server.stream_endings import meaning, passes
 
 FILE = Path(__file__).resolve().parents[1] / "vectors" / "messages.json"
 VECTORS: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
@@ -73,3 +75,29 @@ def test_the_bytes_are_those_of_the_values() -> None:
 
 def test_the_file_is_what_the_script_writes() -> None:
     assert document() == VECTORS
+
+
+@pytest.mark.parametrize("case", VECTORS["closing"], ids=lambda case: f"{case['code']}-{case['error']}")
+def test_every_way_in_which_a_stream_is_closed_passes_or_has_a_meaning(case: dict[str, Any]) -> None:
+    codes = [code for code in (case["code"], case["error"]) if code is not None]
+    assert [passes(code) for code in codes] == len(codes) * [case["retry"]]
+    assert bool(meaning(codes[-1])) is not case["retry"]
+
+
+def test_the_server_closes_streams_in_no_other_way() -> None:
+    listed = {(case["code"], case["error"]) for case in VECTORS["closing"]}
+    raised = {
+        (int(code), error)
+        for file in (Path(protocol.__file__).parent).rglob("*.py")
+        for code, error in re.findall(r'ProtocolError\(\s*(\d+),\s*"([a-z-]+)"', file.read_text(encoding="utf-8"))
+    }
+    assert raised > {(4000, "malformed"), (4004, "scene-changed")}
+    assert raised <= listed
+
+
+def test_the_document_lists_the_same_ways() -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d{4}) \| (?:`([a-z-]+)`)? *\|", text.partition("### Closing")[2], re.MULTILINE)
+    assert {(int(code), error or None) for code, error in rows} == {
+        (case["code"], case["error"]) for case in VECTORS["closing"]
+    } | {(1000, None)}

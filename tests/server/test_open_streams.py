@@ -78,6 +78,11 @@ def test_one_too_many_is_told_to_come_again(server: Server, manifest: bytes, mon
             assert response.status_code == 503
             low, high = open_streams.RETRY_SECONDS
             assert low <= int(response.headers["Retry-After"]) <= high
+            # Nor does watching over HTTP begin; who has begun goes on.
+            index = "/v1/scenes/studio/index.hgs"
+            assert (await asyncio.to_thread(limited.get, index)).status_code == 503
+            assert (await asyncio.to_thread(limited.get, index, If_None_Match='"other"')).status_code == 200
+            assert (await asyncio.to_thread(limited.get, "/v1/scenes/studio")).status_code == 200
         while len(limited.app.state.service.streams):
             await asyncio.sleep(0.02)
         async with websockets.connect(url) as socket:

@@ -1,3 +1,4 @@
+import { basename } from "node:path";
 import type { Plugin, Rollup } from "vite";
 
 /** A page to write: the module that index.html imports for it, and what is changed of index.html. */
@@ -59,7 +60,9 @@ function links(chunks: readonly Rollup.OutputChunk[], bundle: Rollup.OutputBundl
     const imported = bundle[name];
     if (imported?.type === "chunk") for (const style of imported.viteMetadata?.importedCss ?? []) styles.add(style);
   }
-  const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && chunks[0].code.includes(name));
+  // A script names what lies beside it without their folder.
+  const named = (name: string): boolean => chunks[0].code.includes(basename(name));
+  const assets = Object.keys(bundle).filter((name) => bundle[name].type === "asset" && named(name));
   const workers = assets.filter((name) => name.endsWith(".js"));
   const fetched = assets.filter((name) => name.endsWith(".wasm"));
   const link = (how: string) => (name: string) => `    <link ${how} crossorigin href="${base}${name}" />\n`;

@@ -1,9 +1,10 @@
 /**
- * The page: the console is at `/`, `/new` and `/job/{job}`, `/view/{scene}` plays a scene, and nothing is at any other
- * address.
+ * The page: below the server's root the console is at `/`, `/new` and `/job/{job}`, `/view/{scene}` plays a scene, and nothing
+ * is at any other address.
  */
 
 import { KEY_NEEDED } from "./protocol/http";
+import { beginSiteAt, pathInSite, siteUrl } from "./protocol/site";
 import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
 import "./console/tokens.css";
@@ -13,7 +14,9 @@ addEventListener(KEY_NEEDED, async () => {
   if (!document.body.classList.contains("key-page")) showKeyPage(document.body);
 });
 
-const page = pageAt(location.pathname);
+const { url } = import.meta; // of this script, which is one folder below the server's root
+beginSiteAt(new URL("..", url).pathname);
+const page = pageAt(pathInSite(location.pathname));
 
 // Each page is a bundle of its own, so that the console does not load the player.
 switch (page.kind) {
@@ -39,7 +42,7 @@ switch (page.kind) {
   }
   case "unknown": {
     const { showNotFoundPage } = await import("./ui/not_found_page");
-    showNotFoundPage(document.body);
+    showNotFoundPage(document.body, siteUrl(""));
   }
 }
 

@@ -148,3 +148,13 @@ def test_a_server_that_others_can_reach_needs_keys_or_to_be_called_open(tmp_path
 )
 def test_bad_limits_are_refused(refused: Callable[..., str], options: list[str], problem: str) -> None:
     assert problem in refused("serve", "--port", 0, *options)
+
+
+def test_the_root_of_a_proxy_is_taken_from_options_and_environment(tmp_path: Path) -> None:
+    with serving(tmp_path, "--workers", "0", HGS_ROOT_PATH="/my%20scenes/hgs") as (_, page):
+        assert httpx.get(f"{page}my%20scenes/hgs/v1/health").status_code == 200
+        assert httpx.get(f"{page}v1/health").status_code == 200
+    with serving(tmp_path, "--workers", "0", "--root-path", "/a/../b") as (process, page):
+        assert process.wait(60) == 2
+        assert process.stderr is not None
+        assert "hgs: --root-path" in process.stderr.read()

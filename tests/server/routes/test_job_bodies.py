@@ -149,7 +149,7 @@ def test_a_job_is_there_if_and_only_if_the_answer_is_201(queue: Queue, body: Any
     queued = int(answer.status_code == 201)
     assert queue.stored() == (before[0] + queued, before[1] + queued)
     if queued:
-        assert queue.get(answer.headers["location"]).json() == answer.json()
+        assert queue.get(f"/v1/{answer.headers['location']}").json() == answer.json()
 
 
 def test_a_row_that_no_answer_could_hold_breaks_neither_the_list_nor_its_job(queue: Queue) -> None:

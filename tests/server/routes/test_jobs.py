@@ -31,7 +31,7 @@ def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
     }  # fmt: skip
     response = server.request("POST", "/v1/jobs", json=body)
     assert response.status_code == 201
-    assert response.headers["location"] == "/v1/jobs/job-0"
+    assert response.headers["location"] == "jobs/job-0"
     job = response.json()
     assert job == server.get("/v1/jobs/job-0").json()
     assert (job["state"], job["preset"], job["hold_out"]) == ("queued", "preview", ["cam00"])

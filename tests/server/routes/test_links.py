@@ -28,6 +28,8 @@ def test_a_link_is_made_by_who_may_publish_and_opens_the_scene(guarded: tuple[Se
     assert (made.status_code, made.json()["expires"]) == (201, 1060)
     assert made.json()["page"] == f"/view/studio?link={made.json()['link']}"
     assert server.get(f"/v1/scenes/studio/manifest?link={made.json()['link']}").status_code == 200
+    below = server.request("POST", "/v1/links", json=wish, headers=bearer | {"X-Forwarded-Prefix": "/hgs"}).json()
+    assert below["page"] == f"/hgs/view/studio?link={below['link']}"
     viewer = {"Authorization": f"Bearer {keys.add('otto', Scope.VIEW)}"}
     assert server.request("POST", "/v1/links", json=wish, headers=viewer).status_code == 403
 

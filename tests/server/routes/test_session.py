@@ -23,6 +23,15 @@ def guarded(server: Server, keys: FakeKeys, monkeypatch: pytest.MonkeyPatch) -> 
     return Server(app, server.jobs, server.artifacts, server.captures, server.home)
 
 
+def test_the_cookie_is_for_the_path_that_a_proxy_has_put_the_server_under(guarded: Server, keys: FakeKeys) -> None:
+    told = {"X-Forwarded-Prefix": "/my%20scenes/hgs"}
+    text = keys.add("anna", Scope.SUBMIT)
+    begun = guarded.request("POST", "/v1/session", json={"key": text}, headers=told)
+    assert "; Path=/my%20scenes/hgs/;" in begun.headers["Set-Cookie"]
+    ended = guarded.request("DELETE", "/v1/session", headers=told)
+    assert "; Path=/my%20scenes/hgs/;" in ended.headers["Set-Cookie"]
+
+
 def test_a_browser_gives_its_key_once(guarded: Server, keys: FakeKeys) -> None:
     assert guarded.get("/v1/session").json() == {"needed": True, "name": None, "scopes": []}
     text = keys.add("anna", Scope.SUBMIT)

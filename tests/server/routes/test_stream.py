@@ -203,3 +203,10 @@ def test_stream_ends_with_a_bad_message_that_comes_together_with_a_good_one(
 
     asyncio.run(scenario())
     assert sent[-1]["code"] == 4000
+
+
+def test_a_request_that_has_lost_its_upgrade_is_told_so(server: Any, manifest: bytes) -> None:
+    answer = server.get("/v1/scenes/studio/stream")
+    assert (answer.status_code, answer.json()["code"]) == (426, "upgrade-needed")
+    assert answer.headers["upgrade"] == "websocket"
+    assert "docs/deploy.md" in answer.json()["detail"]

@@ -43,10 +43,10 @@ def test_an_upload_is_begun_sent_finished_listed_and_deleted(server: Any) -> Non
     begun = begin(server)
     assert (begun.status_code, begin(server).status_code) == (201, 200)
     upload = begun.json()
-    assert begun.headers["location"] == f"/v1/uploads/{upload['id']}"
+    assert begun.headers["location"] == f"uploads/{upload['id']}"
     assert (upload["state"], upload["received"], upload["capture"]) == ("receiving", 0, None)
     sent(server)
-    assert server.get(begun.headers["location"]).json()["received"] == upload["bytes"]
+    assert server.get(f"/v1/{begun.headers['location']}").json()["received"] == upload["bytes"]
     finished = server.request("POST", f"/v1/uploads/{upload['id']}/finish")
     assert finished.status_code == 200
     capture = finished.json()["capture"]

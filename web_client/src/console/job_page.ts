@@ -13,6 +13,7 @@ import {
   reportUrl,
   retryJob,
 } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, setText } from "../ui/element";
 import { configTable } from "./config_table";
 import { JobChart } from "./job_chart";
@@ -37,7 +38,7 @@ const LOOK = 3000; // ms between two looks at what no event tells: the picture, 
 
 export function showJobPage(root: HTMLElement, id: string): void {
   document.title = "Job · HGS";
-  const shell = showShell(root, "job-page", element("a", { class: "button", href: "/" }, "All scenes"));
+  const shell = showShell(root, "job-page", element("a", { class: "button", href: siteUrl("") }, "All scenes"));
   const abort = new AbortController();
   addEventListener("pagehide", () => abort.abort(), { once: true });
   getJob(id, abort.signal).then(
@@ -45,7 +46,7 @@ export function showJobPage(root: HTMLElement, id: string): void {
     (error: unknown) => {
       if (abort.signal.aborted) return;
       if (!isMissing(error)) return shell.problem(error);
-      const back = element("a", { class: "button primary", href: "/" }, "All scenes");
+      const back = element("a", { class: "button primary", href: siteUrl("") }, "All scenes");
       shell.main.append(
         emptyState("There is no such job", element("p", { class: "hint" }, "The link may be mistyped."), back),
       );
@@ -172,7 +173,7 @@ class JobView {
       this.#picture.show(run.picture);
       this.#report.hidden = !run.report;
       this.#watch.hidden = run.scene === null;
-      if (run.scene !== null) this.#watch.href = `/view/${encodeURIComponent(run.scene)}`;
+      if (run.scene !== null) this.#watch.href = siteUrl(`view/${encodeURIComponent(run.scene)}`);
       this.shell.problem(null);
       this.#show(this.job);
     } catch (error) {

@@ -1,6 +1,7 @@
 /** The jobs as rows: title, stage, progress with its figures, error, cancel. */
 
 import { cancelJob, isFinal, isRetriable, type Job, retryJob } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, setText } from "../ui/element";
 import { JobSteps } from "./job_steps";
 import { describeFault, describeFigures, describeProgress, titleOf } from "./job_words";
@@ -51,7 +52,7 @@ class JobRow {
     this.node.dataset.state = job.state;
     setText(this.#title, titleOf(job));
     this.#title.title = job.capture;
-    this.#title.href = `/job/${encodeURIComponent(job.id)}`;
+    this.#title.href = siteUrl(`job/${encodeURIComponent(job.id)}`);
     setText(this.#state, describeProgress(job));
     setText(this.#figures, describeFigures(job));
     setText(this.#error, describeFault(job));
@@ -60,7 +61,7 @@ class JobRow {
     this.#cancel.disabled = this.#retry.disabled = false;
     this.#retry.hidden = !isRetriable(job);
     this.#open.hidden = job.scene === null || !published.has(job.scene);
-    if (job.scene !== null) this.#open.href = `/view/${encodeURIComponent(job.scene)}`;
+    if (job.scene !== null) this.#open.href = siteUrl(`view/${encodeURIComponent(job.scene)}`);
     for (const button of [this.#cancel, this.#retry, this.#open])
       button.setAttribute("aria-label", `${button.textContent}: ${titleOf(job)}`);
   }

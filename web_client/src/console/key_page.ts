@@ -1,6 +1,7 @@
 /** What is shown in place of a page that needs a key: it is given once, and the browser keeps a session that scripts cannot read. */
 
 import { beginSession } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, setText } from "../ui/element";
 import "./key_page.css";
 
@@ -23,7 +24,7 @@ export function showKeyPage(root: HTMLElement): void {
   const form = element(
     "form",
     { class: "key-card" },
-    element("img", { src: "/icon.svg", alt: "", width: 52, height: 52 }),
+    element("img", { src: siteUrl("icon.svg"), alt: "", width: 52, height: 52 }),
     element("h1", {}, link ? "This link has expired" : "This server asks for a key"),
     element("p", { class: "hint" }, link ? "Ask for a new one, or give a key." : "Whoever runs it can give you one."),
     element("label", { class: "key-field" }, element("span", {}, "Key"), field),

@@ -1,6 +1,7 @@
 /** The page that lists scenes and jobs, and keeps both up to date. */
 
 import { ApiError, endSession, followJob, getSession, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, icon } from "../ui/element";
 import { PLUS } from "../ui/icons";
 import { JobRows } from "./job_rows";
@@ -33,7 +34,7 @@ async function signedIn(masthead: HTMLElement, signal: AbortSignal): Promise<voi
 
 export function showListPage(root: HTMLElement): void {
   document.title = "Scenes · HGS";
-  const create = element("a", { class: "button primary", href: "/new" }, icon(PLUS), "New scene");
+  const create = element("a", { class: "button primary", href: siteUrl("new") }, icon(PLUS), "New scene");
   const shell = showShell(root, "list-page", create);
   const scenes = new SceneSection({ changed: () => void refresh(), say: shell.say });
   const jobs = element("ul", { class: "jobs" });

@@ -1,6 +1,7 @@
 /** What can be done with a scene: copy its link, rename it, delete it. */
 
 import { deleteScene, getSession, makeLink, renameScene, type Scene } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, icon } from "../ui/element";
 import { MORE } from "../ui/icons";
 import { ask } from "./dialog";
@@ -67,9 +68,10 @@ const LINK_SECONDS = 7 * 24 * 3600;
 
 /** Where a scene can be watched: where keys are asked for, and this one may, by a link that needs none and ends in a week. */
 async function addressOf({ id }: Scene): Promise<string> {
-  const page = `/view/${encodeURIComponent(id)}`;
+  const page = siteUrl(`view/${encodeURIComponent(id)}`);
   try {
-    return (await getSession(AbortSignal.timeout(5000))).needed ? await makeLink(id, LINK_SECONDS) : page;
+    if (!(await getSession(AbortSignal.timeout(5000))).needed) return page;
+    return `${page}?link=${encodeURIComponent(await makeLink(id, LINK_SECONDS))}`;
   } catch {
     return page;
   }

@@ -1,6 +1,7 @@
 /** The scenes as cards: thumbnail, title, length, size, whether it still grows, and what can be done with each. */
 
 import { type Scene, thumbnailUrl } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, icon } from "../ui/element";
 import { formatDuration } from "../ui/format";
 import { PLAY } from "../ui/icons";
@@ -19,7 +20,7 @@ function card(scene: Scene, events: SceneEvents): HTMLElement {
     { class: "scene" },
     element(
       "a",
-      { class: "card", href: `/view/${encodeURIComponent(scene.id)}` },
+      { class: "card", href: siteUrl(`view/${encodeURIComponent(scene.id)}`) },
       element(
         "div",
         { class: "card-picture" },

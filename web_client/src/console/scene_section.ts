@@ -1,6 +1,7 @@
 /** The scenes of the list: cards, and where there are more than a few, a search and an order. */
 
 import type { Scene } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, setText } from "../ui/element";
 import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
@@ -35,7 +36,7 @@ export class SceneSection {
         { class: "hint" },
         "Turn videos of one moment, filmed from several sides, into a scene to walk around in.",
       ),
-      element("a", { class: "button primary", href: "/new" }, "Make the first one"),
+      element("a", { class: "button primary", href: siteUrl("new") }, "Make the first one"),
     );
     this.#none.hidden = true;
     this.node = element(

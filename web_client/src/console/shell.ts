@@ -1,6 +1,7 @@
 /** What every page of the console has: the masthead, a line for problems, and short messages that pass. */
 
 import { ApiError } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element, setText } from "../ui/element";
 import "./console.css";
 
@@ -25,8 +26,8 @@ export function showShell(root: HTMLElement, name: string, ...actions: HTMLEleme
     { class: "masthead" },
     element(
       "a",
-      { class: "home", href: "/" },
-      element("img", { src: "/icon.svg", alt: "", width: 36, height: 36 }),
+      { class: "home", href: siteUrl("") },
+      element("img", { src: siteUrl("icon.svg"), alt: "", width: 36, height: 36 }),
       element("span", {}, element("strong", {}, "HGS"), element("small", {}, "Moving scenes, streamed")),
     ),
     ...actions,

@@ -1,6 +1,7 @@
 /** The form for a new scene: a capture, how well it shall be trained, and which cameras are kept to check it. */
 
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import { element } from "../ui/element";
 import { describeCapture } from "./capture_words";
 import { CheckPanel } from "./check_panel";
@@ -60,7 +61,7 @@ export function showSubmitPage(root: HTMLElement): void {
 function noCaptures({ folders }: CaptureList, ...sending: HTMLElement[]): HTMLElement {
   const there = folders.filter(({ exists }) => exists);
   const paths = (there.length > 0 ? there : folders).map(({ path }) => element("li", {}, element("code", {}, path)));
-  const retry = element("a", { class: "button primary", href: "/new" }, "Look again");
+  const retry = element("a", { class: "button primary", href: siteUrl("new") }, "Look again");
   if (folders.length === 0)
     return emptyState(
       "This server reads no captures",
@@ -146,7 +147,12 @@ class SubmitForm {
       title.node,
       preset.node,
       hold_out.node,
-      element("div", { class: "form-actions" }, this.#submit, element("a", { class: "button", href: "/" }, "Cancel")),
+      element(
+        "div",
+        { class: "form-actions" },
+        this.#submit,
+        element("a", { class: "button", href: siteUrl("") }, "Cancel"),
+      ),
     );
     this.#capture.node.addEventListener("change", ({ target }) => {
       if (target instanceof HTMLInputElement && target.name === "capture") this.#choose(false);
@@ -207,7 +213,7 @@ class SubmitForm {
         },
         () => this.#submit.replaceChildren("Looking at the capture …"),
       );
-      location.assign(`/job/${encodeURIComponent(job.id)}`);
+      location.assign(siteUrl(`job/${encodeURIComponent(job.id)}`));
     } catch (error) {
       this.#submit.disabled = false;
       this.#submit.replaceChildren("Start");

@@ -2,6 +2,7 @@
 
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
+import { siteUrl } from "../protocol/site";
 import type { Quality } from "../renderer/qualities";
 import type { Pixels } from "../renderer/shot";
 import { element } from "../ui/element";
@@ -35,7 +36,7 @@ export function showViewPage(root: HTMLElement, scene: string): void {
   document.title = `${scene} · HGS`;
   root.className = "view-page";
   const page: WholePage = {
-    home: "/",
+    home: siteUrl(""),
     reload: () => location.reload(),
     link: (shared) => sharedLink(location.href, shared),
     crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
@@ -74,7 +75,7 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     call(detail.title || scene);
     void served.then((title) => call(title || detail.title || scene));
   });
-  const ready = player.load(`/view/${scene}${query}`);
+  const ready = player.load(siteUrl(`view/${scene}${query}`));
   ready.catch(() => {}); // shown on the page already
   window.hgs = handle(player, ready);
   addEventListener(

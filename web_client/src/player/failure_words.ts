@@ -8,5 +8,5 @@ const NOT_LOADED = "A part of the player could not be loaded. Loading the page a
 /** The words for a failure of the source, which are loaded when there is one. */
 export async function describeFailure(failure: SourceFailure): Promise<string> {
   const words = await import("./source_failures").catch(() => null);
-  return words?.SOURCE_FAILURES[failure] ?? NOT_LOADED;
+  return words && failure !== "not-loaded" ? words.SOURCE_FAILURES[failure] : NOT_LOADED;
 }

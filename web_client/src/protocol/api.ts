@@ -1,6 +1,7 @@
 /** Captures, jobs and scenes over HTTP; the objects are those of docs/protocol.md. All functions throw `ApiError`. */
 
 import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
+import { siteUrl } from "./site";
 
 export { ApiError, KEY_NEEDED };
 
@@ -105,8 +106,8 @@ export const isFinal = (job: Job): boolean => !["queued", "running", "waiting"].
 /** Whether the server takes a retry: it tries a waiting job at once. */
 export const isRetriable = (job: Job): boolean => ["waiting", "failed", "cancelled"].includes(job.state);
 
-const sceneAddress = (id: string): string => `/v1/scenes/${encodeURIComponent(id)}`;
-const jobAddress = (id: string): string => `/v1/jobs/${encodeURIComponent(id)}`;
+const sceneAddress = (id: string): string => siteUrl(`v1/scenes/${encodeURIComponent(id)}`);
+const jobAddress = (id: string): string => siteUrl(`v1/jobs/${encodeURIComponent(id)}`);
 
 export const thumbnailUrl = (scene: string): string => `${sceneAddress(scene)}/thumbnail`;
 export const reportUrl = (job: string): string => `${jobAddress(job)}/report`;
@@ -116,7 +117,7 @@ export const pictureUrl = (job: string, version: string): string =>
   `${jobAddress(job)}/picture?version=${encodeURIComponent(version)}`;
 
 export async function listScenes(signal: AbortSignal): Promise<Scene[]> {
-  return ((await getJson("/v1/scenes", signal)).scenes ?? []) as Scene[];
+  return ((await getJson(siteUrl("v1/scenes"), signal)).scenes ?? []) as Scene[];
 }
 
 /**
@@ -136,7 +137,7 @@ export async function deleteScene(id: string): Promise<void> {
 }
 
 export async function listCaptures(signal: AbortSignal): Promise<CaptureList> {
-  const answer = await getJson("/v1/captures", signal);
+  const answer = await getJson(siteUrl("v1/captures"), signal);
   return { captures: [], folders: [], complete: true, ...answer };
 }
 
@@ -149,39 +150,38 @@ export interface Session {
 }
 
 export async function getSession(signal: AbortSignal): Promise<Session> {
-  return { needed: false, name: null, ...(await getJson("/v1/session", signal)) };
+  return { needed: false, name: null, ...(await getJson(siteUrl("v1/session"), signal)) };
 }
 
 /** Give a key: the browser keeps a cookie of it. */
 export async function beginSession(key: string): Promise<void> {
-  await sendJson("POST", "/v1/session", { key });
+  await sendJson("POST", siteUrl("v1/session"), { key });
 }
 
 export async function endSession(): Promise<void> {
-  await request("/v1/session", { method: "DELETE" });
+  await request(siteUrl("v1/session"), { method: "DELETE" });
 }
 
-/** Make a link with which anybody can watch a scene for so many seconds; returns its address on this server. */
+/** Make a link with which anybody can watch a scene for so many seconds: the parameter `link` of its page. */
 export async function makeLink(scene: string, seconds: number): Promise<string> {
-  return String((await sendJson("POST", "/v1/links", { scene, seconds })).page);
+  return String((await sendJson("POST", siteUrl("v1/links"), { scene, seconds })).link);
 }
 
 /** Submit a capture, and wait until the server has looked at it; `onWait` is called when that takes a while. */
 export async function submitJob(submission: Submission, onWait: () => void = () => {}): Promise<Job> {
   const headers = { Accept: "application/json", "Content-Type": "application/json" };
-  let answer = await request("/v1/jobs", { method: "POST", headers, body: JSON.stringify(submission) });
+  let answer = await request(siteUrl("v1/jobs"), { method: "POST", headers, body: JSON.stringify(submission) });
   while (answer.status === 202) {
     onWait();
-    const place = answer.headers.get("Location");
-    if (place === null) throw new ApiError("The server does not say where to ask for the job.");
+    const { id } = (await answer.json()) as { id: string };
     await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    answer = await request(place, { headers: { Accept: "application/json" } });
+    answer = await request(siteUrl(`v1/submissions/${encodeURIComponent(id)}`), { headers: { Accept: "application/json" } });
   }
   return (await answer.json()) as Job;
 }
 
 export async function listJobs(signal: AbortSignal): Promise<Job[]> {
-  return ((await getJson("/v1/jobs", signal)).jobs ?? []) as Job[];
+  return ((await getJson(siteUrl("v1/jobs"), signal)).jobs ?? []) as Job[];
 }
 
 export async function getJob(id: string, signal: AbortSignal): Promise<Job> {

@@ -1,6 +1,7 @@
 /** Sending captures, and their check; the objects and steps are those of docs/upload.md. All functions throw `ApiError`. */
 
 import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
+import { siteUrl } from "./site";
 
 export interface Upload {
   readonly id: string;
@@ -62,10 +63,10 @@ export interface CaptureCheck {
 const TUS = { "Tus-Resumable": "1.0.0" };
 const STREAM = "application/offset+octet-stream";
 
-const address = (id: string): string => `/v1/uploads/${encodeURIComponent(id)}`;
+const address = (id: string): string => siteUrl(`v1/uploads/${encodeURIComponent(id)}`);
 
 export async function listUploads(signal?: AbortSignal): Promise<UploadList> {
-  return (await getJson("/v1/uploads", signal)) as unknown as UploadList;
+  return (await getJson(siteUrl("v1/uploads"), signal)) as unknown as UploadList;
 }
 
 export async function deleteUpload(id: string): Promise<void> {
@@ -79,7 +80,7 @@ export async function beginUpload(
 ): Promise<{ upload: Upload; resumed: boolean }> {
   const headers = { Accept: "application/json", "Content-Type": "application/json" };
   const body = JSON.stringify(announced);
-  const response = await request("/v1/uploads", { method: "POST", headers, body, signal });
+  const response = await request(siteUrl("v1/uploads"), { method: "POST", headers, body, signal });
   return { upload: (await response.json()) as Upload, resumed: response.status === 200 };
 }
 
@@ -96,7 +97,8 @@ export async function announceFile(
   const metadata = `path ${base64(file.path)},sha256 ${base64(file.sha256)}`;
   const headers = { ...TUS, "Upload-Length": String(file.size), "Upload-Metadata": metadata };
   const response = await request(`${address(id)}/files`, { method: "POST", headers, signal });
-  return { location: response.headers.get("Location") ?? "", offset: offsetIn(response.headers.get("Upload-Offset")) };
+  const location = new URL(response.headers.get("Location") ?? "", response.url).href;
+  return { location, offset: offsetIn(response.headers.get("Upload-Offset")) };
 }
 
 /** How much of a file the server has. */
@@ -141,11 +143,11 @@ export async function finishUpload(id: string, signal: AbortSignal): Promise<Upl
 
 /** Begin the check of a capture, unless one is under way. */
 export async function startCheck(capture: string): Promise<CaptureCheck> {
-  return (await sendJson("POST", "/v1/captures/check", { capture })) as unknown as CaptureCheck;
+  return (await sendJson("POST", siteUrl("v1/captures/check"), { capture })) as unknown as CaptureCheck;
 }
 
 export async function getCheck(capture: string, signal: AbortSignal): Promise<CaptureCheck> {
-  const path = `/v1/captures/check?capture=${encodeURIComponent(capture)}`;
+  const path = siteUrl(`v1/captures/check?capture=${encodeURIComponent(capture)}`);
   return (await getJson(path, signal)) as unknown as CaptureCheck;
 }
 

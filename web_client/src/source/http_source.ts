@@ -36,14 +36,16 @@ export class HttpSource implements SceneSource {
   /**
    * @param url of the index or manifest.
    * @param hidden whether nobody sees the page: then nothing more is fetched until `wake`.
+   * @param query of every address, such as `?link=…`, where the server asks for one.
    */
   constructor(
     url: string,
     readonly events: SourceEvents,
     playhead: Playhead,
     readonly hidden: () => boolean = () => document.hidden,
+    readonly query = "",
   ) {
-    this.#url = url;
+    this.#url = url + query;
     this.#playhead = playhead;
     events.state("connecting");
     void this.#fetchManifest();
@@ -118,6 +120,7 @@ export class HttpSource implements SceneSource {
     } catch (error) {
       if (signal.aborted) return;
       const missing = error instanceof StatusError && (error.missing || error.status === 403);
+      if (this.#locked(error)) return;
       if (missing || error instanceof ManifestError || error instanceof SyntaxError) {
         this.close();
         this.events.failed(missing ? "no-scene" : "unreadable", error.message);
@@ -189,7 +192,16 @@ export class HttpSource implements SceneSource {
     }
   }
 
+  /** End where the server asks for a key, or for another one than it was given. */
+  #locked(error: unknown): boolean {
+    if (!(error instanceof StatusError && error.status === 401)) return false;
+    this.close();
+    this.events.failed(this.#scene ? "access-ended" : "no-access", error.message);
+    return true;
+  }
+
   #failed({ id }: ChunkEntry, error: unknown): void {
+    if (this.#locked(error)) return;
     const missing = error instanceof StatusError && error.missing;
     const refused = error instanceof StatusError || error instanceof ManifestError; // else nothing has answered
     const refusals = (this.#refusals.get(id) ?? 0) + 1;
@@ -215,6 +227,6 @@ export class HttpSource implements SceneSource {
   }
 
   #chunkUrl(id: string): string {
-    return new URL(`chunks/${id}`, this.#url).href;
+    return new URL(`chunks/${id}${this.query}`, this.#url).href;
   }
 }

@@ -29,16 +29,20 @@ export function openSource(src: string, base: string = document.baseURI): OpenSo
         `src ${src}: not a manifest.json or index.hgs, a folder (…/), a scene of a server (/view/NAME) or a stream (wss:)`,
       );
     }
-    const manifest = url.pathname.endsWith("/") ? new URL("manifest.json", url) : url;
-    return (events, playhead) => new HttpSource(manifest.href, events, playhead);
+    return openFiles((url.pathname.endsWith("/") ? new URL("manifest.json", url) : url).href);
   }
   return openStream(streamUrl(served[2], { protocol: url.protocol, host: url.host + served[1] }) + url.search);
 }
 
+/** @param query of every address, such as `?link=…` */
+export function openFiles(manifest: string, query = ""): OpenSource {
+  return (events, playhead) => new HttpSource(manifest, events, playhead, undefined, query);
+}
+
 function openStream(stream: string): OpenSource {
   return openLate(async () => {
-    const { SceneStream } = await import("./scene_stream"); // a folder needs none of it
-    return (events, playhead) => new SceneStream(stream, events, playhead);
+    const { openServed } = await import("./served_source"); // a folder needs none of it
+    return openServed(stream, openFiles);
   });
 }
 

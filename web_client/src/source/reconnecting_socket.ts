@@ -14,8 +14,8 @@ export interface ReconnectingEvents {
   /** A connection is there: say hello with so much credit. */
   open(credits: number): void;
   message(bytes: Uint8Array<ArrayBuffer>): void;
-  /** It is gone, and another one comes later. */
-  retrying(): void;
+  /** It is gone, and another one comes later; `silent` if it has not ended, but nothing has come. */
+  retrying(silent: boolean): void;
   /** It is gone for good, closed by the server with this code. */
   refused(code: number): void;
 }
@@ -89,18 +89,18 @@ export class ReconnectingSocket {
     this.#leave();
     const final = FINAL_CODES.has(code) || (code >= 4000 && code !== HELLO_TIMEOUT);
     if (final) this.events.refused(code);
-    else this.#retryLater();
+    else this.#retryLater(false);
   }
 
   /** Nothing has come for too long. A line on which a message takes longer than that is given more time next. */
   #silent(): void {
     this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
     this.#leave();
-    this.#retryLater();
+    this.#retryLater(true);
   }
 
-  #retryLater(): void {
-    this.events.retrying();
+  #retryLater(silent: boolean): void {
+    this.events.retrying(silent);
     this.#retry = setTimeout(() => this.#connect(), retryDelay(this.#failures++));
   }
 

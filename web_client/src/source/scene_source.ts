@@ -3,12 +3,21 @@
 import type { Manifest } from "../codec/types";
 
 /**
- * The scene is not there; it is another one than before; it cannot be read; page and server are of different versions; the
- * source's own script cannot be had; anything else.
+ * The scene is not there; a key or link is needed; the one that was given holds no more; the scene is another one than before;
+ * it cannot be read; page and server are of different versions; the source's own script cannot be had; anything else.
  */
-export type SourceFailure = "no-scene" | "scene-changed" | "unreadable" | "not-understood" | "not-loaded" | "ended";
+export type SourceFailure =
+  | "no-scene"
+  | "no-access"
+  | "access-ended"
+  | "scene-changed"
+  | "unreadable"
+  | "not-understood"
+  | "not-loaded"
+  | "ended";
 
-export type SourceState = "connecting" | "open" | "retrying" | "closed";
+/** `over-http`: open, but by HTTP in place of the stream, which something on the way does not let through. */
+export type SourceState = "connecting" | "open" | "over-http" | "retrying" | "closed";
 
 /** What a source tells the player. */
 export interface SourceEvents {

@@ -47,21 +47,25 @@ export class SceneStream implements SceneSource {
   );
   #playhead: Playhead;
   #undecoded = 0;
+  #welcomed = false;
 
   constructor(
     readonly url: string,
     readonly events: SourceEvents,
     playhead: Playhead,
     connect: (url: string) => Socket = (url) => new WebSocket(url),
+    /** Called when a connection has failed, and none before it has brought a welcome; `silent` if it did not even end. */
+    unwelcome: (silent: boolean) => void = () => {},
   ) {
     this.#playhead = playhead;
     this.#socket = new ReconnectingSocket(() => connect(url), {
       connecting: () => events.state("connecting"),
       open: (credits) => this.#greet(credits),
       message: (bytes) => this.#messages.put(bytes),
-      retrying: () => {
+      retrying: (silent) => {
         this.#moves.clear();
         events.state("retrying");
+        if (!this.#welcomed) unwelcome(silent);
       },
       refused: (code) => this.#fail(streamFailure(code), `the server closed the stream (${code})`),
     });
@@ -176,6 +180,7 @@ export class SceneStream implements SceneSource {
   #welcome(message: Extract<ServerMessage, { type: "welcome" }>): void {
     const { protocol, manifest, manifest_id } = message;
     if (protocol !== PROTOCOL) throw new ProtocolError(`version ${protocol} instead of ${PROTOCOL}`);
+    this.#welcomed = true;
     this.events.state("open");
     if (this.#id?.every((byte, i) => byte === manifest_id[i])) return;
     if (manifest.length === 0) throw new ProtocolError("a welcome has no manifest");

@@ -8,7 +8,14 @@ import { formatBitRate, formatCount } from "./format_figures";
 
 /** Often enough to follow, and slowly enough to read, milliseconds. */
 const REFRESH = 500;
-const STREAM_NAMES = { connecting: "connecting", open: "connected", retrying: "reconnecting", closed: "closed" };
+const NO_SOCKETS = "HTTP: no WebSockets here";
+const STREAM_NAMES = {
+  connecting: "connecting",
+  open: "connected",
+  "over-http": NO_SOCKETS,
+  retrying: "reconnecting",
+  closed: "closed",
+};
 
 type Figures = Readonly<Record<string, string>>;
 
@@ -32,7 +39,7 @@ export function figuresOf(stats: PlayerStats, { width, height, quality }: ShownP
     Picture: `${width} × ${height}`,
     Quality: quality === "auto" ? "auto" : `always ${quality}`,
     "Drawn at": `${Math.round(width * scale)} × ${Math.round(height * scale)}, ${float ? "half floats" : "8 bits"}`,
-    Stream: stats.complete ? "complete" : STREAM_NAMES[stats.stream],
+    Stream: stats.complete && stats.stream !== "over-http" ? "complete" : STREAM_NAMES[stats.stream],
   };
 }
 

@@ -15,7 +15,7 @@ function answering(...answers: Response[]): string[] {
 }
 
 const looking = (): Response =>
-  Response.json({ id: "a1", state: "looking" }, { status: 202, headers: { Location: "/v1/submissions/a1" } });
+  Response.json({ id: "a1", state: "looking" }, { status: 202, headers: { Location: "submissions/a1" } });
 
 beforeEach(() => {
   vi.useFakeTimers({ shouldAdvanceTime: true, advanceTimeDelta: 1000 });

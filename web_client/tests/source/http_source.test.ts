@@ -218,6 +218,13 @@ describe("the manifest", () => {
     expect(requests).toEqual([]);
   });
 
+  it("that is locked asks for a key", async () => {
+    open();
+    await requests[0].answer("", 401);
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("no-access", expect.stringContaining("401"));
+    expect(events.state).toHaveBeenLastCalledWith("closed");
+  });
+
   it("is asked for again later, and ever later, if the server cannot be reached", async () => {
     open();
     await requests[0].fail();
@@ -386,6 +393,14 @@ describe("a chunk that does not come", () => {
     expect(events.missing).toHaveBeenCalledExactlyOnceWith(id("a"));
   });
 
+  it("because the key holds no more ends the scene", async () => {
+    await begun();
+    await request("a").answer("", 401);
+    expect(events.failed).toHaveBeenCalledExactlyOnceWith("access-ended", expect.stringContaining("401"));
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(events.missing).not.toHaveBeenCalled();
+  });
+
   it("whole is fetched past the caches, and taken only if it is whole", async () => {
     await begun();
     await request("a").answer(new Uint8Array(99));
@@ -408,6 +423,15 @@ it("brings a damaged chunk once more, past the caches", async () => {
   const refused = expect(other).rejects.toThrow("has 50 bytes, expected 100");
   await request("a").answer(new Uint8Array(50));
   await refused;
+});
+
+it("asks for all with the query that opens the scene", async () => {
+  for (const event of Object.values(events)) event.mockClear();
+  const url = "https://hgs.example/v1/scenes/studio/index.hgs";
+  source = new HttpSource(url, events, { time: 0, rate: 1 }, () => hidden, "?link=x.y");
+  expect(requests[0].url).toBe(`${url}?link=x.y`);
+  await requests[0].answer(MANIFEST);
+  expect(requests[0].url).toBe(`https://hgs.example/v1/scenes/studio/chunks/${id("1")}?link=x.y`);
 });
 
 it("asks for nothing after it is closed", async () => {

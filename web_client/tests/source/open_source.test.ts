@@ -24,6 +24,10 @@ describe("a scene on a server", () => {
     ["https://hgs.example/view/studio/", "wss://hgs.example/v1/scenes/studio/stream"],
     ["https://hgs.example/v1/scenes/studio", "wss://hgs.example/v1/scenes/studio/stream"],
     ["https://hgs.example/lab/view/studio", "wss://hgs.example/lab/v1/scenes/studio/stream"],
+    [
+      "https://hgs.example/my%20scenes/view/a/view/b?link=x",
+      "wss://hgs.example/my%20scenes/view/a/v1/scenes/b/stream?link=x",
+    ],
   ])("is streamed from %s", async (src, stream) => {
     expect(await opened(src, "http://page.example:8000/")).toBe(stream);
   });

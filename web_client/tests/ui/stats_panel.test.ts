@@ -27,6 +27,13 @@ it("calls the stream of a complete scene complete, and no other", () => {
   expect(figure("Stream", { stream: "closed" })).toBe("closed");
 });
 
+it.each([true, false])(
+  "says that a scene comes over HTTP for want of WebSockets, also when all of it is here: %s",
+  (complete) => {
+    expect(figure("Stream", { complete, stream: "over-http" })).toBe("HTTP: no WebSockets here");
+  },
+);
+
 it("tells how finely the picture is to be drawn, and how finely it was", () => {
   expect(figure("Quality", {})).toBe("auto");
   expect(figure("Quality", {}, "low")).toBe("always low");
