@@ -15,7 +15,7 @@ export default defineConfig({
     preloadedPages({
       "view.html": {
         module: "/src/console/view_page.ts",
-        later: ["/src/source/scene_stream.ts"],
+        later: ["/src/source/scene_stream.ts", "/src/ui/player_controls.ts"],
         change: alwaysDark,
       },
       "job.html": { module: "/src/console/job_page.ts" },

@@ -46,7 +46,7 @@ export class ScenePlayer {
         failed: options.onError,
       },
     );
-    this.#picture = new Picture(this.renderer, this.#scene.orders);
+    this.#picture = new Picture(this.renderer, this.#scene);
     const { signal } = this.#abort;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
     addEventListener("online", () => this.#scene.wake(), { signal });

@@ -34,6 +34,7 @@ export class StreamedScene {
   #state: SourceState = "connecting";
   #bytes = 0;
   #pictureTime = 0;
+  #pictured = false;
   #lastSight: Sight | null = null;
 
   constructor(options: SceneOptions, events: SceneEvents) {
@@ -110,6 +111,11 @@ export class StreamedScene {
     return this.#pictureTime;
   }
 
+  /** Whether a step has told what to draw: something, or all that there is. */
+  get pictured(): boolean {
+    return this.#pictured;
+  }
+
   /** Bytes per second at `now`, milliseconds. */
   lineRate(now: number): number {
     return this.#line.rate(now);
@@ -123,7 +129,7 @@ export class StreamedScene {
     const playback = this.#playback;
     if (!playback) return null;
     this.orders.frame(now);
-    playback.tick(now / 1000);
+    playback.tick(now / 1000, this.#pictured);
     this.#reside();
     const sight = sightOf(views);
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
@@ -134,7 +140,9 @@ export class StreamedScene {
     const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
-    return { shots, moving: playback.moving, settled: this.#settled(wanted) };
+    const settled = this.#settled(wanted);
+    this.#pictured ||= shots.length > 0 && (this.orders.count > 0 || settled);
+    return { shots, moving: playback.moving, settled };
   }
 
   /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
