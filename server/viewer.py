@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+import logging
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 from fastapi import APIRouter, Request, Response
 from fastapi.responses import HTMLResponse
+from sqlalchemy.exc import OperationalError
+from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 
-from server.conditional import entity_tag, respond
+from jobs.keys import Scope
+from server.access import LINK, Access
+from server.conditional import entity_tag, respond, respond_compressed
 from server.content_coding import preferred_coding
 from server.media_types import MEDIA_TYPES
+from server.poster import Poster
+from server.problems import ProblemError
 from server.security_headers import CONSOLE_POLICY, EMBEDDABLE_POLICY
+from server.service import Service, ServiceDep
 
 __all__ = ["VIEWER", "viewer_router"]
+
+log = logging.getLogger("hgs.server")
 
 VIEWER = Path(__file__).resolve().parent / "viewer"
 
@@ -25,13 +36,14 @@ _CODED = {"br": ".br", "gzip": ".gz"}
 _FILE = re.compile(r"(?:[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 
 _NAME = r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}"
+_SCENE_PAGE = re.compile(f"view/({_NAME})/?")
 
 # The pages by the addresses that they are at, as page_address.ts reads them, and what browsers may do with each.
 _PAGES = (
     (re.compile("|index\\.html"), "index.html", CONSOLE_POLICY),
     (re.compile("new/?"), "new.html", CONSOLE_POLICY),
     (re.compile(f"job/{_NAME}/?"), "job.html", CONSOLE_POLICY),
-    (re.compile(f"view/{_NAME}/?"), "view.html", EMBEDDABLE_POLICY),
+    (_SCENE_PAGE, "view.html", EMBEDDABLE_POLICY),
 )
 
 _NOT_BUILT = """<!doctype html>
@@ -46,6 +58,24 @@ _NOT_BUILT = """<!doctype html>
 def viewer_router(folder: Path = VIEWER) -> APIRouter:
     """Return routes that serve the files of `folder`: the pages at their addresses, and what they load."""
     router = APIRouter()
+
+    @router.api_route("/view/{rest:path}", methods=["GET", "HEAD"])
+    async def scene_page(request: Request, rest: str, service: ServiceDep) -> Response:
+        path = f"view/{rest}"
+        found = _SCENE_PAGE.fullmatch(path)
+        allowed = found is not None and await _may_see(service.access, request, found[1])
+        poster = await run_in_threadpool(_poster, request, service, found[1]) if found and allowed else None
+        file = folder / "view.html"
+        if poster is None or not file.is_file():
+            answer = await run_in_threadpool(viewer_file, request, path)
+        else:
+            page, policy = poster.painted_on(file.read_text("utf-8"))
+            answer = respond_compressed(request, page.encode(), MEDIA_TYPES[".html"])
+            answer.headers["Content-Security-Policy"] = policy
+        if found:  # with other credentials it is another page
+            for name in ("Cookie", "Authorization"):
+                answer.headers.add_vary_header(name)
+        return answer
 
     @router.api_route("/{path:path}", methods=["GET", "HEAD"])
     def viewer_file(request: Request, path: str) -> Response:
@@ -65,6 +95,36 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
         return _file(request, file, CONSOLE_POLICY)
 
     return router
+
+
+async def _may_see(access: Access, request: Request, scene: str) -> bool:
+    """Return whether the scene's picture would be sent: a page without a key must not tell which scenes there are."""
+    try:
+        if await access.open_to(request):
+            return True
+        visitor = await access.visitor(request)
+    except OperationalError:
+        return False
+    if visitor is None or not visitor.allows(Scope.VIEW):
+        return False
+    return visitor.link is None or visitor.link.scene == scene
+
+
+def _poster(request: Request, service: Service, scene: str) -> Poster | None:
+    """Return the poster of a scene for its page; None if it has none, or there is no such scene."""
+    try:
+        shape = service.catalogue.scene(scene).poster_shape
+    except ProblemError:
+        return None
+    except Exception as error:  # whatever the store raises: the page says it better
+        log.warning("scene %s: its page goes without a poster: %s", scene, error)
+        return None
+    if shape is None:
+        return None
+    up = "../.." if request.url.path.endswith("/") else ".."
+    link = request.query_params.get(LINK)
+    query = "" if link is None else f"?{LINK}={quote(link, safe='')}"
+    return Poster(f"{up}/v1/scenes/{scene}/thumbnail{query}", shape)
 
 
 def _page(request: Request, file: Path, policy: str) -> Response:
