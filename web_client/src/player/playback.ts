@@ -69,7 +69,9 @@ export class Playback {
     const time = clock.tick(
       now,
       (moment) =>
-        pictured && buffer.playable(moment) && (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond(), this.#reserve)),
+        pictured &&
+        buffer.playable(moment) &&
+        (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond(), this.#reserve)),
     );
     if (this.moving) this.#reserve = AGAIN;
     this.source.playheadAt(time);

@@ -24,6 +24,9 @@ export class ScenePlayer {
   readonly #waiting: (() => void)[] = [];
   #splatBudget = Number.POSITIVE_INFINITY;
   #animation = 0; // 0 while no frame is asked for
+  #kept: HTMLCanvasElement | null = null; // the picture, while there is no context to draw it
+  #setAside = false;
+  readonly #loadStart = performance.now();
   #driven = false;
 
   /** @throws Error if the browser has no WebGL2. */
@@ -87,8 +90,10 @@ export class ScenePlayer {
       orderAgeFrames: orders.ageInFrames,
       pictureTime: this.#scene.pictureTime,
       fineness: this.#picture.fineness,
-      contextLost: this.renderer.lost,
+      contextLost: this.renderer.lost && !this.renderer.given,
+      setAside: this.#setAside,
       firstFrame: first,
+      loadStart: this.#loadStart,
     };
   }
 
@@ -121,6 +126,36 @@ export class ScenePlayer {
     if (step?.shots.length) this.#picture.countFrame(now);
     this.#finish(step?.settled ?? false);
     return step;
+  }
+
+  /** Whether the context is needed: there is no picture yet, or somebody waits for one, or draws with it. */
+  get busy(): boolean {
+    return !this.#scene.pictured || this.#waiting.length > 0 || this.#driven;
+  }
+
+  /** Give the context back, keep the picture, and stand, until `wake`. */
+  rest(): void {
+    const view = this.#options.view();
+    if (view && this.#scene.pictured && !this.renderer.lost) {
+      this.#unkeep();
+      this.#kept = this.renderer.copy(this.#scene.shot(view));
+      this.#kept.style.cssText = `${this.#options.canvas.style.cssText}; object-fit: cover; pointer-events: none`;
+      this.#options.canvas.after(this.#kept);
+    }
+    if (this.playback?.clock.playing) {
+      this.playback.pause();
+      this.#setAside = true;
+    }
+    this.renderer.giveBack();
+    this.#scene.suspend();
+    this.invalidate();
+  }
+
+  /** Draw again, at the same time and from the same place. */
+  wake(): void {
+    this.#setAside = false;
+    this.renderer.take();
+    this.invalidate();
   }
 
   get quality(): Quality {
@@ -158,7 +193,8 @@ export class ScenePlayer {
    */
   readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
     const view = this.#options.view();
-    if (!view || !this.#scene.orders.shown) return null;
+    if (this.#kept) return as === "float" ? null : pixelsOf(this.#kept);
+    if (!view || !this.#scene.orders.shown || this.renderer.lost) return null;
     const shot = this.#scene.shot(view);
     this.invalidate(); // the device's pace is taken from every picture
     if (as === "float") return this.renderer.readFloatPixels(shot);
@@ -175,6 +211,7 @@ export class ScenePlayer {
   dispose(): void {
     this.#abort.abort();
     cancelAnimationFrame(this.#animation);
+    this.#unkeep();
     this.#scene.dispose();
     this.renderer.dispose();
   }
@@ -185,8 +222,14 @@ export class ScenePlayer {
     this.#scene.playback?.pageHidden(document.hidden);
   }
 
+  #unkeep(): void {
+    this.#kept?.remove();
+    this.#kept = null;
+  }
+
   #contextChanged(lost: boolean): void {
-    if (!lost) this.#scene.restore();
+    if (lost) this.#scene.suspend();
+    else this.#scene.restore();
     this.#picture.outdate();
     this.invalidate();
   }
@@ -208,7 +251,14 @@ export class ScenePlayer {
 
   /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */
   #finish(settled: boolean): void {
+    if (this.#kept && this.#scene.pictured && !this.renderer.lost) this.#unkeep();
     if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
     this.#options.onFrame();
   }
+}
+
+function pixelsOf(picture: HTMLCanvasElement): Pixels | null {
+  const { width, height } = picture;
+  const read = picture.getContext("2d")?.getImageData(0, 0, width, height);
+  return read ? { width, height, data: new Uint8Array(read.data.buffer) } : null;
 }

@@ -35,6 +35,7 @@ export class StreamedScene {
   #bytes = 0;
   #pictureTime = 0;
   #pictured = false;
+  #suspended = false; // there is nothing to draw into
   #lastSight: Sight | null = null;
 
   constructor(options: SceneOptions, events: SceneEvents) {
@@ -111,7 +112,7 @@ export class StreamedScene {
     return this.#pictureTime;
   }
 
-  /** Whether a step has told what to draw: something, or all that there is. */
+  /** Whether a step has told what to draw, something or all that there is, since there is a sink that can. */
   get pictured(): boolean {
     return this.#pictured;
   }
@@ -136,12 +137,12 @@ export class StreamedScene {
     this.#lastSight = sight;
     const { splatBudget: budget } = this;
     const moment = nextMoment(playback, this.orders.shown, this.orders.lead / 1000);
-    if (!moment) return { shots: [], moving: false, settled: false };
+    if (!moment || this.#suspended) return { shots: [], moving: false, settled: false };
     const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
     const settled = this.#settled(wanted);
-    this.#pictured ||= shots.length > 0 && (this.orders.count > 0 || settled);
+    this.#pictured ||= !this.#chunks.restoring && shots.length > 0 && (this.orders.count > 0 || settled);
     return { shots, moving: playback.moving, settled };
   }
 
@@ -153,8 +154,15 @@ export class StreamedScene {
     return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
   }
 
+  /** The sink takes nothing until `restore`: nothing is ordered, and the playhead stands. */
+  suspend(): void {
+    this.#suspended = true;
+    this.#pictured = false;
+  }
+
   /** The sink has lost all that it was given, and takes it again. */
   restore(): void {
+    this.#suspended = this.#pictured = false;
     this.orders.forget();
     this.#chunks.restore();
   }

@@ -30,7 +30,8 @@ export class PlayerView {
     class: "poster",
     alt: "",
     hidden: true,
-    onload: () => this.#poster.style.setProperty("--shape", `${this.#poster.naturalWidth / this.#poster.naturalHeight}`),
+    onload: () =>
+      this.#poster.style.setProperty("--shape", `${this.#poster.naturalWidth / this.#poster.naturalHeight}`),
   });
   readonly #controls = element("div", { class: "controls" });
   readonly #title: HTMLElement;
