@@ -26,6 +26,7 @@ export class ScenePlayer {
   #animation = 0; // 0 while no frame is asked for
   #kept: HTMLCanvasElement | null = null; // the picture, while there is no context to draw it
   #setAside = false;
+  #lostAt: number | null = null; // the bytes that had come when the browser said that it is offline
   readonly #loadStart = performance.now();
   #driven = false;
 
@@ -52,7 +53,8 @@ export class ScenePlayer {
     this.#picture = new Picture(this.renderer, this.#scene);
     const { signal } = this.#abort;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
-    addEventListener("online", () => this.#scene.wake(), { signal });
+    addEventListener("online", () => this.#line(true), { signal });
+    addEventListener("offline", () => this.#line(false), { signal });
     this.invalidate();
   }
 
@@ -72,7 +74,7 @@ export class ScenePlayer {
     const now = performance.now();
     const { frames, first } = this.#picture;
     return {
-      stream,
+      stream: bytes === this.#lostAt ? "retrying" : stream,
       bytes,
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#scene.lineRate(now),
@@ -214,6 +216,13 @@ export class ScenePlayer {
     this.#unkeep();
     this.#scene.dispose();
     this.renderer.dispose();
+  }
+
+  /** The browser has a line again, or none: it knows so long before a connection does. */
+  #line(there: boolean): void {
+    this.#lostAt = there ? null : this.#scene.bytes;
+    if (there) this.#scene.wake();
+    this.invalidate();
   }
 
   /** While the page was hidden the connection may have died. */

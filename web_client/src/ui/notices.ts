@@ -32,7 +32,7 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
     case "lost":
       return "The graphics card was reset. One moment…";
     case "aside":
-      return "Press to play. A page plays only so many scenes at once.";
+      return "Press to play: many others do.";
     case "retrying":
       return retrying;
     case "stalled":
