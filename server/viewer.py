@@ -59,42 +59,47 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
     """Return routes that serve the files of `folder`: the pages at their addresses, and what they load."""
     router = APIRouter()
 
-    @router.api_route("/view/{rest:path}", methods=["GET", "HEAD"])
-    async def scene_page(request: Request, rest: str, service: ServiceDep) -> Response:
-        path = f"view/{rest}"
-        found = _SCENE_PAGE.fullmatch(path)
-        allowed = found is not None and await _may_see(service.access, request, found[1])
-        poster = await run_in_threadpool(_poster, request, service, found[1]) if found and allowed else None
-        file = folder / "view.html"
-        if poster is None or not file.is_file():
-            answer = await run_in_threadpool(viewer_file, request, path)
-        else:
-            page, policy = poster.painted_on(file.read_text("utf-8"))
-            answer = respond_compressed(request, page.encode(), MEDIA_TYPES[".html"])
-            answer.headers["Content-Security-Policy"] = policy
-        if found:  # with other credentials it is another page
-            for name in ("Cookie", "Authorization"):
-                answer.headers.add_vary_header(name)
+    @router.api_route("/{path:path}", methods=["GET", "HEAD"])
+    async def viewer_file(request: Request, path: str, service: ServiceDep) -> Response:
+        scene = _SCENE_PAGE.fullmatch(path)
+        if scene is None:
+            return await run_in_threadpool(_found, request, folder, path)
+        seen = await _may_see(service.access, request, scene[1])
+        poster = await run_in_threadpool(_poster, request, service, scene[1]) if seen else None
+        answer = await run_in_threadpool(_scene_page, request, folder, path, poster)
+        for name in ("Cookie", "Authorization"):  # with others it is another page
+            answer.headers.add_vary_header(name)
         return answer
 
-    @router.api_route("/{path:path}", methods=["GET", "HEAD"])
-    def viewer_file(request: Request, path: str) -> Response:
-        if path == "v1" or path.startswith("v1/"):
-            raise HTTPException(404)
-        for address, page, policy in _PAGES:
-            if address.fullmatch(path):
-                return _page(request, folder / page, policy)
-        file = folder / path
-        if not _FILE.fullmatch(path) or file.suffix not in MEDIA_TYPES or not file.is_file():
-            if "text/html" in request.headers.get("Accept", ""):
-                answer = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
-                answer.status_code = 404 if answer.status_code == 200 else answer.status_code
-                answer.headers.append("Vary", "Accept")
-                return answer
-            raise HTTPException(404, headers={"Vary": "Accept"})
-        return _file(request, file, CONSOLE_POLICY)
-
     return router
+
+
+def _found(request: Request, folder: Path, path: str) -> Response:
+    """Answer with the page or the file at a path."""
+    if path == "v1" or path.startswith("v1/"):
+        raise HTTPException(404)
+    for address, page, policy in _PAGES:
+        if address.fullmatch(path):
+            return _page(request, folder / page, policy)
+    file = folder / path
+    if not _FILE.fullmatch(path) or file.suffix not in MEDIA_TYPES or not file.is_file():
+        if "text/html" in request.headers.get("Accept", ""):
+            answer = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
+            answer.status_code = 404 if answer.status_code == 200 else answer.status_code
+            answer.headers.append("Vary", "Accept")
+            return answer
+        raise HTTPException(404, headers={"Vary": "Accept"})
+    return _file(request, file, CONSOLE_POLICY)
+
+
+def _scene_page(request: Request, folder: Path, path: str, poster: Poster | None) -> Response:
+    file = folder / "view.html"
+    if poster is None or not file.is_file():
+        return _found(request, folder, path)
+    page, policy = poster.painted_on(file.read_text("utf-8"))
+    answer = respond_compressed(request, page.encode(), MEDIA_TYPES[".html"])
+    answer.headers["Content-Security-Policy"] = policy
+    return answer
 
 
 async def _may_see(access: Access, request: Request, scene: str) -> bool:

@@ -90,7 +90,9 @@ export class PlayerView {
 
   /** Address of the picture to show while the scene has none. */
   set poster(address: string | null) {
-    if (address) this.#poster.src = address;
+    // A page may have painted it on the host, before there was a player.
+    const painted = getComputedStyle(this.#host).backgroundImage.includes("url(");
+    if (address && !painted) this.#poster.src = address;
     else this.#poster.removeAttribute("src");
     this.#showPoster();
   }

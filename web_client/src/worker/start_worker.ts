@@ -23,7 +23,9 @@ function bootstrap(): string {
 /** On a page with `require-trusted-types-for 'script'` only addresses that a policy has made start workers. */
 function trust(url: string): string {
   const { trustedTypes } = globalThis as { trustedTypes?: TrustedTypes };
-  return trustedTypes
-    ? trustedTypes.createPolicy("hgs-player", { createScriptURL: () => url }).createScriptURL(url)
-    : url;
+  try {
+    return trustedTypes?.createPolicy("hgs-player", { createScriptURL: () => url }).createScriptURL(url) ?? url;
+  } catch {
+    return url; // the page allows no such policy; whether it needs one, starting the worker tells
+  }
 }
