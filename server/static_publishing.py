@@ -179,7 +179,7 @@ def _page(player: Path | None, coded: bool, manifest: Manifest, ready: PagedScen
     links = [poster.preload] if poster else []
     if _ICON in names:
         links.append(f'<link rel="icon" href="{PLAYER}/{_ICON}" type="image/svg+xml">')
-    # As the build calls what the script asks for when it runs (web_client/vite.package.config.ts), but for its worker: a
+    # As the build calls what the script asks for when it runs (web_client/vite.package.config.ts), but its worker: a
     # browser asks for that twice where it may keep nothing.
     parts = ["player_controls.js", *(["paged_manifest.js"] if ready.pages else [])]
     links += [f'<link rel="modulepreload" href="{PLAYER}/{name}">' for name in parts if name in names]
