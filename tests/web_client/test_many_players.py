@@ -58,7 +58,7 @@ def test_a_gallery_that_is_scrolled_through_draws_whatever_is_in_sight(
     browser: Browser, host: Host, count: int
 ) -> None:
     """Those out of sight give their contexts back, keep their pictures, and draw again at the same time."""
-    with embedding(browser, host, "", reduced_motion="reduce") as page:
+    with embedding(browser, host, "", viewport={"width": 800, "height": 560}) as page:  # three rows of four
         found = problems(page)
         (host.folder / "index.html").write_text('<link rel="icon" href="data:,">' + gallery(count))
         page.reload()
@@ -93,7 +93,9 @@ def test_of_more_in_sight_than_there_are_contexts_the_oldest_can_be_pressed(brow
         aside = "() => [...document.querySelectorAll('hgs-player')].filter((one) => one.player.statistics.setAside)"
         page.wait_for_function(f"() => ({aside})().length === 6")
         assert page.evaluate(f"() => ({aside})().map(({{ id }}) => id)") == [f"p{i}" for i in range(6)]
-        page.locator("#p0").get_by_text("Press to play: many others do.").click()
+        said = page.locator("#p0").get_by_text("Press to play: many others do.").bounding_box()
+        assert said
+        page.mouse.click(said["x"] + 5, said["y"] + 5)
         page.wait_for_function("() => !p0.paused && !p0.player.statistics.setAside && p0.currentTime > 0")
         page.wait_for_function("() => p6.player.statistics.setAside && p6.paused")
         assert page.evaluate(CONTEXTS) <= 14

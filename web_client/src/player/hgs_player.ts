@@ -62,7 +62,8 @@ export class HgsPlayer extends PicturedPlayer {
       },
       take: () => {
         this.#waiting?.resolve();
-        this.#scene?.player.wake();
+        const plays = this.#scene?.player.wake();
+        if (plays) this.play();
       },
       give: () => this.#scene?.player.rest(),
     };

@@ -153,11 +153,13 @@ export class ScenePlayer {
     this.invalidate();
   }
 
-  /** Draw again, at the same time and from the same place. */
-  wake(): void {
+  /** Draw again, at the same time and from the same place; returns whether it played before it was made to stand. */
+  wake(): boolean {
+    const played = this.#setAside;
     this.#setAside = false;
     this.renderer.take();
     this.invalidate();
+    return played;
   }
 
   get quality(): Quality {
