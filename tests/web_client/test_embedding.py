@@ -384,7 +384,7 @@ def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
         assert page.evaluate(state) == [True, 0, 2, False, False, 1, False]
         assert not page.locator("#one .transport").is_visible()
         page.evaluate("() => { one.controls = true; one.loop = true; one.playbackRate = 4 }")
-        assert page.locator("#one .transport").is_visible()
+        page.locator("#one .transport").wait_for()
         assert page.evaluate("() => [one.getAttribute('loop'), one.hasAttribute('controls')]") == ["", True]
         assert page.evaluate("() => one.player.loop")
         page.evaluate("() => { one.removeAttribute('loop'); one.currentTime = 1.9 }")
