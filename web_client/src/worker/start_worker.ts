@@ -15,9 +15,14 @@ export function startWorker(): Worker {
   return new Worker(trusted, { type: "module" });
 }
 
-/** Browsers start workers of the page's own origin only, and a sandboxed frame has none; such a one may then import the script. */
+/**
+ * Browsers start workers of the page's own origin only; such a one may then import the script. A sandboxed frame has no origin,
+ * and Chromium takes a blob there for another's.
+ */
 function bootstrap(): string {
-  return URL.createObjectURL(new Blob([`import ${JSON.stringify(worker.href)};`], { type: "text/javascript" }));
+  const script = `import ${JSON.stringify(worker.href)};`;
+  if (origin === "null") return `data:text/javascript,${encodeURIComponent(script)}`;
+  return URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
 }
 
 /** On a page with `require-trusted-types-for 'script'` only addresses that a policy has made start workers. */

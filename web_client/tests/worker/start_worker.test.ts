@@ -35,7 +35,8 @@ it("starts what its policy trusts where a page asks for that, and makes one poli
 });
 
 it("starts a script of the page that imports it in a frame without an origin", async () => {
-  expect((await started("null")).addresses[0]).toBe("blob:1");
+  const script = 'import "https://cdn.example/hgs/worker.js";';
+  expect((await started("null")).addresses[0]).toBe(`data:text/javascript,${encodeURIComponent(script)}`);
 });
 
 it("starts a script of the page that imports it elsewhere, the same for all players", async () => {
