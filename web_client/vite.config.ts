@@ -29,6 +29,19 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     sourcemap: false,
+    rolldownOptions: {
+      output: {
+        // What the player and its parts share, each less than the headers of an answer, in one file.
+        codeSplitting: {
+          groups: [
+            {
+              name: "shared",
+              test: /src\/(ui\/(format|icons|player_style|playing|steering)|camera\/vector|xr\/offer)\.ts/,
+            },
+          ],
+        },
+      },
+    },
   },
   worker: { format: "es" },
   server: { proxy: { "/v1": { target: server, ws: true } } },

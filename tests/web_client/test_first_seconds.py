@@ -69,6 +69,7 @@ def held_scripts(browser: Browser, address: str, **options: Any) -> Iterator[tup
         page = context.new_page()
         page.route("**/*.js", lambda route: held.append(route))
         page.goto(address, wait_until="commit")
+        page.wait_for_function("() => document.body")  # before, there may be no frame to take a picture of
         yield page, held
     finally:
         context.close()
