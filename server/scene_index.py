@@ -70,6 +70,7 @@ class SceneIndex:
     page_bytes: Mapping[bytes, bytes] = field(default_factory=dict)  # what is in them, by id
     page_chunks: Mapping[bytes, tuple[bytes, ...]] = field(default_factory=dict)  # what they list, by id
     document: bytes = b""  # the exact bytes of manifest.json
+    poster_shape: float | None = None  # of the first camera, width by height, if there is a thumbnail
 
     @cached_property
     def whole(self) -> SceneIndex:
@@ -162,7 +163,14 @@ def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) 
         page_bytes={bytes.fromhex(name): data for name, data in ready.pages.items()},
         page_chunks={bytes.fromhex(entry.id): tuple(columns.ids) for entry, columns in rows},
         document=manifest,
+        poster_shape=_poster_shape(header.manifest),
     )
+
+
+def _poster_shape(manifest: Manifest) -> float | None:
+    if not manifest.thumbnail or not manifest.cameras:
+        return None
+    return manifest.cameras[0].width / manifest.cameras[0].height
 
 
 def _described(scene_id: str, manifest: bytes) -> tuple[Mapping[str, object], Manifest]:
@@ -195,6 +203,7 @@ def _short(scene_id: str, manifest: bytes, index: bytes, described: Manifest) ->
             for piece in (described.audio.pieces if described.audio is not None else ())
         ),
         document=manifest,
+        poster_shape=_poster_shape(described),
     )
 
 

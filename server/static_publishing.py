@@ -15,6 +15,7 @@ from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, checked_ch
 from hgs_core.codec.format.growth import replaces
 from hgs_core.codec.format.manifest import FORMAT, Manifest
 from hgs_core.codec.format.paging import INDEX, PagedScene, paged
+from server.poster import Poster
 from server.publishing import encoded_scene
 
 __all__ = ["PLAYER", "PLAYER_SCRIPT", "StaticFile", "StaticTarget", "Transfer", "publish_static"]
@@ -24,6 +25,7 @@ PLAYER = "player"
 
 PLAYER_SCRIPT = "hgs-player.js"
 PAGE = "index.html"
+_ICON = "icon.svg"
 
 _OURS = frozenset({MANIFEST, INDEX, CHUNKS, THUMBNAIL, PAGE, PLAYER})
 _CODED = frozenset({".br", ".gz"})  # what the build leaves beside the player's files
@@ -34,14 +36,16 @@ _PAGE = """<!doctype html>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
+{links}
 <style>
-html, body {{ margin: 0; height: 100%; background: #000; }}
+html, body, main {{ margin: 0; height: 100%; background: #000; }}
 hgs-player {{ display: block; width: 100%; height: 100%; }}
+{style}
 </style>
 <script type="module" src="{player}/{script}"></script>
 </head>
 <body>
-<hgs-player src="{source}"{poster} autoplay loop controls></hgs-player>
+<main><hgs-player src="{source}"{poster} autoplay loop controls></hgs-player></main>
 </body>
 </html>
 """
@@ -170,10 +174,26 @@ def _page(player: Path | None, coded: bool, manifest: Manifest, ready: PagedScen
     names = sorted(path.relative_to(player).as_posix() for path in player.rglob("*") if path.is_file())
     yield [_player_file(player, name, coded) for name in names if _is_sent(name, coded) and name != PLAYER_SCRIPT]
     yield [_player_file(player, PLAYER_SCRIPT, coded)]
-    poster = f' poster="{THUMBNAIL}"' if manifest.thumbnail else ""
     source = INDEX if ready.pages else MANIFEST
-    title = html.escape(manifest.title)
-    page = _PAGE.format(title=title, player=PLAYER, script=PLAYER_SCRIPT, source=source, poster=poster)
+    poster = Poster(THUMBNAIL, manifest.cameras[0].width / manifest.cameras[0].height) if manifest.thumbnail else None
+    links = [poster.preload] if poster else []
+    if _ICON in names:
+        links.append(f'<link rel="icon" href="{PLAYER}/{_ICON}" type="image/svg+xml">')
+    # As the build calls what the script asks for when it runs (web_client/vite.package.config.ts), but its worker: a
+    # browser asks for that twice where it may keep nothing.
+    parts = ["player_controls.js", *(["paged_manifest.js"] if ready.pages else [])]
+    links += [f'<link rel="modulepreload" href="{PLAYER}/{name}">' for name in parts if name in names]
+    if "zstd.wasm" in names:
+        links.append(f'<link rel="preload" as="fetch" href="{PLAYER}/zstd.wasm" crossorigin>')
+    page = _PAGE.format(
+        title=html.escape(manifest.title),
+        links="\n".join(links),
+        style=poster.style("hgs-player") if poster else "",
+        player=PLAYER,
+        script=PLAYER_SCRIPT,
+        source=source,
+        poster=f' poster="{poster.address}"' if poster else "",
+    )
     yield [StaticFile(PAGE, page.encode())]
 
 

@@ -16,7 +16,7 @@ export default defineConfig({
     preloadedPages({
       "view.html": {
         module: "/src/console/view_page.ts",
-        later: ["/src/source/served_source.ts"],
+        later: ["/src/source/served_source.ts", "/src/ui/player_controls.ts"],
         change: alwaysDark,
       },
       "job.html": { module: "/src/console/job_page.ts" },
@@ -30,6 +30,19 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     sourcemap: false,
+    rolldownOptions: {
+      output: {
+        // What the player and its parts share, each less than the headers of an answer, in one file.
+        codeSplitting: {
+          groups: [
+            {
+              name: "shared",
+              test: /src\/(ui\/(format|icons|player_style|playing|steering)|camera\/vector|xr\/offer)\.ts/,
+            },
+          ],
+        },
+      },
+    },
   },
   worker: { format: "es" },
   server: { proxy: { "/v1": { target: server, ws: true } } },

@@ -1,5 +1,6 @@
 import { defineConfig } from "vite";
 import { leanShaders } from "./plugins/lean_shaders.ts";
+import { pageIcon } from "./plugins/page_icon.ts";
 import { precompressed } from "./plugins/precompressed.ts";
 import { terse } from "./plugins/terse.ts";
 import { zstdWasmFile } from "./plugins/zstd_wasm.ts";
@@ -17,7 +18,7 @@ export default defineConfig(({ mode }) => {
   return {
     base: "./", // addresses relative to the script that has them
     publicDir: false,
-    plugins: [zstdWasmFile(), leanShaders(), ...(site ? [terse(), precompressed()] : [])],
+    plugins: [zstdWasmFile(), leanShaders(), ...(site ? [pageIcon(), terse(), precompressed()] : [])],
     build: {
       outDir: site ? "../server/viewer/player" : "dist",
       emptyOutDir: true,

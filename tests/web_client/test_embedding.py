@@ -384,7 +384,7 @@ def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
         assert page.evaluate(state) == [True, 0, 2, False, False, 1, False]
         assert not page.locator("#one .transport").is_visible()
         page.evaluate("() => { one.controls = true; one.loop = true; one.playbackRate = 4 }")
-        assert page.locator("#one .transport").is_visible()
+        page.locator("#one .transport").wait_for()
         assert page.evaluate("() => [one.getAttribute('loop'), one.hasAttribute('controls')]") == ["", True]
         assert page.evaluate("() => one.player.loop")
         page.evaluate("() => { one.removeAttribute('loop'); one.currentTime = 1.9 }")
@@ -424,6 +424,115 @@ def test_an_element_that_a_script_makes_is_moved_taken_away_and_put_back(browser
         page.evaluate("() => here.append(kept)")
         wait_for_picture(page)
         assert page.evaluate("() => loads") == 2
+
+
+@pytest.mark.parametrize("playing", [False, True])
+def test_an_element_that_is_put_back_later_goes_on_where_it_was(browser: Browser, host: Host, playing: bool) -> None:
+    """Its time, whether it plays, and its camera; from elsewhere, it begins anew."""
+    body = '<div id="here"></div><div id="there">' + player("autoplay loop") + "</div>"
+    with embedding(browser, host, SCRIPT + body) as page:
+        wait_for_picture(page)
+        page.evaluate("() => one.pause()")
+        page.evaluate("() => one.player.seek(0.8)")
+        x = view_of(page, "one")["position"][0]
+        page.evaluate("() => one.player.camera.turn(0.3, 0.1)")
+        page.wait_for_function("(x) => one.player.camera.view.position[0] !== x", arg=x)
+        view = view_of(page, "one")
+        if playing:
+            page.evaluate("() => { one.playbackRate = 0.01; one.play() }")
+        page.evaluate("() => { window.kept = one; one.remove() }")
+        page.wait_for_function("() => kept.player.manifest === null")
+        assert page.evaluate("() => kept.currentTime") == pytest.approx(0.8, abs=0.05)
+        page.evaluate("() => here.append(kept)")
+        page.wait_for_function("() => one.player.manifest")
+        page.wait_for_function("(playing) => one.paused !== playing", arg=playing)
+        assert page.evaluate("() => one.currentTime") == pytest.approx(0.8, abs=0.1)
+        assert np.allclose([*view_of(page, "one")["position"]], [*view["position"]], atol=1e-6)
+        page.evaluate("() => one.remove()")
+        page.wait_for_function("() => kept.player.manifest === null")
+        page.evaluate("() => { kept.pause(); kept.src = 'clouds/manifest.json?other'; here.append(kept) }")
+        page.wait_for_function("() => one.player.manifest")
+        assert page.evaluate("() => one.currentTime") < 0.7
+
+
+def test_elements_that_are_moved_at_once_go_on(browser: Browser, host: Host) -> None:
+    """Into another order, as frameworks move keyed children, and into a document of its own and back."""
+    body = "<div id='here'>" + player("") + player("", "two") + "</div><iframe srcdoc='<p>A frame</p>'></iframe>"
+    count = (
+        "() => { window.loads = 0; for (const p of [one, two]) p.addEventListener('loadstart', () => window.loads++) }"
+    )
+    with embedding(browser, host, SCRIPT + body) as page:
+        for name in ("one", "two"):
+            wait_for_picture(page, name)
+        page.evaluate("() => one.player.seek(0.8)")
+        page.evaluate(count)
+        page.evaluate("() => { here.insertBefore(two, one); here.append(two); here.prepend(two) }")
+        page.evaluate("() => one.player.seek(0.8)")
+        frame = "document.querySelector('iframe').contentDocument"
+        page.evaluate(f"() => {{ window.kept = one; {frame}.body.append(one) }}")
+        page.evaluate("() => kept.player.seek(0.8)")
+        place = "() => getComputedStyle(kept.shadowRoot.querySelector('.stage')).position"
+        assert page.evaluate(place) == "absolute"  # it has its styles there, too
+        page.evaluate("() => here.append(kept)")
+        page.evaluate("() => kept.player.seek(0.8)")
+        assert page.evaluate(place) == "absolute"
+        assert page.evaluate("() => [loads, one.currentTime]") == [0, 0.8]
+
+
+def test_a_page_that_asks_for_trusted_types_plays(browser: Browser, host: Host, served_picture: np.ndarray) -> None:
+    policy = (
+        "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; connect-src 'self'; "
+        "img-src 'self'; style-src-attr 'unsafe-inline'; require-trusted-types-for 'script'; trusted-types hgs-player"
+    )
+    head = f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
+    body = player('controls time="0.4" camera="side"') + player('time="0.4"', "two")
+    with embedding(browser, host, head + SCRIPT + body) as page:
+        for name in ("one", "two"):
+            wait_for_picture(page, name)
+        assert np.array_equal(pixels(page), served_picture)
+        page.locator("#one").get_by_role("button", name="Settings").click()
+        page.locator("#one").get_by_role("group", name="Settings").wait_for()
+        assert page.get_by_role("alert").count() == 0
+
+
+@pytest.mark.parametrize(
+    "attributes", ["", "sandbox='allow-scripts'", "sandbox='allow-scripts' allow=\"fullscreen 'none'\""]
+)
+@pytest.mark.parametrize("where", ["folder", "server"])
+def test_a_frame_writes_nothing_into_the_console_of_its_host(
+    browser: Browser, host: Host, site: Site, tmp_path: Path, where: str, attributes: str
+) -> None:
+    """Whatever its host has not allowed it; the page in the frame is of another origin."""
+    if where == "server" and attributes:
+        pytest.skip("a server's pages play in frames of their own origin alone, as its policy says")
+    (host.folder / "inner.html").write_text(HEAD + SCRIPT + player("controls autoplay", width=400, height=300))
+    inner = f"{host.address}/inner.html" if where == "folder" else site.page
+    (tmp_path / "page").mkdir()
+    frame = f'<iframe name="inner" src="{inner}" width="500" height="400" {attributes}></iframe>'
+    lines: list[str] = []
+    with hosting(tmp_path / "page") as outer, embedding(browser, outer, "") as page:
+        page.on("console", lambda line: lines.append(line.text) if line.type in ("error", "warning") else None)
+        (outer.folder / "index.html").write_text(HEAD + frame)
+        page.reload()
+        found = page.frame("inner")
+        assert found is not None
+        time = "() => (window.hgs?.state.time ?? document.querySelector('hgs-player')?.currentTime) > 0"
+        found.wait_for_function(time)
+        found.get_by_role("button", name="Settings").wait_for()
+        assert lines == []
+
+
+def test_a_lost_line_is_told_at_once_and_until_something_comes(browser: Browser, host: Host) -> None:
+    with embedding(browser, host, "") as page:
+        page.route("**/chunks/*", lambda route: None)  # none of them ends
+        (host.folder / "index.html").write_text(HEAD + SCRIPT + player(""))
+        page.reload()
+        page.get_by_text("Loading 0 B").wait_for()
+        page.evaluate("() => dispatchEvent(new Event('offline'))")
+        page.get_by_text("The connection is lost; trying again…").wait_for(timeout=4000)  # a request fails after 10 s
+        page.unroute_all()
+        page.evaluate("() => dispatchEvent(new Event('online'))")
+        wait_for_picture(page)
 
 
 def test_the_poster_is_shown_until_there_is_a_picture(browser: Browser, host: Host) -> None:

@@ -2,6 +2,7 @@
 export function fakeCanvas(more: Record<string, unknown> = {}): HTMLCanvasElement {
   const calls: Record<string, unknown> = {
     getExtension: () => null,
+    isContextLost: () => false,
     getParameter: () => 16384,
     getProgramParameter: () => true,
     getUniformLocation: (_: unknown, name: string) => name,

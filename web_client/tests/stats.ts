@@ -24,6 +24,8 @@ export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({
   pictureTime: 0.5,
   fineness: LADDER[0],
   contextLost: false,
+  setAside: false,
   firstFrame: 800,
+  loadStart: 0,
   ...fields,
 });

@@ -55,8 +55,8 @@ export class WorkerDouble {
     }
   }
 
-  /** An order of one splat. */
-  order(): void {
-    this.answer({ type: "ordered", ids: new Uint32Array(2048), count: 1, dynamic: 0, sortTime: 1 });
+  /** An order of so many splats. */
+  order(count = 1): void {
+    this.answer({ type: "ordered", ids: new Uint32Array(2048), count, dynamic: 0, sortTime: 1 });
   }
 }

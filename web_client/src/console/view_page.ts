@@ -42,7 +42,8 @@ export function showViewPage(root: HTMLElement, scene: string): void {
     crop: async (player, root) => new (await import("../crop/crop_tool")).CropTool(player, root),
     keep: (bookmarks) => history.replaceState(null, "", linkWithBookmarks(location.href, bookmarks)),
   };
-  const host = element("div", { class: "player-host" });
+  // The server has put it there, with the scene's poster, if it has one.
+  const host = root.querySelector("main") ?? element("main", { class: "player-host" });
   root.replaceChildren(host);
   try {
     play(host, scene, parseViewParameters(location.search), page);
@@ -75,6 +76,7 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
     call(detail.title || scene);
     void served.then((title) => call(title || detail.title || scene));
   });
+  player.addEventListener("firstpicture", () => host.classList.remove("poster"));
   const ready = player.load(siteUrl(`view/${scene}${query}`));
   ready.catch(() => {}); // shown on the page already
   window.hgs = handle(player, ready);

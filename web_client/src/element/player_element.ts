@@ -4,7 +4,8 @@
  */
 
 import type { HgsPlayer } from "../player/hgs_player";
-import type { HgsPlayerEvents } from "../player/hgs_player_events";
+import type { Beginning, HgsPlayerEvents } from "../player/hgs_player_events";
+import { adoptStylesAgain } from "../ui/player_style";
 import { PlayerView } from "../ui/player_view";
 
 /** The player's events, which the element repeats under the same names. */
@@ -45,6 +46,7 @@ export class HgsPlayerElement extends HTMLElement {
   readonly #view = new PlayerView(this, { controls: false });
   #shown: string | null = null; // the address that is loaded
   #loads = false; // soon
+  #left: (Beginning & { readonly src: string; time: number }) | null = null; // where it was when it was taken out of the page
 
   constructor() {
     super();
@@ -107,11 +109,12 @@ export class HgsPlayerElement extends HTMLElement {
 
   /** Seconds on the scene's clock. */
   get currentTime(): number {
-    return this.player.currentTime;
+    return this.#left?.time ?? this.player.currentTime;
   }
 
   set currentTime(time: number) {
-    this.player.currentTime = time;
+    if (this.#left) this.#left.time = time;
+    else this.player.currentTime = time;
   }
 
   /** Seconds; NaN until it is known. */
@@ -170,8 +173,10 @@ export class HgsPlayerElement extends HTMLElement {
       this.player.unload();
       return;
     }
-    if (this.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
-    const beginning = { time: this.#seconds("time"), camera: this.getAttribute("camera") };
+    const left = this.#left?.src === this.#shown ? this.#left : null;
+    this.#left = null;
+    if (!left && this.autoplay && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.player.play();
+    const beginning = left ?? { time: this.#seconds("time"), camera: this.getAttribute("camera") };
     this.player.load(this.#shown, beginning).catch(() => {}); // told by `error`
   }
 
@@ -180,13 +185,20 @@ export class HgsPlayerElement extends HTMLElement {
     if (this.#shown !== this.getAttribute("src")) this.#loadSoon();
   }
 
-  /** Taken out of the page, it gives everything back; put in again, it loads again. */
+  /** Taken out of the page, it gives everything back; put in again, it loads again, and goes on where it was. */
   disconnectedCallback(): void {
     queueMicrotask(() => {
       if (this.isConnected) return; // it was moved
+      const { currentTime, loopRange, manifest } = this.player;
+      const { name, view } = this.player.camera;
+      if (manifest && this.#shown) this.#left = { src: this.#shown, time: currentTime, camera: name, view, loopRange };
       this.player.unload();
       this.#shown = null;
     });
+  }
+
+  adoptedCallback(): void {
+    if (this.shadowRoot) adoptStylesAgain(this.shadowRoot);
   }
 
   attributeChangedCallback(name: string, _: string | null, value: string | null): void {

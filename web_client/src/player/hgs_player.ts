@@ -5,6 +5,7 @@ import { checkedSplats } from "../renderer/quality";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import type { PlayerClock } from "./clock";
+import { claimContext, leaveContext, offerContext, Readiness, type Tenant } from "./context_places";
 import type { Beginning, HgsPlayerEvents, HgsPlayerOptions } from "./hgs_player_events";
 import { PicturedPlayer } from "./pictured_player";
 import { type Asked, asked } from "./played_scene";
@@ -29,6 +30,9 @@ export class HgsPlayer extends PicturedPlayer {
   #src: string | OpenSource | null = null;
   #beginning: Beginning = {};
   #scene: ScreenedScene | null = null;
+  #seen = true;
+  #waiting: { resolve(): void; reject(error: Error): void } | null = null; // for a graphics context, for the scene that is to be loaded
+  readonly #tenant: Tenant;
   #quality: Quality;
   #splatBudget: number;
   #muted: boolean;
@@ -47,6 +51,40 @@ export class HgsPlayer extends PicturedPlayer {
     this.#splatBudget = checkedSplats(options.splatBudget ?? Number.POSITIVE_INFINITY);
     this.#muted = options.muted ?? false;
     this.#volume = options.volume ?? 1;
+    const readiness = () => this.#readiness;
+    const seen = () => this.#seen;
+    this.#tenant = {
+      get seen() {
+        return seen();
+      },
+      get readiness() {
+        return readiness();
+      },
+      take: () => {
+        this.#waiting?.resolve();
+        const plays = this.#scene?.player.wake();
+        if (plays) this.play();
+      },
+      give: () => this.#scene?.player.rest(),
+    };
+    this.addEventListener("frame", () => offerContext(this.#tenant));
+  }
+
+  /** Whether anybody sees the player, which nobody need say: one that is not seen, and stands, gives its graphics context back. */
+  get seen(): boolean {
+    return this.#seen;
+  }
+
+  set seen(seen: boolean) {
+    this.#seen = seen;
+    if (!this.#scene && !this.#waiting) return;
+    if (seen) claimContext(this.#tenant);
+    else offerContext(this.#tenant);
+  }
+
+  override play(): void {
+    if (this.#scene) claimContext(this.#tenant);
+    super.play();
   }
 
   /**
@@ -84,8 +122,10 @@ export class HgsPlayer extends PicturedPlayer {
 
   /** Empty the stage. */
   unload(): void {
+    this.#waiting?.reject(new DOMException("the scene has been taken away", "AbortError"));
+    this.#scene?.dispose();
+    leaveContext(this.#tenant);
     if (!this.#scene) return;
-    this.#scene.dispose();
     this.#scene = null;
     this.asked.time = null; // another scene begins at its own start
   }
@@ -171,6 +211,7 @@ export class HgsPlayer extends PicturedPlayer {
 
   protected async settled(): Promise<boolean> {
     const scene = this.#scene;
+    if (scene) claimContext(this.#tenant);
     await scene?.settled();
     return scene !== null;
   }
@@ -184,6 +225,7 @@ export class HgsPlayer extends PicturedPlayer {
     this.unload();
     this.asked.time = this.#beginning.time ?? this.asked.time;
     this.tell("loadstart", null);
+    while (!claimContext(this.#tenant)) await this.#place(); // so many others have one
     try {
       const open = typeof src === "string" ? openSource(src) : src;
       const { antialiased = null, memoryBudget } = this.#options;
@@ -193,11 +235,29 @@ export class HgsPlayer extends PicturedPlayer {
       this.#scene.player.quality = this.#quality;
       this.#scene.player.splatBudget = this.#splatBudget;
     } catch (error) {
+      leaveContext(this.#tenant);
       const message = error instanceof Error ? error.message : String(error);
       this.tell("error", { message, cause: message });
       throw error;
     }
     await this.#scene.settled();
+  }
+
+  /** Wait for a graphics context. */
+  #place(): Promise<void> {
+    const placed = new Promise<void>((resolve, reject) => {
+      this.#waiting = { resolve, reject };
+    });
+    return placed.finally(() => {
+      this.#waiting = null;
+    });
+  }
+
+  get #readiness(): Readiness {
+    const busy = this.#scene?.player.busy ?? true;
+    if (!this.#seen && this.paused) return busy ? Readiness.Loading : Readiness.OutOfSight;
+    if (busy) return Readiness.Never;
+    return this.paused ? Readiness.Standing : Readiness.Playing;
   }
 
   /** Play the scene's sound, too. */
@@ -226,6 +286,7 @@ export class HgsPlayer extends PicturedPlayer {
       if (scene.manifest?.audio) void this.#listen(scene);
     }
     if (type === "pause") this.asked.playing = false;
+    if (type === "viewchange" && this.#seen && scene) claimContext(this.#tenant);
     this.tell(type, detail);
   }
 }

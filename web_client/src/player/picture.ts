@@ -7,7 +7,6 @@ import type { CanvasRenderer } from "../renderer/canvas_renderer";
 import { type Fineness, LADDER } from "../renderer/quality";
 import type { Shot } from "../renderer/shot";
 import { FrameRate } from "./frame_rate";
-import type { OrderRequests } from "./order_requests";
 import { Stillness } from "./stillness";
 import { sameView } from "./view";
 
@@ -21,7 +20,7 @@ export class Picture {
 
   constructor(
     readonly renderer: CanvasRenderer,
-    readonly orders: OrderRequests,
+    readonly scene: { readonly pictured: boolean },
   ) {}
 
   /** Milliseconds from opening the page to the first picture; null before. */
@@ -67,7 +66,7 @@ export class Picture {
   /** Note a frame drawn at `now`, milliseconds, on the canvas or elsewhere. */
   countFrame(now: number): void {
     this.frames.count(now);
-    if (this.#first === null && this.orders.count > 0) this.#first = performance.now();
+    if (this.#first === null && this.scene.pictured) this.#first = performance.now();
   }
 
   #draw(shot: Shot, rung: number, now: number): boolean {

@@ -66,7 +66,7 @@ export abstract class PicturedPlayer extends played(Target) {
 
   #read(as: "canvas" | "float" | "finest"): Pixels {
     const pixels = this.screened?.player.readPixels(as);
-    if (!pixels) throw new Error("nothing has been drawn yet");
+    if (!pixels) throw new Error("there is no picture: nothing has been drawn yet, or the graphics context is away");
     return pixels;
   }
 }

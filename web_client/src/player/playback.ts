@@ -59,14 +59,19 @@ export class Playback {
     else this.source.pause(at);
   }
 
-  /** Advance to `now` (seconds of any steady clock) and return the scene's time. */
-  tick(now: number): number {
+  /**
+   * Advance to `now` (seconds of any steady clock) and return the scene's time. Until the scene is `pictured` the playhead
+   * waits: nobody should miss its beginning.
+   */
+  tick(now: number, pictured = true): number {
     const { clock, buffer } = this;
     const waiting = clock.stalled; // one that has begun to wait does so until it need not soon wait again
     const time = clock.tick(
       now,
       (moment) =>
-        buffer.playable(moment) && (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond(), this.#reserve)),
+        pictured &&
+        buffer.playable(moment) &&
+        (!waiting || buffer.lasts(moment, clock.rate, this.bytesPerSecond(), this.#reserve)),
     );
     if (this.moving) this.#reserve = AGAIN;
     this.source.playheadAt(time);

@@ -24,6 +24,10 @@ export class ScenePlayer {
   readonly #waiting: (() => void)[] = [];
   #splatBudget = Number.POSITIVE_INFINITY;
   #animation = 0; // 0 while no frame is asked for
+  #kept: HTMLCanvasElement | null = null; // the picture, while there is no context to draw it
+  #setAside = false;
+  #lostAt: number | null = null; // the bytes that had come when the browser said that it is offline
+  readonly #loadStart = performance.now();
   #driven = false;
 
   /** @throws Error if the browser has no WebGL2. */
@@ -46,10 +50,11 @@ export class ScenePlayer {
         failed: options.onError,
       },
     );
-    this.#picture = new Picture(this.renderer, this.#scene.orders);
+    this.#picture = new Picture(this.renderer, this.#scene);
     const { signal } = this.#abort;
     document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
-    addEventListener("online", () => this.#scene.wake(), { signal });
+    addEventListener("online", () => this.#line(true), { signal });
+    addEventListener("offline", () => this.#line(false), { signal });
     this.invalidate();
   }
 
@@ -69,7 +74,7 @@ export class ScenePlayer {
     const now = performance.now();
     const { frames, first } = this.#picture;
     return {
-      stream,
+      stream: bytes === this.#lostAt ? "retrying" : stream,
       bytes,
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#scene.lineRate(now),
@@ -87,8 +92,10 @@ export class ScenePlayer {
       orderAgeFrames: orders.ageInFrames,
       pictureTime: this.#scene.pictureTime,
       fineness: this.#picture.fineness,
-      contextLost: this.renderer.lost,
+      contextLost: this.renderer.lost && !this.renderer.given,
+      setAside: this.#setAside,
       firstFrame: first,
+      loadStart: this.#loadStart,
     };
   }
 
@@ -121,6 +128,38 @@ export class ScenePlayer {
     if (step?.shots.length) this.#picture.countFrame(now);
     this.#finish(step?.settled ?? false);
     return step;
+  }
+
+  /** Whether the context is needed: there is no picture yet, or somebody waits for one, or draws with it. */
+  get busy(): boolean {
+    return !this.#scene.pictured || this.#waiting.length > 0 || this.#driven;
+  }
+
+  /** Give the context back, keep the picture, and stand, until `wake`. */
+  rest(): void {
+    const view = this.#options.view();
+    if (view && this.#scene.pictured && !this.renderer.lost) {
+      this.#unkeep();
+      this.#kept = this.renderer.copy(this.#scene.shot(view));
+      this.#kept.style.cssText = `${this.#options.canvas.style.cssText}; object-fit: cover; pointer-events: none`;
+      this.#options.canvas.after(this.#kept);
+    }
+    if (this.playback?.clock.playing) {
+      this.playback.pause();
+      this.#setAside = true;
+    }
+    this.renderer.giveBack();
+    this.#scene.suspend();
+    this.invalidate();
+  }
+
+  /** Draw again, at the same time and from the same place; returns whether it played before it was made to stand. */
+  wake(): boolean {
+    const played = this.#setAside;
+    this.#setAside = false;
+    this.renderer.take();
+    this.invalidate();
+    return played;
   }
 
   get quality(): Quality {
@@ -158,7 +197,8 @@ export class ScenePlayer {
    */
   readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
     const view = this.#options.view();
-    if (!view || !this.#scene.orders.shown) return null;
+    if (this.#kept) return as === "float" ? null : pixelsOf(this.#kept);
+    if (!view || !this.#scene.orders.shown || this.renderer.lost) return null;
     const shot = this.#scene.shot(view);
     this.invalidate(); // the device's pace is taken from every picture
     if (as === "float") return this.renderer.readFloatPixels(shot);
@@ -175,8 +215,16 @@ export class ScenePlayer {
   dispose(): void {
     this.#abort.abort();
     cancelAnimationFrame(this.#animation);
+    this.#unkeep();
     this.#scene.dispose();
     this.renderer.dispose();
+  }
+
+  /** The browser has a line again, or none: it knows so long before a connection does. */
+  #line(there: boolean): void {
+    this.#lostAt = there ? null : this.#scene.bytes;
+    if (there) this.#scene.wake();
+    this.invalidate();
   }
 
   /** While the page was hidden the connection may have died. */
@@ -185,8 +233,14 @@ export class ScenePlayer {
     this.#scene.playback?.pageHidden(document.hidden);
   }
 
+  #unkeep(): void {
+    this.#kept?.remove();
+    this.#kept = null;
+  }
+
   #contextChanged(lost: boolean): void {
-    if (!lost) this.#scene.restore();
+    if (lost) this.#scene.suspend();
+    else this.#scene.restore();
     this.#picture.outdate();
     this.invalidate();
   }
@@ -208,7 +262,14 @@ export class ScenePlayer {
 
   /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */
   #finish(settled: boolean): void {
+    if (this.#kept && this.#scene.pictured && !this.renderer.lost) this.#unkeep();
     if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
     this.#options.onFrame();
   }
+}
+
+function pixelsOf(picture: HTMLCanvasElement): Pixels | null {
+  const { width, height } = picture;
+  const read = picture.getContext("2d")?.getImageData(0, 0, width, height);
+  return read ? { width, height, data: new Uint8Array(read.data.buffer) } : null;
 }

@@ -56,6 +56,10 @@ export interface PlayerStats {
   readonly fineness: Fineness;
   /** True while the browser has taken the graphics device away. */
   readonly contextLost: boolean;
+  /** True while the scene was made to stand because so many others of the page play. */
+  readonly setAside: boolean;
   /** Milliseconds from opening the page to the first picture; null before. */
   readonly firstFrame: number | null;
+  /** Milliseconds from opening the page until the scene began to be loaded. */
+  readonly loadStart: number;
 }

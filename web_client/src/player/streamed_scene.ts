@@ -34,6 +34,8 @@ export class StreamedScene {
   #state: SourceState = "connecting";
   #bytes = 0;
   #pictureTime = 0;
+  #pictured = false;
+  #suspended = false; // there is nothing to draw into
   #lastSight: Sight | null = null;
 
   constructor(options: SceneOptions, events: SceneEvents) {
@@ -110,6 +112,11 @@ export class StreamedScene {
     return this.#pictureTime;
   }
 
+  /** Whether a step has told what to draw, something or all that there is, since there is a sink that can. */
+  get pictured(): boolean {
+    return this.#pictured;
+  }
+
   /** Bytes per second at `now`, milliseconds. */
   lineRate(now: number): number {
     return this.#line.rate(now);
@@ -123,18 +130,20 @@ export class StreamedScene {
     const playback = this.#playback;
     if (!playback) return null;
     this.orders.frame(now);
-    playback.tick(now / 1000);
+    playback.tick(now / 1000, this.#pictured);
     this.#reside();
     const sight = sightOf(views);
     const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
     this.#lastSight = sight;
     const { splatBudget: budget } = this;
     const moment = nextMoment(playback, this.orders.shown, this.orders.lead / 1000);
-    if (!moment) return { shots: [], moving: false, settled: false };
+    if (!moment || this.#suspended) return { shots: [], moving: false, settled: false };
     const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
     this.orders.want(wanted);
     const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
-    return { shots, moving: playback.moving, settled: this.#settled(wanted) };
+    const settled = this.#settled(wanted);
+    this.#pictured ||= !this.#chunks.restoring && shots.length > 0 && (this.orders.count > 0 || settled);
+    return { shots, moving: playback.moving, settled };
   }
 
   /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
@@ -145,8 +154,15 @@ export class StreamedScene {
     return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
   }
 
+  /** The sink takes nothing until `restore`: nothing is ordered, and the playhead stands. */
+  suspend(): void {
+    this.#suspended = true;
+    this.#pictured = false;
+  }
+
   /** The sink has lost all that it was given, and takes it again. */
   restore(): void {
+    this.#suspended = this.#pictured = false;
     this.orders.forget();
     this.#chunks.restore();
   }

@@ -23,6 +23,10 @@ export class CanvasRenderer {
   /** sRGB behind the splats, in [0, 1]. */
   background: readonly [number, number, number] = [0, 0, 0];
   #lost = false;
+  /** While the context is lost it tells nothing, not even how to have it back. */
+  readonly #loss: WEBGL_lose_context | null;
+  #given = false; // the context was not taken, but given back
+  #wanted = true;
 
   /**
    * @param onContext called when the context is lost, and when it is back: then a new order must be set and the picture
@@ -49,35 +53,66 @@ export class CanvasRenderer {
         event.preventDefault(); // else it never comes back
         this.#lost = true;
         onContext(true);
+        setTimeout(() => this.#takeBack()); // not before the browser has heard of it
       },
       { signal },
     );
     canvas.addEventListener(
       "webglcontextrestored",
       () => {
-        this.#lost = false;
+        this.#lost = this.#given = false;
         this.splats.rebuild();
         this.#build();
         onContext(false);
+        if (!this.#wanted) this.giveBack();
       },
       { signal },
     );
+    this.#loss = gl.getExtension("WEBGL_lose_context");
     this.splats = new SplatDrawer(gl);
     this.#build();
   }
 
+  /** Whether there is no context, be it taken or given back. */
   get lost(): boolean {
-    return this.#lost;
+    return this.#lost || this.#gl.isContextLost();
+  }
+
+  /** Whether the context has been given back; another one is lost. */
+  get given(): boolean {
+    return this.#given;
+  }
+
+  /** Give the context back to the browser, until `take`. What it held is gone. */
+  giveBack(): void {
+    this.#wanted = false;
+    this.#given ||= !this.lost && this.#loss !== null;
+    if (!this.lost) this.#loss?.loseContext();
+  }
+
+  /** Have a context again, as soon as the browser gives one. */
+  take(): void {
+    this.#wanted = true;
+    this.#takeBack();
+  }
+
+  /** A copy of a picture, drawn as well as it can be. */
+  copy(shot: Shot): HTMLCanvasElement {
+    this.draw(shot, this.quality.resting);
+    const copy = document.createElement("canvas");
+    [copy.width, copy.height] = [this.canvas.width, this.canvas.height];
+    copy.getContext("2d")?.drawImage(this.canvas, 0, 0);
+    return copy;
   }
 
   /** Whether the last picture is still being drawn; the next one should wait. `now` in milliseconds. */
   busy(now: number): boolean {
-    return !this.#lost && this.#pace.busy(now);
+    return !this.lost && this.#pace.busy(now);
   }
 
   /** Draw to the canvas, whose backing store takes the camera's size; as finely as a rung of `LADDER` says. */
   draw(shot: Shot, rung: number): void {
-    if (this.#lost) return;
+    if (this.lost) return;
     const { width, height } = shot.camera;
     const drawn = this.#target.begin(width, height, LADDER[rung]);
     const smaller = drawn.width < width || drawn.height < height;
@@ -124,7 +159,7 @@ export class CanvasRenderer {
   depthAt(shot: Shot, x: number, y: number): number | null {
     const gl = this.#gl;
     const { width, height } = shot.camera;
-    if (this.#lost || !canDraw(gl, "RGBA16F")) return null;
+    if (this.lost || !canDraw(gl, "RGBA16F")) return null;
     const target = new PictureTarget(gl, width, height, "RGBA16F");
     const pixel = [x, height - 1 - y, 1, 1] as const;
     try {
@@ -144,10 +179,16 @@ export class CanvasRenderer {
   /** Give everything back to the browser. */
   dispose(): void {
     this.#listeners.abort();
-    this.#gl.getExtension("WEBGL_lose_context")?.loseContext();
+    this.#loss?.loseContext();
+  }
+
+  #takeBack(): void {
+    const gone = this.#listeners.signal.aborted;
+    if (this.#wanted && this.#given && this.#lost && !gone) this.#loss?.restoreContext();
   }
 
   #build(): void {
+    if (this.lost) return;
     this.#target = new CanvasTarget(this.#gl);
     this.#pace = new GpuPace(this.#gl, (duration, rung) => this.quality.measured(duration, rung));
   }

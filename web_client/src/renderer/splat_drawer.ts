@@ -32,6 +32,9 @@ const UNIFORMS = [
 /** Wider than anything that is drawn, pixels. */
 const LARGEST = 1e9;
 
+/** Rows that a texture can have on any device with WebGL2. */
+export const FEWEST_ROWS = 2048;
+
 /** Where a scene's decoded splats and their order go. */
 export interface SplatSink {
   /** Rows that a texture can have on this device. */
@@ -62,9 +65,10 @@ export class SplatDrawer implements SplatSink {
   readonly #dynamics = new SplatTexture("dynamic");
   readonly #fifth = new SplatTexture("dynamic", FIFTH_WIDTH);
   readonly #order = new OrderTexture();
-  #program!: Program<(typeof UNIFORMS)[number]>;
+  #program: Program<(typeof UNIFORMS)[number]> | undefined;
   #vertices!: WebGLVertexArrayObject; // without attributes: the shader reads the textures
   #dynamicRows = 0;
+  #mostRows = FEWEST_ROWS;
   #count = 0;
 
   constructor(
@@ -75,7 +79,7 @@ export class SplatDrawer implements SplatSink {
   }
 
   get mostRows(): number {
-    return this.gl.getParameter(this.gl.MAX_TEXTURE_SIZE) as number;
+    return this.#mostRows;
   }
 
   /** What the splats and their order take on the device, bytes. */
@@ -118,15 +122,18 @@ export class SplatDrawer implements SplatSink {
   /** Make everything anew in a context that was lost and has come back; then the splats and an order must be set again. */
   rebuild(): void {
     const { gl, surroundings } = this;
+    if (gl.isContextLost()) return; // lost before it could be used: this is called again when it is back
+    this.#mostRows = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     const vertices = vertexShader(surroundings?.declarations, surroundings?.statements);
     this.#program = new Program(gl, vertices, FRAGMENT_SHADER, UNIFORMS);
     surroundings?.linked(gl, this.#program.handle);
     this.#vertices = gl.createVertexArray();
     this.#order.forget();
     this.#count = 0;
-    this.#statics.create(gl);
-    this.#dynamics.create(gl);
-    this.#fifth.create(gl);
+    for (const texture of [this.#statics, this.#dynamics, this.#fifth]) {
+      texture.forget();
+      texture.create(gl);
+    }
   }
 
   /**
@@ -139,7 +146,7 @@ export class SplatDrawer implements SplatSink {
     origin: readonly [number, number] = [0, 0],
     paint: "colour" | "depth" = "colour",
   ): void {
-    if (this.#count === 0) return;
+    if (this.#count === 0 || !this.#program) return;
     const { gl } = this;
     const u = this.#program.uniforms;
     gl.viewport(...origin, camera.width, camera.height);
@@ -180,7 +187,7 @@ export class SplatDrawer implements SplatSink {
   /** Delete what was made in the context; the context itself stays. */
   dispose(): void {
     const { gl } = this;
-    this.#program.dispose();
+    this.#program?.dispose();
     gl.deleteVertexArray(this.#vertices);
     for (const texture of [this.#statics, this.#dynamics, this.#fifth, this.#order]) texture.dispose(gl);
     this.#count = 0;

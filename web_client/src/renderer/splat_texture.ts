@@ -22,12 +22,12 @@ export class SplatTexture {
     return this.#texture ? 16 * this.width * this.#rows : 0;
   }
 
-  /** Make room for `rows` rows, empty. */
+  /**
+   * Make room for `rows` rows, empty.
+   *
+   * @throws Error if the device holds no such texture; of a lost context, once it is back.
+   */
   allocate(gl: WebGL2RenderingContext, rows: number): void {
-    const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
-    if (rows > most) {
-      throw new Error(`this device holds ${most} rows of ${this.what} splats, and the scene has ${rows}`);
-    }
     this.#rows = Math.max(1, rows);
     this.#filled = false;
     this.create(gl);
@@ -50,12 +50,22 @@ export class SplatTexture {
 
   /** Create the texture, empty. */
   create(gl: WebGL2RenderingContext): void {
+    if (gl.isContextLost()) return; // it knows nothing; all is made anew when it is back
+    const most = gl.getParameter(gl.MAX_TEXTURE_SIZE) as number;
+    if (this.#rows > most) {
+      throw new Error(`this device holds ${most} rows of ${this.what} splats, and the scene has ${this.#rows}`);
+    }
     gl.deleteTexture(this.#texture);
     this.#texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
     gl.texStorage2D(gl.TEXTURE_2D, 1, gl.RGBA32F, this.width, this.#rows);
+  }
+
+  /** Forget the texture of a lost context. */
+  forget(): void {
+    this.#texture = null;
   }
 
   bind(gl: WebGL2RenderingContext, unit: number): void {

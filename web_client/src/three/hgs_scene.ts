@@ -188,7 +188,7 @@ export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
     const clock = this.playback?.clock;
     if (!clock) return;
     this.#sound.framed();
-    for (const type of this.#progress.since(clock, this.#scene.orders.count > 0, performance.now())) {
+    for (const type of this.#progress.since(clock, this.#scene.pictured, performance.now())) {
       if (type === "pause") this.asked.playing = false;
       this.tell(type, null);
     }

@@ -3,7 +3,7 @@
 import type { WebGLRenderer } from "three";
 import type { Viewport } from "../camera/projection";
 import type { Shot } from "../renderer/shot";
-import { SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
+import { FEWEST_ROWS, SplatDrawer, type SplatSink } from "../renderer/splat_drawer";
 import { type HostSurface, HostSurroundings } from "./host_surface";
 import { keepBindings, keepUnpacking } from "./kept_state";
 import { LinearLight } from "./linear_light";
@@ -93,7 +93,7 @@ export class HostedSplats {
 /** Rows that a texture can have on this device, before the host's renderer is known. */
 function mostRowsHere(): number {
   const gl = new OffscreenCanvas(1, 1).getContext("webgl2");
-  const rows = gl?.getParameter(gl.MAX_TEXTURE_SIZE) ?? 0;
+  const rows = gl?.getParameter(gl.MAX_TEXTURE_SIZE) ?? FEWEST_ROWS;
   gl?.getExtension("WEBGL_lose_context")?.loseContext();
   return rows;
 }

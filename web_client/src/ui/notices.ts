@@ -9,12 +9,13 @@ import { CLOSE } from "./icons";
 const PATIENCE = 5000;
 
 /** What goes on: no picture yet, the picture lost, the connection lost, waiting for data; or nothing to speak of. */
-export type NoticeKind = "loading" | "lost" | "retrying" | "stalled" | "none";
+export type NoticeKind = "loading" | "lost" | "aside" | "retrying" | "stalled" | "none";
 
 /** What there is to say about a player that waits for data if `stalled`. */
 export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
   if (stats.contextLost) return "lost";
   if (stats.firstFrame === null) return "loading";
+  if (stats.setAside) return "aside";
   if (stats.complete) return "none"; // the server is not needed any more
   if (stats.stream === "retrying" || stats.stream === "connecting") return "retrying";
   return stalled ? "stalled" : "none";
@@ -30,6 +31,8 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
       return stats.bytesTotal === 0 ? "Connecting…" : `Loading ${share}`;
     case "lost":
       return "The graphics card was reset. One moment…";
+    case "aside":
+      return "Press to play: many others do.";
     case "retrying":
       return retrying;
     case "stalled":

@@ -7,6 +7,7 @@ export function pauseOutOfSight(host: HTMLElement, player: HgsPlayer): void {
   let resumes = false; // only what was paused here
   const observer = new IntersectionObserver((entries) => {
     const seen = entries.at(-1)?.isIntersecting ?? true;
+    if (seen) player.seen = true; // it draws again before it plays on
     if (!seen && !player.paused) {
       player.pause();
       resumes = true;
@@ -14,6 +15,7 @@ export function pauseOutOfSight(host: HTMLElement, player: HgsPlayer): void {
       resumes = false;
       player.play();
     }
+    if (!seen) player.seen = false; // it has come to stand
   });
   observer.observe(host);
   player.disposed.addEventListener("abort", () => observer.disconnect());

@@ -1,12 +1,22 @@
-/** Style sheets of players, each made once for all of a page; they hold inside the players' shadow roots only. */
+/** Style sheets of players, each made once for all of a document; they hold inside the players' shadow roots only. */
 
-const sheets = new Map<string, CSSStyleSheet>();
+const sheets = new WeakMap<Document, Map<string, CSSStyleSheet>>();
+const worn = new WeakMap<ShadowRoot, Set<string>>();
 
 export function adoptStyle(shadow: ShadowRoot, css: string): void {
-  const sheet = sheets.get(css) ?? new CSSStyleSheet();
-  if (!sheets.has(css)) {
-    sheet.replaceSync(css);
-    sheets.set(css, sheet);
-  }
+  worn.set(shadow, (worn.get(shadow) ?? new Set()).add(css));
+  const { ownerDocument } = shadow;
+  const page = ownerDocument.defaultView;
+  if (!page) return; // of a document that nobody sees
+  const made = sheets.get(ownerDocument) ?? new Map<string, CSSStyleSheet>();
+  sheets.set(ownerDocument, made);
+  const sheet = made.get(css) ?? new page.CSSStyleSheet();
+  if (!made.has(css)) sheet.replaceSync(css);
+  made.set(css, sheet);
   if (!shadow.adoptedStyleSheets.includes(sheet)) shadow.adoptedStyleSheets.push(sheet);
+}
+
+/** Adopt the styles of a shadow root once more: in another document it has lost them. */
+export function adoptStylesAgain(shadow: ShadowRoot): void {
+  for (const css of worn.get(shadow) ?? []) adoptStyle(shadow, css);
 }

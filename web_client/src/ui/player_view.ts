@@ -1,30 +1,23 @@
 /** A player with its controls, inside one element of a page: nothing of it reaches the page, and nothing of the page reaches it. */
 
 import { listenForGestures } from "../camera/gestures";
-import type { Manifest } from "../codec/types";
 import { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
-import { element, icon } from "./element";
+import { element } from "./element";
 import { toggleFullscreen } from "./full_screen";
-import { offerHeadset } from "./headset_offer";
-import { BACK, FULLSCREEN, SETTINGS } from "./icons";
-import { IdleHiding } from "./idle_hiding";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
 import { LatePart } from "./late_part";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";
+import type { PlayerControls } from "./player_controls";
 import { adoptStyle } from "./player_style";
 import type { PlayerViewOptions } from "./player_view_options";
 import { togglePlaying } from "./playing";
 import { steering } from "./steering";
-import { Transport } from "./transport";
 
 const LABEL = "Scene; drag to turn, click to play or pause, press ? for all keys";
-
-const button = (label: string, path: string, onclick: () => void) =>
-  element("button", { type: "button", class: "round", title: label, "aria-label": label, onclick }, icon(path));
 
 export class PlayerView {
   readonly player: HgsPlayer;
@@ -33,17 +26,22 @@ export class PlayerView {
   readonly #options: PlayerViewOptions;
   readonly #host: HTMLElement;
   readonly #stage = element("div", { class: "stage", role: "img", tabindex: 0, "aria-label": LABEL });
-  readonly #poster = element("img", { class: "poster", alt: "", hidden: true });
+  readonly #poster: HTMLImageElement = element("img", {
+    class: "poster",
+    alt: "",
+    hidden: true,
+    onload: () =>
+      this.#poster.style.setProperty("--shape", `${this.#poster.naturalWidth / this.#poster.naturalHeight}`),
+  });
   readonly #controls = element("div", { class: "controls" });
   readonly #title: HTMLElement;
   readonly #notices: Notices;
   readonly #commands: LatePart<Commands>;
+  readonly #bars: LatePart<PlayerControls>;
   readonly #panels = element("div"); // that commands open
-  readonly #headset: HTMLElement;
-  readonly #settings = button("Settings", SETTINGS, () => this.#commands.use((all) => all.toggleSettings()));
+  readonly #settings = element("button", { "aria-expanded": "false" });
   readonly #keys: EventTarget;
   readonly #bookmarks: Bookmarks;
-  #transport: Transport | null = null;
 
   /** @param host gets a shadow root, unless it has an open one that is empty. */
   constructor(host: HTMLElement, options: PlayerViewOptions = {}) {
@@ -64,15 +62,18 @@ export class PlayerView {
       (message) => this.fail(message),
       signal,
     );
-    this.#settings.setAttribute("aria-expanded", "false");
-    this.controls = options.controls ?? true;
+    this.#bars = new LatePart(
+      () => this.#loadControls(),
+      (message) => this.fail(message),
+      signal,
+    );
     this.poster = options.poster ?? null;
     this.root.classList.toggle("whole-page", page !== undefined);
     this.root.append(this.#stage, this.#poster, this.#notices.node, this.#controls);
     const shadow = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     adoptStyle(shadow, css);
-    this.#headset = offerHeadset(this.player, shadow);
     shadow.replaceChildren(this.root);
+    this.controls = options.controls ?? true;
     this.#follow();
     if (!exact) this.#obey();
   }
@@ -84,11 +85,14 @@ export class PlayerView {
 
   set controls(shown: boolean) {
     this.#controls.hidden = !shown || (this.#options.exact ?? false);
+    if (!this.#controls.hidden) this.#bars.use((bars) => this.#showControls(bars));
   }
 
   /** Address of the picture to show while the scene has none. */
   set poster(address: string | null) {
-    if (address) this.#poster.src = address;
+    // A page may have painted it on the host, before there was a player.
+    const painted = getComputedStyle(this.#host).backgroundImage.includes("url(");
+    if (address && !painted) this.#poster.src = address;
     else this.#poster.removeAttribute("src");
     this.#showPoster();
   }
@@ -121,14 +125,21 @@ export class PlayerView {
     player.addEventListener(
       "loadstart",
       () => {
-        this.#transport = null;
-        this.#controls.replaceChildren();
+        this.#bars.here?.clear();
+        this.root.classList.add("blank");
         this.#showPoster();
         notices.begin();
       },
       listen,
     );
-    player.addEventListener("manifest", ({ detail }) => this.#showControls(detail), listen);
+    player.addEventListener(
+      "manifest",
+      ({ detail }) => {
+        if (detail.title) this.#title.textContent = detail.title;
+        if (this.#bars.here) this.#showControls(this.#bars.here);
+      },
+      listen,
+    );
     player.addEventListener("firstpicture", () => this.#showPoster(), listen);
     player.addEventListener(
       "frame",
@@ -136,8 +147,8 @@ export class PlayerView {
         const stats = player.statistics;
         if (!stats) return;
         notices.update(stats, player.stalled);
-        this.root.classList.toggle("lost", stats.contextLost);
-        this.#transport?.update();
+        this.root.classList.toggle("blank", stats.contextLost || stats.firstFrame === null);
+        this.#bars.here?.update();
       },
       listen,
     );
@@ -158,32 +169,25 @@ export class PlayerView {
     this.#poster.hidden = pictured || !this.#poster.hasAttribute("src");
   }
 
-  #showControls(manifest: Manifest): void {
-    const { page } = this.#options;
-    const { player } = this;
-    if (manifest.title) this.#title.textContent = manifest.title;
-    this.#transport = new Transport(player, this.#bookmarks);
-    const bar = element(
-      "header",
-      { class: "top-bar" },
-      page
-        ? element("a", { class: "round", title: "All scenes", "aria-label": "All scenes", href: page.home }, icon(BACK))
-        : null,
-      this.#title,
-      this.#headset,
-      this.#settings,
-      // Where the browser has it at all: on a phone of Apple only videos can fill the screen.
-      "requestFullscreen" in this.#host ? button("Full screen (F)", FULLSCREEN, () => this.toggleFullscreen()) : null,
-    );
-    this.#controls.replaceChildren(bar, this.#panels, this.#transport.node);
-    this.#transport.timeline.mark();
-    if (manifest.audio) void this.#showSound(this.#transport);
+  #showControls(bars: PlayerControls): void {
+    const { manifest } = this.player;
+    if (manifest) bars.show(manifest);
   }
 
-  /** A player that cannot load the controls is as it was; the scene's sound fails in the same way, and says so. */
-  async #showSound({ node }: Transport): Promise<void> {
-    const controls = await import("./sound_controls").catch(() => null);
-    controls?.addSoundControls(this.player, node);
+  async #loadControls(): Promise<PlayerControls> {
+    const { PlayerControls } = await import("./player_controls"); // the first picture needs none
+    return new PlayerControls(this.player, {
+      bookmarks: this.#bookmarks,
+      root: this.root,
+      place: this.#controls,
+      title: this.#title,
+      settings: this.#settings,
+      panels: this.#panels,
+      keys: this.#keys,
+      home: this.#options.page?.home ?? null,
+      toggleSettings: () => this.#commands.use((all) => all.toggleSettings()),
+      toggleFullscreen: "requestFullscreen" in this.#host ? () => this.toggleFullscreen() : null,
+    });
   }
 
   async #loadCommands(): Promise<Commands> {
@@ -200,7 +204,7 @@ export class PlayerView {
       crop: page?.crop,
       toggleFullscreen: () => this.toggleFullscreen(),
       fail: (text) => this.fail(text),
-      marked: () => this.#transport?.timeline.mark(),
+      marked: () => this.#bars.here?.mark(),
     });
   }
 
@@ -227,10 +231,9 @@ export class PlayerView {
       commands.use((all) => all.press(event));
     };
     const ignores = (event: KeyboardEvent, control: EventTarget) =>
-      this.#transport === null ||
+      player.manifest === null ||
       control instanceof HTMLSelectElement ||
       ([" ", "Enter"].includes(event.key) && control instanceof HTMLButtonElement); // which it presses
     listenForKeys(this.#keys, heard, ignores, signal);
-    new IdleHiding(root, this.#keys, () => !player.paused, signal);
   }
 }

@@ -17,6 +17,9 @@ const STREAM_NAMES = {
   closed: "closed",
 };
 
+/** For a figure that means nothing now. */
+const NOTHING = "–";
+
 type Figures = Readonly<Record<string, string>>;
 
 /** The picture's size, in its own pixels, and how finely it is to be drawn. */
@@ -26,16 +29,17 @@ type ShownPicture = Pick<HgsPlayer, "width" | "height" | "quality">;
 export function figuresOf(stats: PlayerStats, { width, height, quality }: ShownPicture): Figures {
   const { framesPerSecond: rate, framesDrawn: drawn, framesDropped: dropped, fineness } = stats;
   const { scale, float } = fineness;
+  const first = stats.firstFrame === null ? null : stats.firstFrame - stats.loadStart;
   return {
     "Frames/s": rate > 0 ? rate.toFixed(rate < 1 ? 2 : 1) : "at rest",
-    "Dropped frames": `${dropped} of ${drawn + dropped}`,
-    "Order age": `${stats.orderAge.toFixed(0)} ms`,
-    "Sort time": `${stats.sortTime.toFixed(1)} ms`,
+    "Dropped frames": drawn + dropped > 0 ? `${dropped} of ${drawn + dropped}` : NOTHING,
+    "Order age": rate > 0 ? `${stats.orderAge.toFixed(0)} ms` : NOTHING,
+    "Sort time": stats.splats > 0 ? `${stats.sortTime.toFixed(1)} ms` : NOTHING,
     "Splats drawn": formatCount(stats.splats),
     "of them moving": formatCount(stats.dynamicSplats),
     Received: `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`,
-    "Line rate": formatBitRate(stats.lineRate),
-    "First picture": stats.firstFrame === null ? "–" : `${(stats.firstFrame / 1000).toFixed(2)} s`,
+    "Line rate": stats.lineRate > 0 ? formatBitRate(stats.lineRate) : NOTHING,
+    "First picture": first === null ? NOTHING : `${(first / 1000).toFixed(2)} s`,
     Picture: `${width} × ${height}`,
     Quality: quality === "auto" ? "auto" : `always ${quality}`,
     "Drawn at": `${Math.round(width * scale)} × ${Math.round(height * scale)}, ${float ? "half floats" : "8 bits"}`,

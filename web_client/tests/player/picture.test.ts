@@ -1,5 +1,4 @@
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { OrderRequests } from "../../src/player/order_requests";
 import { Picture } from "../../src/player/picture";
 import type { CanvasRenderer } from "../../src/renderer/canvas_renderer";
 import type { Shot } from "../../src/renderer/shot";
@@ -33,8 +32,7 @@ beforeEach(() => {
       return device.lost;
     },
   };
-  const orders = { count: 1 };
-  picture = new Picture(renderer as unknown as CanvasRenderer, orders as unknown as OrderRequests);
+  picture = new Picture(renderer as unknown as CanvasRenderer, { pictured: true });
 });
 
 describe("Picture", () => {

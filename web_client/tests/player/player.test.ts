@@ -70,11 +70,13 @@ it("gives whoever drives something to draw at every frame, however busy the devi
   player.drive(true);
   const shots = [];
   for (let i = 0; i < 10; i++) {
+    const asked = WorkerDouble.last.orders.length;
     shots.push(player.step(16 * i, [view, view])?.shots ?? []);
-    WorkerDouble.last.order();
+    if (WorkerDouble.last.orders.length > asked) WorkerDouble.last.order();
   }
   expect(shots.map((both) => both.length)).toEqual([0, ...Array(9).fill(2)]);
-  expect(new Set(shots.slice(1).map(([left]) => left.time)).size).toBe(9);
+  // The first picture stands until there is an order for a playhead that moves.
+  expect(new Set(shots.slice(1).map(([left]) => left.time)).size).toBe(8);
   expect(player.stats.framesDrawn).toBe(9);
 });
 

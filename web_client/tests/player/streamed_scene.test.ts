@@ -145,14 +145,39 @@ describe("a scene that plays", () => {
   it("stays in the segment of the order until the next one's order has come", () => {
     begin();
     scene.playback?.seek(0.99);
-    scene.playback?.play();
     scene.step(0, [view(0)]);
     answer();
-    const late = scene.step(40, [view(0)]);
-    expect(scene.playback?.clock.time).toBeCloseTo(1.03);
+    scene.step(0, [view(0)]);
+    scene.playback?.play();
+    for (const now of [0, 5]) scene.step(now, [view(0)]);
+    answer();
+    const late = scene.step(45, [view(0)]);
+    expect(scene.playback?.clock.time).toBeCloseTo(1.035);
     expect(late?.shots[0].time).toBe(1);
     answer();
-    expect(scene.step(41, [view(0)])?.shots[0].time).toBeLessThan(0.05);
+    expect(scene.step(46, [view(0)])?.shots[0].time).toBeLessThan(0.05);
+  });
+
+  it("stands where it begins until the first picture is drawn, however late that is", () => {
+    begin();
+    scene.playback?.seek(0.5);
+    scene.playback?.play();
+    for (const now of [0, 100, 200, 300]) scene.step(now, [view(0)]);
+    expect([scene.playback?.clock.time, scene.playback?.moving, scene.pictured]).toEqual([0.5, false, false]);
+    answer();
+    const first = scene.step(400, [view(0)]);
+    expect([first?.shots[0].time, scene.playback?.clock.time, scene.pictured]).toEqual([0.5, 0.5, true]);
+    scene.step(416, [view(0)]);
+    expect(scene.playback?.clock.time).toBeCloseTo(0.516);
+  });
+
+  it("goes on although there is nothing to draw, once all that is alive is known to be nothing", () => {
+    begin();
+    scene.playback?.play();
+    scene.step(0, [view(0)]);
+    WorkerDouble.last.order(0);
+    for (const now of [16, 32]) scene.step(now, [view(0)]);
+    expect(scene.playback?.moving).toBe(true);
   });
 
   it("orders the very moment when it stands", () => {
@@ -287,6 +312,7 @@ describe("a scene that grows", () => {
     scene.playback?.play();
     scene.playback?.seek(border);
     scene.step(0, [view(0)]);
+    answer();
     scene.step(100, [view(0)]);
     expect([scene.playback?.atEdge, scene.playback?.clock.stalled]).toEqual([true, true]);
     source.grown(parseManifest(WHOLE));

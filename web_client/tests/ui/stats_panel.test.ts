@@ -22,6 +22,20 @@ it("tells how old the order is, how long it took, what was dropped and how fast 
   expect(figure("Line rate", {})).toBe("2.0 Mbit/s");
 });
 
+it.each([
+  ["Order age", { framesPerSecond: 0, orderAge: 6683 }],
+  ["Line rate", { lineRate: 0 }],
+  ["Sort time", { splats: 0, sortTime: 0 }],
+  ["Dropped frames", { framesDrawn: 0, framesDropped: 0 }],
+  ["First picture", { firstFrame: null }],
+])("writes no figure for %s where it means nothing", (name, fields) => {
+  expect(figure(name, fields)).toBe("–");
+});
+
+it("counts the first picture from when its scene began to be loaded", () => {
+  expect(figure("First picture", { firstFrame: 33_500, loadStart: 32_700 })).toBe("0.80 s");
+});
+
 it("calls the stream of a complete scene complete, and no other", () => {
   expect(figure("Stream", { complete: true, stream: "closed" })).toBe("complete");
   expect(figure("Stream", { stream: "closed" })).toBe("closed");

@@ -9,7 +9,7 @@ async function started(origin: string): Promise<{ addresses: string[]; blobs: Bl
   vi.resetModules();
   const addresses: string[] = [];
   const blobs: Blob[] = [];
-  vi.stubGlobal("location", { origin });
+  vi.stubGlobal("origin", origin);
   vi.stubGlobal("Worker", function start(address: string | URL) {
     addresses.push(String(address));
   });
@@ -22,6 +22,21 @@ async function started(origin: string): Promise<{ addresses: string[]; blobs: Bl
 
 it("starts the script itself on a page of its origin", async () => {
   expect((await started("https://cdn.example")).addresses[0]).toBe("https://cdn.example/hgs/worker.js");
+});
+
+it("starts what its policy trusts where a page asks for that, and makes one policy for all players", async () => {
+  const createPolicy = vi.fn((_: string, rules: { createScriptURL(url: string): string }) => ({
+    createScriptURL: (url: string) => `trusted ${rules.createScriptURL(url)}`,
+  }));
+  vi.stubGlobal("trustedTypes", { createPolicy });
+  const { addresses } = await started("https://cdn.example");
+  expect(addresses[1]).toBe("trusted https://cdn.example/hgs/worker.js");
+  expect(createPolicy.mock.calls.map(([name]) => name)).toEqual(["hgs-player"]);
+});
+
+it("starts a script of the page that imports it in a frame without an origin", async () => {
+  const script = 'import "https://cdn.example/hgs/worker.js";';
+  expect((await started("null")).addresses[0]).toBe(`data:text/javascript,${encodeURIComponent(script)}`);
 });
 
 it("starts a script of the page that imports it elsewhere, the same for all players", async () => {

@@ -1,0 +1,104 @@
+/** The bars over a player's picture: title and buttons above, play, timeline and time below. Loaded where controls are shown. */
+
+import type { Manifest } from "../codec/types";
+import type { HgsPlayer } from "../player/hgs_player";
+import type { Bookmarks } from "./bookmarks";
+import { element, icon } from "./element";
+import { offerHeadset } from "./headset_offer";
+import { BACK, FULLSCREEN, SETTINGS } from "./icons";
+import { IdleHiding } from "./idle_hiding";
+import css from "./player_controls.css?inline";
+import { adoptStyle } from "./player_style";
+import { Transport } from "./transport";
+
+/** What the bars are part of. */
+export interface ControlledView {
+  readonly bookmarks: Bookmarks;
+  /** All of the player, in its shadow root. */
+  readonly root: HTMLElement;
+  /** Where the bars go. */
+  readonly place: HTMLElement;
+  readonly title: HTMLElement;
+  /** Opens the settings, and tells whether they are open. */
+  readonly settings: HTMLElement;
+  /** What commands open, between the bars. */
+  readonly panels: HTMLElement;
+  /** Where the player's keys are heard. */
+  readonly keys: EventTarget;
+  /** Address of the page that leads to other scenes; null if there is none. */
+  readonly home: string | null;
+  toggleSettings(): void;
+  /** Null where the browser cannot fill the screen with an element: on a phone of Apple only videos can. */
+  readonly toggleFullscreen: (() => void) | null;
+}
+
+export class PlayerControls {
+  readonly #headset: HTMLElement;
+  #transport: Transport | null = null;
+
+  constructor(
+    readonly player: HgsPlayer,
+    readonly view: ControlledView,
+  ) {
+    const { root, settings, keys, toggleSettings } = view;
+    const shadow = root.getRootNode() as ShadowRoot;
+    adoptStyle(shadow, css);
+    this.#headset = offerHeadset(player, shadow);
+    dress(settings, "Settings", SETTINGS);
+    settings.addEventListener("click", toggleSettings);
+    new IdleHiding(root, keys, () => !player.paused, player.disposed);
+  }
+
+  /** Begin with the scene that the player has now. */
+  show(manifest: Manifest): void {
+    const { player, view } = this;
+    const { home, toggleFullscreen } = view;
+    const transport = new Transport(player, view.bookmarks);
+    this.#transport = transport;
+    const bar = element(
+      "header",
+      { class: "top-bar" },
+      home === null ? null : dress(element("a", { href: home }), "All scenes", BACK),
+      view.title,
+      this.#headset,
+      view.settings,
+      toggleFullscreen && dress(element("button", { onclick: toggleFullscreen }), "Full screen (F)", FULLSCREEN),
+    );
+    view.place.replaceChildren(bar, view.panels, transport.node);
+    transport.timeline.mark();
+    transport.update();
+    if (manifest.audio) void this.#showSound(transport);
+  }
+
+  /** Show the player's state; called at every frame of the player. */
+  update(): void {
+    this.#transport?.update();
+  }
+
+  /** Show the bookmarks and the repeated stretch. */
+  mark(): void {
+    this.#transport?.timeline.mark();
+  }
+
+  /** There is no scene any more. */
+  clear(): void {
+    this.#transport = null;
+    this.view.place.replaceChildren();
+  }
+
+  /** A player that cannot load the controls is as it was; the scene's sound fails in the same way, and says so. */
+  async #showSound({ node }: Transport): Promise<void> {
+    const controls = await import("./sound_controls").catch(() => null);
+    controls?.addSoundControls(this.player, node);
+  }
+}
+
+/** Make a button or a link a round one with an icon. */
+function dress(round: HTMLElement, label: string, path: string): HTMLElement {
+  if (round instanceof HTMLButtonElement) round.type = "button";
+  round.className = "round";
+  round.title = label;
+  round.setAttribute("aria-label", label);
+  round.append(icon(path));
+  return round;
+}
