@@ -90,7 +90,8 @@ def _refuse_aligned(path: Path, capture: Capture) -> None:
     for index, camera in enumerate(capture.cameras):
         for frame in (0, last):
             late = capture.moment(index, frame) - float(capture.times[frame])
-            if capture.number(index, frame) != frame or abs(late) > _SAME_MOMENT:
+            # A frame that is missing later on is no other beginning.
+            if capture.number(index, 0) != 0 or abs(late) > _SAME_MOMENT:
                 problem = f"the time stamps of camera {camera.name} already say when it began"
                 cure = "remove them (docs/captures.md) to have the offsets found again"
                 raise InputError(path, problem, cure)

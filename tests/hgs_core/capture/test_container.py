@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import ast
 import io
+import os
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 from typing import cast
 
@@ -42,6 +44,14 @@ OTHERS = {
     "zeros": bytes(10_000),
 }
 PIXELS = {"mjpeg": "yuvj420p"}
+
+
+@pytest.fixture(autouse=True)
+def usual_scheduling() -> Iterator[None]:
+    """Take back what SVT-AV1 does where it may: it makes the process that encodes, and all it starts, real-time."""
+    yield
+    if hasattr(os, "sched_setscheduler"):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 @pytest.mark.parametrize("name", [*LISTS, *OTHERS])

@@ -175,7 +175,9 @@ export async function submitJob(submission: Submission, onWait: () => void = () 
     onWait();
     const { id } = (await answer.json()) as { id: string };
     await new Promise((resolve) => setTimeout(resolve, POLL_MS));
-    answer = await request(siteUrl(`v1/submissions/${encodeURIComponent(id)}`), { headers: { Accept: "application/json" } });
+    answer = await request(siteUrl(`v1/submissions/${encodeURIComponent(id)}`), {
+      headers: { Accept: "application/json" },
+    });
   }
   return (await answer.json()) as Job;
 }
