@@ -18,7 +18,7 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Decibels", "Loss"]
 
-LOSS_VIEWS = 12  # in which the loss is measured, or half as many in each of several groups of cameras
+LOSS_VIEWS = 12  # in which the loss is measured, in each of several groups of cameras
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
@@ -59,12 +59,11 @@ class Loss:
         """
         self._cameras, self._times, self._moment = cameras, views.times, views.moment
         groups = [[i for i in group if i in cameras] for group in views.groups] or [sorted(cameras)]
-        count = LOSS_VIEWS if len(groups) == 1 else LOSS_VIEWS // 2
-        self._groups = [slice(number * count, (number + 1) * count) for number in range(len(groups))]
+        self._groups = [slice(number * LOSS_VIEWS, (number + 1) * LOSS_VIEWS) for number in range(len(groups))]
         self._views = [
-            (indices[i * len(indices) // count], int(i * GOLDEN_RATIO % 1 * len(views.times)))
+            (indices[i * len(indices) // LOSS_VIEWS], int(i * GOLDEN_RATIO % 1 * len(views.times)))
             for indices in groups
-            for i in range(count)
+            for i in range(LOSS_VIEWS)
         ]
         self._backgrounds = (0.0, 1.0) if views.any_background else (0.0,)
         own = self._pictures(scene)

@@ -34,6 +34,8 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["ImportedRun", "import_run"]
 
+CLEARLY = 0.3  # dB by which pictures must be nearer, as files that say nothing are mostly not drawn antialiased
+
 
 @dataclass(frozen=True)
 class ImportedRun:
@@ -119,12 +121,13 @@ def import_run(
 
 
 def _as_photographed(imported: Imported, capture: Path, config: RunConfig) -> Imported:
-    """Return the scene drawn antialiased or not, whichever is nearer to the pictures of a capture."""
+    """Return the scene drawn antialiased, if the pictures of a capture are clearly nearer so, or else not."""
     scene = imported.scene
     errors = photographed_errors(scene, open_capture(capture), config)
-    nearer = errors[True] < errors[False]
+    with_it, without = (float(-10 * np.log10(errors[drawn] + 1e-12)) for drawn in (True, False))
+    nearer = with_it > without + CLEARLY
     names = ("with antialiasing", "without antialiasing")[:: 1 if nearer else -1]
-    decibels = [f"{-10 * np.log10(errors[drawn] + 1e-12):.1f} dB" for drawn in (nearer, not nearer)]
+    decibels = [f"{value:.1f} dB" for value in ((with_it, without) if nearer else (without, with_it))]
     reason = f"the capture's pictures are {decibels[0]} from it so, and {decibels[1]} {names[1]}"
     changes = [change for change in imported.changes if change != UNTOLD]
     changes.append(Change.whole(Action.ASSUMED, f"drawing {names[0]}", reason))

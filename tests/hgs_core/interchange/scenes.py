@@ -78,7 +78,8 @@ def export(scene: HybridScene[np.ndarray], path: Path, **more: object) -> tuple[
 def gaussian_ply_of(splats: StaticSplats[np.ndarray], **more: np.ndarray) -> bytes:
     """A 3DGS file with the splats' own logits, infinite ones too, and further properties; not drawn antialiased."""
     names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity"]
-    dc = (splats.rgb - 0.5) / 0.28209479
+    with np.errstate(over="ignore"):
+        dc = (splats.rgb - 0.5) / 0.28209479
     table = np.concatenate([splats.means, splats.log_scales, splats.quats, splats.opacity_logits[:, None], dc], axis=1)
     columns = dict(zip([*names, "f_dc_0", "f_dc_1", "f_dc_2"], table.T, strict=True)) | more
     return write_ply(columns, [note_of(False)])

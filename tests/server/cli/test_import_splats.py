@@ -104,10 +104,10 @@ def test_splats_that_were_trained_antialiased_are_drawn_so(splats: Path, tmp_pat
     assert load_manifest(out / "scene").antialiased is True
 
 
-def test_pictures_of_a_capture_tell_how_a_file_is_drawn_that_does_not(
+def test_pictures_of_a_capture_are_asked_how_a_file_is_drawn_that_does_not_say(
     capture: Path, splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """The scene is the capture's own, drawn without antialiasing."""
+    """Splats of many pixels look the same both ways: what most files are is kept, and the figures are told."""
     (tmp_path / "x.ply").write_bytes(splats.read_bytes().replace(b"comment hgs_antialiased 0\n", b""))
     capsys.readouterr()
     arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", str(5 / 30)]
