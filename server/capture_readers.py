@@ -7,7 +7,6 @@ import logging
 import os
 import signal
 import subprocess
-import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Sequence
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from hgs_core.base.errors import InputError
+from hgs_core.base.own_modules import module_command
 from jobs.home import Home
 from jobs.process_tree import ProcessTree
 from jobs.stage_environment import without_secrets
@@ -45,7 +45,7 @@ class ReaderEndedError(Exception):
 
 
 def _command(operation: str, note: int) -> list[str]:
-    return [sys.executable, "-P", "-m", "server.capture_reader", operation, str(note)]
+    return module_command("server.capture_reader", operation, str(note))
 
 
 class CaptureReaders:

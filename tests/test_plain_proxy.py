@@ -18,7 +18,7 @@ import pytest
 from jobs.home import Home
 from jobs.keys import KeyTable, Scope
 from tests.conftest import REPOSITORY
-from tests.test_deploy import free_port
+from tests.nginx import free_ports
 
 NEW = "proxy_http_version 1.1;"
 QUIET = f'{NEW} proxy_set_header Connection "";'  # nothing shows it; docs/access.md says so
@@ -74,7 +74,8 @@ def proxied(served: tuple[int, str], tmp_path_factory: pytest.TempPathFactory) -
         pytest.skip("nginx is not installed: apt-get install nginx-light")
     folder = tmp_path_factory.mktemp("nginx")
     upstream = f"http://127.0.0.1:{served[0]}"
-    ports = {name: free_port() for name in (*CONFIGURATIONS, "unseen")}
+    names = (*CONFIGURATIONS, "unseen")
+    ports = dict(zip(names, free_ports(len(names)), strict=True))
     servers = "".join(
         f"server {{ listen 127.0.0.1:{ports[name]}; location / {{ proxy_pass {upstream}; {more} }} }}\n"
         for name, more in (CONFIGURATIONS | {"unseen": QUIET}).items()

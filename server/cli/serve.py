@@ -125,10 +125,13 @@ def _run(options: argparse.Namespace) -> int:
     home = Home.from_environment()
     uploads = UploadLimits.configured(options.uploads)
     with bind(options.host, options.port) as listener, closing(KeyTable(home)) as keys:
-        asking = _asking(listener.getsockname()[0], options.open or os.environ.get("HGS_OPEN") == "1", bool(keys.all()))
+        opened = options.open or os.environ.get("HGS_OPEN") == "1"
+        asking, line = _asking(listener.getsockname()[0], opened, bool(keys.all()))
         store = open_store(home)
         with ProgressBars() as bars:
             scenes = [publish_run(store, run, progress=bars) for run in options.run_folders]
+        if line:
+            print(line, file=sys.stderr)
         captures = CaptureFolders.configured(home.folder, options.captures)
         app = create_app(
             home,
@@ -158,8 +161,8 @@ def _run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _asking(address: str, opened: bool, any_keys: bool) -> Asking:
-    """Return when keys are asked for, and say it where that is worth a line.
+def _asking(address: str, opened: bool, any_keys: bool) -> tuple[Asking, str]:
+    """Return when keys are asked for, and the line that says who may use the server, "" where keys do.
 
     Raises:
         InputError: others can reach the server, and it is said neither that it is open nor who may use it.
@@ -168,15 +171,13 @@ def _asking(address: str, opened: bool, any_keys: bool) -> Asking:
 
     here = ip_address(address.partition("%")[0]).is_loopback
     if opened:
-        if not here:
-            print("hgs: open: whoever can reach this server can use all of it, without a key", file=sys.stderr)
-        return Asking.NEVER
+        reached = "hgs: open: whoever can reach this server can use all of it, without a key"
+        return Asking.NEVER, "" if here else reached
     if here:
-        if not any_keys:
-            cure = "before a proxy passes others on, make a key: hgs keys add NAME --scope admin"
-            print(f"hgs: no keys: whoever asks from this machine can use all of this server; {cure}", file=sys.stderr)
-        return Asking.IF_ANY
+        cure = "before a proxy passes others on, make a key: hgs keys add NAME --scope admin"
+        line = f"hgs: no keys: whoever asks from this machine can use all of this server; {cure}"
+        return Asking.IF_ANY, "" if any_keys else line
     if not any_keys:
         cure = "make a key with hgs keys add NAME --scope admin, or say --open"
         raise InputError("--host", f"{address} is reached by others, and there are no keys", cure)
-    return Asking.ALWAYS
+    return Asking.ALWAYS, ""

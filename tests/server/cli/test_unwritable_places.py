@@ -56,6 +56,8 @@ jobs show x
 jobs workers
 keys ls
 keys add x
+backup {free}
+restore {capture}
 """.strip().splitlines()
 
 PLACES = {"below a file": "file/x", "a name that is too long": "n" * 300, "a path that is too long": "n/" * 2100}

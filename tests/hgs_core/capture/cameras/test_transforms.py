@@ -182,7 +182,7 @@ def test_bad_values_are_named(photographs: Path, change: Edit, problem: str) -> 
 
 def test_unreadable_files_are_named(photographs: Path) -> None:
     (photographs / "images" / "0001.png").write_bytes(b"no picture")
-    with pytest.raises(InputError, match=r"0001\.png: the file is no picture of a known kind"):
+    with pytest.raises(InputError, match=r"0001\.png: the picture is unreadable: of no known kind"):
         open_capture(photographs)
     (photographs / "transforms.json").write_text("{")
     with pytest.raises(InputError, match=r"transforms\.json: unreadable"):
