@@ -69,6 +69,7 @@ def test_the_key_of_the_environment_is_sent(monkeypatch: pytest.MonkeyPatch) -> 
         return WATCHED
 
     monkeypatch.setattr(viewing, "play", play)
+    monkeypatch.setattr(ServerClient, "request", lambda client, *question: None)
     monkeypatch.setenv("HGS_KEY", "hgs_a_b")
     assert main(["play", "http://here/view/a", "--stats"]) == 0
     assert asked[0][2] == "hgs_a_b"
@@ -81,6 +82,7 @@ def test_what_a_proxy_lacks_is_said_in_one_line(
         return replace(WATCHED, over_http=True)
 
     monkeypatch.setattr(viewing, "play", play)
+    monkeypatch.setattr(ServerClient, "request", lambda client, *question: None)
     assert main(["play", "http://here/view/a", "--stats"]) == 0
     [line] = capsys.readouterr().err.splitlines()
     assert line.startswith("hgs: this site does not pass WebSockets; the scene is loaded over HTTP instead.")

@@ -146,7 +146,7 @@ def test_what_cannot_be_sent_or_trained_is_told_in_one_line(
     lonely.mkdir()
     assert "the folder is empty" in refusal(lonely)
     shutil.copy(n3dv / "cam00.mp4", lonely)
-    assert "1 videos but no file of the cameras' poses" in refusal(lonely)
+    assert "1 video but no file of the cameras' poses" in refusal(lonely)
     (lonely / "large").write_bytes(bytes(10_001))
     assert "one file may have 10.0 kB" in refusal(lonely)
     assert main(["submit", str(n3dv), "--to", "ftp://x"]) == 2
