@@ -88,10 +88,9 @@ def _refuse_aligned(path: Path, capture: Capture) -> None:
     """
     last = len(capture.times) - 1
     for index, camera in enumerate(capture.cameras):
-        for frame in (0, last):
-            late = capture.moment(index, frame) - float(capture.times[frame])
-            # A frame that is missing later on is no other beginning.
-            if capture.number(index, 0) != 0 or abs(late) > _SAME_MOMENT:
-                problem = f"the time stamps of camera {camera.name} already say when it began"
-                cure = "remove them (docs/captures.md) to have the offsets found again"
-                raise InputError(path, problem, cure)
+        late = max(abs(capture.moment(index, frame) - float(capture.times[frame])) for frame in (0, last))
+        # A frame that is missing later on is no other beginning.
+        if capture.number(index, 0) != 0 or late > _SAME_MOMENT:
+            problem = f"the time stamps of camera {camera.name} already say when it began"
+            cure = "remove them (docs/captures.md) to have the offsets found again"
+            raise InputError(path, problem, cure)
