@@ -26,18 +26,21 @@ class Service(http.server.BaseHTTPRequestHandler):
     jobs: list[dict[str, Any]] = []  # noqa: RUF012
     course: list[dict[str, Any]] = []  # noqa: RUF012
     submitted: list[dict[str, Any]] = []  # noqa: RUF012
+    looks: list[dict[str, Any]] = []  # noqa: RUF012
 
     def do_GET(self) -> None:
         if self.path == "/v1/scenes":
             self._answer({"scenes": [{"id": one} for one in self.scenes]})
         elif self.path == "/v1/jobs":
             self._answer({"jobs": self.jobs})
+        elif self.path == "/v1/submissions/look-1":
+            self._answer(self.looks.pop(0) if self.looks else job("queued", attempt=0))
         else:
             self._answer(self.course.pop(0) if len(self.course) > 1 else self.course[0])
 
     def do_POST(self) -> None:
         self.submitted.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
-        self._answer({"id": "studio-1"})
+        self._answer({"id": "look-1", "state": "looking"})
 
     def log_message(self, *_: object) -> None:
         pass
@@ -58,7 +61,7 @@ def job(state: str, stage: str = "", done: int = 0, **fields: Any) -> dict[str, 
 
 @pytest.fixture
 def service(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
-    for name in ("scenes", "jobs", "course", "submitted"):
+    for name in ("scenes", "jobs", "course", "submitted", "looks"):
         monkeypatch.setattr(Service, name, [])
     with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Service) as server:
         threading.Thread(target=server.serve_forever, args=(0.01,)).start()

@@ -30,4 +30,10 @@ class InputError(ValueError):
 def _in_one_line(text: str) -> str:
     if len(text) > _LONGEST:
         text = f"{text[: _LONGEST // 2]} ... {text[-_LONGEST // 4 :]}"
-    return _BREAKS.sub(lambda found: ascii(found[0])[1:-1], text)
+    return _BREAKS.sub(lambda found: _escape(found[0]), text)
+
+
+def _escape(letter: str) -> str:
+    """Return the letter as Python writes it; a byte of a file name that is no UTF-8 is that byte, not half a pair."""
+    byte = ord(letter) - 0xDC00
+    return f"\\x{byte:02x}" if 0x80 <= byte <= 0xFF else ascii(letter)[1:-1]

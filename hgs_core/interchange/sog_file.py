@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.base.errors import InputError
@@ -120,6 +119,8 @@ def _meta(path: Path, parts: Mapping[str, bytes]) -> dict[str, Any]:
 
 def _pixels(path: Path, parts: Mapping[str, bytes], name: object, count: int) -> NDArray[np.uint8]:
     """Return the first pixels of a picture [count, 4]."""
+    from PIL import Image  # not above: `hgs serve` loads this module, and no library that opens pictures
+
     if not isinstance(name, str) or name not in parts:
         raise InputError(path, f"has no part {str(name)[:60]}, which its {META} names", "copy it again")
     try:

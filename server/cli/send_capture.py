@@ -75,16 +75,17 @@ class _Sending:
             known = {file["path"]: file for file in listed}
             for file in listed:
                 self._note(file["path"], file["offset"])
-        with ThreadPoolExecutor(_AT_ONCE) as pool:
+        pool = ThreadPoolExecutor(_AT_ONCE)
+        try:  # a stop may come while the first tasks run and others are yet to be submitted
             tasks = [pool.submit(self._send, address, file, known.get(file.path)) for file in self._files]
-            try:
-                for task in tasks:
-                    task.result()
-            except BaseException:
-                self._stopped.set()
-                self._client.stop()
-                pool.shutdown(wait=True, cancel_futures=True)
-                raise
+            for task in tasks:
+                task.result()
+        except BaseException:
+            self._stopped.set()
+            self._client.stop()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
         return str(self._client.request("POST", f"{address}/finish").value["capture"])
 
     def _send(self, address: str, file: CaptureFile, known: dict[str, Any] | None) -> None:

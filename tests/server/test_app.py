@@ -34,11 +34,13 @@ async def main():
         assert (await client.post("/v1/jobs", json={"capture": "empty"})).json()["code"] == "capture-invalid"
 
 asyncio.run(main())
-print(*(name for name in ("torch", "pycolmap") if name in sys.modules))
+import server.cli.program  # which `hgs serve` runs
+
+print(*(name for name in ("torch", "pycolmap", "av", "PIL", "cv2") if name in sys.modules))
 """
 
 
-def test_api_process_never_imports_torch_or_pycolmap(tmp_path: Path, scene_folder: Path) -> None:
+def test_api_process_never_imports_torch_or_what_opens_captures(tmp_path: Path, scene_folder: Path) -> None:
     process = subprocess.run(
         [sys.executable, "-c", SERVE_ONE_REQUEST_OF_EACH_KIND, str(tmp_path / "home"), str(scene_folder)],
         capture_output=True, text=True, timeout=120, cwd=REPOSITORY,

@@ -57,7 +57,10 @@ def test_captures_are_described_one_by_one_whatever_is_wrong_with_some(home: Hom
         folder.mkdir()
     write_still(well)
     told = describe(home, nested, well, empty)
-    assert told[0] == {"unreadable": "is nested too deeply to be read", "file": str(nested / "transforms.json")}
+    assert told[0]["refused"][:2] == [
+        str(nested / "transforms.json"),
+        "its lists or tables are nested too deep to be read",
+    ]
     assert told[1]["found"]["cameras"] == ["north", "east", "south", "west"]
     assert "the folder is empty" in told[2]["refused"][1]
 
@@ -72,19 +75,39 @@ def test_a_link_out_of_the_folders_is_refused_as_the_server_does(home: Home, tmp
     assert (told["problem"]["status"], told["problem"]["code"]) == (403, "capture-outside")
 
 
-def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path) -> None:
-    capture = hostile(tmp_path, "60 MB of numbers")
+HUNGRY = """
+def create_run(run, capture, config, *, masks, audio):
+    (capture / "transforms.json").read_bytes()
+    {harm}
+"""
+
+
+def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, harm: str, seconds: int) -> dict[str, Any]:
+    """Have a run begun by a pipeline that does harm once it has read a file: tables that could are not read at all."""
+    (tmp_path / "hungry_pipeline.py").write_text(HUNGRY.format(harm=harm))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    (tmp_path / "capture").mkdir()
+    write_still(tmp_path / "capture")
+    request = {
+        "run": str(tmp_path / "run"), "capture": str(tmp_path / "capture"), "config": RunConfig().to_json(),
+        "masks": None, "audio": "none", "seconds": seconds,
+    }  # fmt: skip
+    readers = CaptureReaders(dataclasses.replace(home, pipeline="hungry_pipeline"))
+    (answer,) = readers.read("create", request, 600)
+    return answer
+
+
+def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     small = dataclasses.replace(home, stage_memory=StageBytes(250e6))
-    (told,) = describe(small, capture)
+    told = create_with(small, tmp_path, monkeypatch, "bytearray(1 << 30)", 60)
     with pytest.raises(InputError, match=r"transforms.json: needs more memory than a capture may take"):
-        answered(told, capture)
+        answered(told, tmp_path / "capture")
 
 
-def test_processor_time_is_limited(home: Home, tmp_path: Path) -> None:
-    capture = hostile(tmp_path, "toml tables 30,000 deep")
+def test_processor_time_is_limited(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ReaderEndedError, match="takes more processor time") as raised:
-        describe(home, capture, seconds=0)
-    assert raised.value.of(capture).where == str(capture / "camera_array.toml")
+        create_with(home, tmp_path, monkeypatch, "while True: pass", 0)
+    assert raised.value.of(tmp_path / "capture").where == str(tmp_path / "capture" / "transforms.json")
 
 
 def test_the_file_that_a_library_opens_is_known(home: Home, tmp_path: Path) -> None:

@@ -247,14 +247,14 @@ def test_page_says_what_is_wrong(browser: Browser, site: Site, address: str, mes
 
 
 WELCOME = {"type": "welcome", "protocol": 3, "scene": "clouds", "manifest_id": bytes(32), "remaining": 0}
-OVERFLOW = {"type": "error", "code": "credit-overflow", "detail": "70 MiB"}
+FLOOD = {"type": "error", "code": "flood", "detail": "900 messages"}
 
 
 @pytest.mark.parametrize(
     ("answer", "words", "cause"),
     [
         (b"\xc1", "This page and the server are of different versions.", "not msgpack"),
-        (msgpack.packb(OVERFLOW), "The server has ended the stream.", "70 MiB"),
+        (msgpack.packb(FLOOD), "The server has ended the stream.", "900 messages"),
         (msgpack.packb(WELCOME | {"manifest": b"{}"}), "This page cannot read the scene.", "is missing"),
     ],
 )

@@ -51,7 +51,6 @@ def test_server_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
         (["serve", "--viewers", "0"], "--viewers"),
         (["serve", "--processes", "0"], "--processes"),
         (["serve", "--minutes", "0"], "--minutes"),
-        (["serve", "--seconds", "nan"], "--seconds"),
         (["stream", "nowhere"], "nowhere"),
     ],
 )
