@@ -116,9 +116,17 @@ def _fill(home: Home, database: Path | None, part: Path) -> Backup:
         _copy_folder(home.folder / folder, part / folder, sums)
     kind = "sqlite" if database is not None else sa.make_url(home.database_url).get_backend_name()
     backup = Backup(
-        FORMAT, software_version(), made, str(home.folder), (part / HOME_ID).read_text().strip(), kind,
-        "folder" if store_folder(home) is not None else home.store_url, len(sums.lines), sums.bytes, holes,
-    )  # fmt: skip
+        FORMAT,
+        software_version(),
+        made,
+        str(home.folder),
+        (part / HOME_ID).read_text().strip(),
+        kind,
+        "folder" if store_folder(home) is not None else home.store_url,
+        len(sums.lines),
+        sums.bytes,
+        holes,
+    )
     (part / DESCRIPTION).write_text(json.dumps(asdict(backup), indent=1) + "\n")
     sums.add(part / DESCRIPTION)
     (part / SUMS).write_text("".join(f"{line}\n" for line in sums.lines), encoding="utf-8", errors="surrogateescape")

@@ -91,10 +91,16 @@ class JobClient:
         try:
             config = create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
             job = Job(
-                id=job_id, title=title, capture=str(capture), config=config.to_json(),
-                labels=request.labels, priority=request.priority, time_limit=request.time_limit,
-                webhook=request.webhook, audio=request.audio,
-            )  # fmt: skip
+                id=job_id,
+                title=title,
+                capture=str(capture),
+                config=config.to_json(),
+                labels=request.labels,
+                priority=request.priority,
+                time_limit=request.time_limit,
+                webhook=request.webhook,
+                audio=request.audio,
+            )
             self._runs.submitted(job_id)
             # One transaction: a job is in the table if and only if it is in the queue.
             with self._engine.begin() as connection:

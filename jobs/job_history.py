@@ -62,9 +62,13 @@ class CourseWriter:
             return
         figures = {name: value for name, value in progress.figures.items() if math.isfinite(value)}
         line = {
-            "attempt": self._attempt, "stage": progress.stage, "done": progress.done, "total": progress.total,
-            "time": round(time.time(), 3), "figures": figures,
-        }  # fmt: skip
+            "attempt": self._attempt,
+            "stage": progress.stage,
+            "done": progress.done,
+            "total": progress.total,
+            "time": round(time.time(), 3),
+            "figures": figures,
+        }
         with self._file.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line, separators=(",", ":")) + "\n")
         self._last = progress
@@ -107,8 +111,12 @@ def _milestone(line: str) -> Milestone | None:
         value: dict[str, Any] = json.loads(line)
         figures = {str(name): float(number) for name, number in value["figures"].items()}
         return Milestone(
-            int(value["attempt"]), str(value["stage"]), int(value["done"]), int(value["total"]), float(value["time"]),
+            int(value["attempt"]),
+            str(value["stage"]),
+            int(value["done"]),
+            int(value["total"]),
+            float(value["time"]),
             {name: number for name, number in figures.items() if math.isfinite(number)},
-        )  # fmt: skip
+        )
     except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError):
         return None

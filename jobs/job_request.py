@@ -74,9 +74,15 @@ class JobRequest:
     def digest(self) -> str:
         """A hash of all that is asked for, but the key."""
         asked = [
-            str(self.capture), self.config.to_json(), self.title, str(self.masks or ""), self.labels, self.priority,
-            self.time_limit, self.webhook,
-        ]  # fmt: skip
+            str(self.capture),
+            self.config.to_json(),
+            self.title,
+            str(self.masks or ""),
+            self.labels,
+            self.priority,
+            self.time_limit,
+            self.webhook,
+        ]
         if self.audio != "auto":  # keys that were given before there was a choice still hold
             asked.append(self.audio)
         return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()

@@ -113,9 +113,13 @@ class KeyTable:
         identity = secrets.token_hex(6)
         key = f"hgs_{identity}_{secrets.token_urlsafe(32)}"
         row = {
-            "id": identity, "name": name, "scopes": " ".join(sorted(scopes)), "hash": _hash(key),
-            "created": time.time(), "expires": expires,
-        }  # fmt: skip
+            "id": identity,
+            "name": name,
+            "scopes": " ".join(sorted(scopes)),
+            "hash": _hash(key),
+            "created": time.time(),
+            "expires": expires,
+        }
         try:
             with self._engine.begin() as connection:
                 connection.execute(sa.insert(_keys).values(row))

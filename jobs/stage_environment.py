@@ -18,9 +18,16 @@ from jobs.stages import HELP, SHOW
 __all__ = ["keep_secrets", "stage_environment", "without_secrets"]
 
 _SECRETS = (
-    "AWS_", "AZURE_", "GOOGLE_", "PGPASS",
-    "HGS_DATABASE_URL", "HGS_STORE_URL", "HGS_RUN_STATE", "HGS_WEBHOOK_", "HGS_KEY",
-)  # fmt: skip
+    "AWS_",
+    "AZURE_",
+    "GOOGLE_",
+    "PGPASS",
+    "HGS_DATABASE_URL",
+    "HGS_STORE_URL",
+    "HGS_RUN_STATE",
+    "HGS_WEBHOOK_",
+    "HGS_KEY",
+)
 """How the names of variables begin that give access to something, or lead to it."""
 
 _SET_DUMPABLE = 4  # of prctl

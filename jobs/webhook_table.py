@@ -57,14 +57,27 @@ def announce(connection: sa.Connection, job_id: str) -> None:
         "type": f"job.{row.state}",
         "timestamp": row.updated,
         "data": {
-            "id": row.id, "attempt": row.attempt, "state": row.state, "title": row.title, "labels": row.labels,
-            "capture": row.capture, "scene": row.scene_id or None, "error": row.error or None,
+            "id": row.id,
+            "attempt": row.attempt,
+            "state": row.state,
+            "title": row.title,
+            "labels": row.labels,
+            "capture": row.capture,
+            "scene": row.scene_id or None,
+            "error": row.error or None,
         },
-    }  # fmt: skip
+    }
     values = {
-        "job_id": row.id, "attempt": row.attempt, "url": row.webhook, "body": json.dumps(body), "ended": row.updated,
-        "tries": 0, "next_try": row.updated, "delivered": 0.0, "error": "",
-    }  # fmt: skip
+        "job_id": row.id,
+        "attempt": row.attempt,
+        "url": row.webhook,
+        "body": json.dumps(body),
+        "ended": row.updated,
+        "tries": 0,
+        "next_try": row.updated,
+        "delivered": 0.0,
+        "error": "",
+    }
     connection.execute(sa.insert(_rows).values(values))
 
 
@@ -96,9 +109,13 @@ class WebhookTable:
         later = time.time() + pause
         give_up = for_good or later > one.ended + GIVE_UP
         self._change(
-            one.job_id, one.attempt, one.next_try,
-            next_try=None if give_up else later, tries=one.tries + 1, error=error,
-        )  # fmt: skip
+            one.job_id,
+            one.attempt,
+            one.next_try,
+            next_try=None if give_up else later,
+            tries=one.tries + 1,
+            error=error,
+        )
 
     def of(self, job_id: str) -> Announcement | None:
         """Return the last announcement of a job, or None."""

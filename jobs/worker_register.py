@@ -59,9 +59,13 @@ class WorkerRegister:
             known = sa.update(worker_rows).where(worker_rows.c.id == self._id).values(doing)
             if not connection.execute(known).rowcount:
                 row = {
-                    "id": self._id, "host": socket.gethostname(), "pid": os.getpid(), "started": now,
-                    "device": os.environ.get("CUDA_VISIBLE_DEVICES", ""), **doing,
-                }  # fmt: skip
+                    "id": self._id,
+                    "host": socket.gethostname(),
+                    "pid": os.getpid(),
+                    "started": now,
+                    "device": os.environ.get("CUDA_VISIBLE_DEVICES", ""),
+                    **doing,
+                }
                 connection.execute(sa.insert(worker_rows).values(row))
                 connection.execute(sa.delete(worker_rows).where(worker_rows.c.seen < now - FORGOTTEN))
         self._said, self._next = (job_id, idle_because), time.monotonic() + INTERVAL

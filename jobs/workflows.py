@@ -230,9 +230,15 @@ class TrainingWorkflow:
             if self._table.put_off(connection, job_id, attempt, outcome.waiting, outcome.cause):
                 more = min(waits + 1, 20)
                 enqueue(
-                    self._queue, connection, job_id, attempt + 1,
-                    delay=delay, waits=more, first=first, time_limit=job.time_limit,
-                )  # fmt: skip
+                    self._queue,
+                    connection,
+                    job_id,
+                    attempt + 1,
+                    delay=delay,
+                    waits=more,
+                    first=first,
+                    time_limit=job.time_limit,
+                )
                 log.warning("%s waits for %g s: %s", job_id, delay, outcome.waiting)
 
     def _finish(self, job_id: str, attempt: int) -> None:

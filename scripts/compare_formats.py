@@ -34,9 +34,13 @@ __all__ = ["Kept", "compared", "markdown"]
 
 CAMERAS = 8  # that are drawn
 STILL: tuple[tuple[str, dict[str, Any]], ...] = (
-    ("still.ply", {}), ("still.splat", {}), ("2.spz", {"version": 2}), ("3.spz", {"version": 3}),
-    ("4.spz", {"version": 4}), ("still.glb", {}),
-)  # fmt: skip
+    ("still.ply", {}),
+    ("still.splat", {}),
+    ("2.spz", {"version": 2}),
+    ("3.spz", {"version": 3}),
+    ("4.spz", {"version": 4}),
+    ("still.glb", {}),
+)
 MOVING = ("moving.ply", "moving.4dgs")
 
 
@@ -104,9 +108,14 @@ def _drawn(scene: HybridScene[Floats], camera: Camera, seconds: float, like: Hyb
     tensors = scene.map(torch.from_numpy)
     segment = tensors.segment_at(seconds)
     render = rasterize(
-        tensors.static, segment.dynamic, camera, segment.normalised(seconds), background=like.background,
-        antialiased=like.antialiased, gradients="none",
-    )  # fmt: skip
+        tensors.static,
+        segment.dynamic,
+        camera,
+        segment.normalised(seconds),
+        background=like.background,
+        antialiased=like.antialiased,
+        gradients="none",
+    )
     return render.rgb.clamp(0, 1)
 
 

@@ -225,21 +225,30 @@ def check(scene_folder: Path, page: str, seconds: float | None) -> int:
         moment = scene.start + share * (scene.end - scene.start)
         segment = scene.segment_at(moment)
         picture = rasterize(
-            scene.static, segment.dynamic, camera, segment.normalised(moment),
-            background=scene.background, gradients="none", antialiased=scene.antialiased,
-        ).rgb  # fmt: skip
+            scene.static,
+            segment.dynamic,
+            camera,
+            segment.normalised(moment),
+            background=scene.background,
+            gradients="none",
+            antialiased=scene.antialiased,
+        ).rgb
         expected = np.rint(picture.clamp(0, 1).permute(1, 2, 0).numpy() * 255).astype(np.uint8)
         url = f"{page}?t={moment}&camera={camera.name}&paused=1&width={camera.width}&height={camera.height}&exact=1"
         scores.append(round(psnr(capture_canvas(url, camera.width, camera.height, chromium), expected), 2))
     passed = all(score >= CHECK_PSNR for score in scores)
-    print(json.dumps({
-        "ok": passed,
-        "seconds_to_scene": None if seconds is None else round(seconds, 1),
-        "canvas_psnr": scores or None,
-        "chromium": chromium,
-        "splats_static": len(scene.static),
-        "splats_dynamic": scene.dynamic_splats,
-    }))  # fmt: skip
+    print(
+        json.dumps(
+            {
+                "ok": passed,
+                "seconds_to_scene": None if seconds is None else round(seconds, 1),
+                "canvas_psnr": scores or None,
+                "chromium": chromium,
+                "splats_static": len(scene.static),
+                "splats_dynamic": scene.dynamic_splats,
+            }
+        )
+    )
     return 0 if passed else 1
 
 

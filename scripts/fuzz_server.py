@@ -142,11 +142,20 @@ async def _ask(
     named = {name for name, _ in headers}
     fields = headers if "Host" in named else [("Host", "localhost"), *headers]
     scope = {
-        "type": "http", "asgi": {"version": "3.0", "spec_version": "2.3"}, "http_version": "1.1", "scheme": "http",
-        "server": ("127.0.0.1", 80), "client": ("127.0.0.1", 1234), "method": method, "root_path": "", "state": {},
-        "path": unquote(path, errors="replace"), "raw_path": path.encode(), "query_string": query.encode(),
+        "type": "http",
+        "asgi": {"version": "3.0", "spec_version": "2.3"},
+        "http_version": "1.1",
+        "scheme": "http",
+        "server": ("127.0.0.1", 80),
+        "client": ("127.0.0.1", 1234),
+        "method": method,
+        "root_path": "",
+        "state": {},
+        "path": unquote(path, errors="replace"),
+        "raw_path": path.encode(),
+        "query_string": query.encode(),
         "headers": [(name.lower().encode(), value.encode("latin-1")) for name, value in fields],
-    }  # fmt: skip
+    }
     messages = [{"type": "http.request", "body": body, "more_body": False}]
     status, made = 0, ""
 
@@ -168,11 +177,20 @@ async def _stream(app: FastAPI, messages: Sequence[bytes]) -> tuple[int, int]:
     waiting = [{"type": "websocket.connect"}, *({"type": "websocket.receive", "bytes": data} for data in messages)]
     waiting.reverse()
     scope = {
-        "type": "websocket", "asgi": {"version": "3.0", "spec_version": "2.3"}, "http_version": "1.1", "scheme": "ws",
-        "server": ("127.0.0.1", 80), "client": ("127.0.0.1", 1234), "root_path": "", "state": {}, "subprotocols": [],
-        "path": "/v1/scenes/bench/stream", "raw_path": b"/v1/scenes/bench/stream", "query_string": b"",
+        "type": "websocket",
+        "asgi": {"version": "3.0", "spec_version": "2.3"},
+        "http_version": "1.1",
+        "scheme": "ws",
+        "server": ("127.0.0.1", 80),
+        "client": ("127.0.0.1", 1234),
+        "root_path": "",
+        "state": {},
+        "subprotocols": [],
+        "path": "/v1/scenes/bench/stream",
+        "raw_path": b"/v1/scenes/bench/stream",
+        "query_string": b"",
         "headers": [(b"host", b"localhost")],
-    }  # fmt: skip
+    }
 
     async def receive() -> dict[str, Any]:
         nonlocal sent

@@ -122,9 +122,12 @@ def write_opencv(folder: Path, cameras: Sequence[Camera]) -> None:
     folder.mkdir()
     for camera in cameras:
         lines = (
-            "%YAML:1.0", "---", f"camera_matrix: {_opencv(_matrix(camera, _OPENCV_CENTRE))}",
-            f"R: {_opencv(camera.world_to_camera[:3, :3])}", f"T: {_opencv(camera.world_to_camera[:3, 3:])}",
-        )  # fmt: skip
+            "%YAML:1.0",
+            "---",
+            f"camera_matrix: {_opencv(_matrix(camera, _OPENCV_CENTRE))}",
+            f"R: {_opencv(camera.world_to_camera[:3, :3])}",
+            f"T: {_opencv(camera.world_to_camera[:3, 3:])}",
+        )
         (folder / f"{camera.name}.yml").write_text("\n".join(lines) + "\n")
 
 
@@ -143,12 +146,13 @@ def write_transforms(folder: Path, cameras: Sequence[Camera], frames: int) -> No
 
 def write_panoptic(folder: Path, cameras: Sequence[Camera], frames: int) -> None:
     meta = {
-        "w": cameras[0].width, "h": cameras[0].height,
+        "w": cameras[0].width,
+        "h": cameras[0].height,
         "k": [[_matrix(camera) for camera in cameras]] * frames,
         "w2c": [[camera.world_to_camera.tolist() for camera in cameras]] * frames,
         "fn": [[f"{camera.name}/{frame:04d}.png" for camera in cameras] for frame in range(frames)],
         "cam_id": [[camera.name for camera in cameras]] * frames,
-    }  # fmt: skip
+    }
     (folder / "train_meta.json").write_text(json.dumps(meta))
 
 
@@ -180,11 +184,18 @@ def write_fisheye(folder: Path, straight: Path, cameras: Sequence[Camera], pictu
         at = x * camera.fx + camera.cx, y * camera.fy + camera.cy
         shown = [_sampled(frame, *at).reshape(height, width, 3) for frame in frames]
         write_video(folder / f"{camera.name}.mp4", shown, rate)
-        models.append({
-            "name": camera.name, "width": width, "height": height, "focal_length": camera.fx,
-            "principal_point": [bent.cx, bent.cy], "orientation": camera.world_to_camera[:3, :3].tolist(),
-            "position": camera.position.tolist(), "radial_distortion": list(_BENDS),
-        })  # fmt: skip
+        models.append(
+            {
+                "name": camera.name,
+                "width": width,
+                "height": height,
+                "focal_length": camera.fx,
+                "principal_point": [bent.cx, bent.cy],
+                "orientation": camera.world_to_camera[:3, :3].tolist(),
+                "position": camera.position.tolist(),
+                "radial_distortion": list(_BENDS),
+            }
+        )
         field = StraightView.of(bent, lens).camera
         across, down = (2 * (side // 2) for side in (field.width, field.height))
         left, top = (camera.width - across) // 2, (camera.height - down) // 2

@@ -61,9 +61,15 @@ def picture(camera: Camera, seconds: float, *, antialiased: bool) -> np.ndarray:
     decoded = decode_scene(OUT).map(lambda array: torch.tensor(array, dtype=torch.float64))
     segment = decoded.segment_at(seconds)
     render = rasterize(
-        decoded.static, segment.dynamic, camera, segment.normalised(seconds),
-        background=BACKGROUND, backend="reference", gradients="none", antialiased=antialiased,
-    )  # fmt: skip
+        decoded.static,
+        segment.dynamic,
+        camera,
+        segment.normalised(seconds),
+        background=BACKGROUND,
+        backend="reference",
+        gradients="none",
+        antialiased=antialiased,
+    )
     rgb: np.ndarray = render.rgb.permute(1, 2, 0).numpy()
     return rgb
 

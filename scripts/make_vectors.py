@@ -219,8 +219,17 @@ def manifest() -> dict[str, object]:
     chunks = [[chunk(3, 30)], [], [chunk(4, 40)]]
     needs = [[], [f"{3:064x}"], []]
     return {
-        "format": "hgs-scene", "version": 2, "title": "Two segments", "start": 0.0, "end": 2.0, "frame_rate": 30.0,
-        "background": [0, 0, 0], "up": [0, -1, 0], "center": [0, 0, 2], "extent": 2.5, "cameras": [camera.to_json()],
+        "format": "hgs-scene",
+        "version": 2,
+        "title": "Two segments",
+        "start": 0.0,
+        "end": 2.0,
+        "frame_rate": 30.0,
+        "background": [0, 0, 0],
+        "up": [0, -1, 0],
+        "center": [0, 0, 2],
+        "extent": 2.5,
+        "cameras": [camera.to_json()],
         "segments": [{"start": 0.0, "end": 1.0}, {"start": 1.0, "end": 2.0}],
         "static": [chunk(1, 10), chunk(2, 20)],
         "slices": [
@@ -228,12 +237,18 @@ def manifest() -> dict[str, object]:
             for (segment, start, end), new, old in zip(times, chunks, needs, strict=True)
         ],
         "totals": {"splats_static": 30, "splats_dynamic": 70, "bytes_static": 300, "bytes_dynamic": 700},
-        "thumbnail": True, "training": {"psnr": 31.5}, "antialiased": True, "later": "ignored",
+        "thumbnail": True,
+        "training": {"psnr": 31.5},
+        "antialiased": True,
+        "later": "ignored",
         "metres_per_unit": 0.5,
         "captured_space": {
-            "front": [0, 0, -1], "azimuth": 0.7, "elevation": [-0.25, 0.3], "distance": [1.0, 2.5],
+            "front": [0, 0, -1],
+            "azimuth": 0.7,
+            "elevation": [-0.25, 0.3],
+            "distance": [1.0, 2.5],
         },
-    }  # fmt: skip
+    }
 
 
 def captured_spaces() -> list[dict[str, object]]:
@@ -272,9 +287,14 @@ def captured_spaces() -> list[dict[str, object]]:
                 direction = ahead * np.array(front) + aside * np.array(side) + np.sin(elevation) * np.array(up)
                 eye = np.array(center) + distance * direction
                 rows.append(
-                    {"eye": eye.tolist(), "azimuth": azimuth, "elevation": elevation, "distance": distance,
-                     "inside": place[column]}
-                )  # fmt: skip
+                    {
+                        "eye": eye.tolist(),
+                        "azimuth": azimuth,
+                        "elevation": elevation,
+                        "distance": distance,
+                        "inside": place[column],
+                    }
+                )
             found.append({"center": center, "up": up, "captured_space": {"front": front} | space, "places": rows})
     return found
 
@@ -284,9 +304,12 @@ def audio() -> dict[str, object]:
     pieces = [
         {"id": f"{name:064x}", "bytes": size, "start": start, "end": end}
         for name, size, start, end in (
-            (16, 9000, -0.013, 0.987), (17, 700, 0.987, 1.5), (18, 650, 1.5, 1.7), (18, 650, 1.9, 2.1),
+            (16, 9000, -0.013, 0.987),
+            (17, 700, 0.987, 1.5),
+            (18, 650, 1.5, 1.7),
+            (18, 650, 1.9, 2.1),
         )
-    ]  # fmt: skip
+    ]
     return {"codec": "opus", "sample_rate": 48000, "channels": 2, "pieces": pieces}
 
 

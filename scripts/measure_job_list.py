@@ -37,9 +37,14 @@ def fill(client: JobClient, count: int) -> None:
             state = JobState.FAILED
         mine = tuple(sorted({f"client-{chance.randrange(90)}", f"batch-{chance.randrange(10)}"}))
         job = Job(
-            f"take-{number:05}-{chance.randrange(1 << 32):08x}", f"Take {number} of the {chance.choice('ABC')} stage",
-            f"/captures/{number % 50}", config, state, labels=mine, figures={"psnr": 27.1, "loss": 0.01},
-        )  # fmt: skip
+            f"take-{number:05}-{chance.randrange(1 << 32):08x}",
+            f"Take {number} of the {chance.choice('ABC')} stage",
+            f"/captures/{number % 50}",
+            config,
+            state,
+            labels=mine,
+            figures={"psnr": 27.1, "loss": 0.01},
+        )
         rows.append({**job.to_json(), "created": now - number * 60, "updated": now - number * 60 + 30})
         labels += [{"label": label, "job_id": job.id} for label in mine]
     with client._engine.begin() as connection:

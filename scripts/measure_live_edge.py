@@ -54,9 +54,12 @@ def main() -> None:
         command = [sys.executable, "-m", "server.cli", "serve", "--port", "0", "--workers", "0"]
         home = Path(folder) / "home"
         server = subprocess.Popen(
-            command, env=os.environ | {"HGS_HOME": str(home)}, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            command,
+            env=os.environ | {"HGS_HOME": str(home)},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
             text=True,
-        )  # fmt: skip
+        )
         try:
             assert server.stdout is not None
             port = int(server.stdout.readline().strip().rstrip("/").rpartition(":")[2])
@@ -77,10 +80,12 @@ def _encode(out: Path, segments: int) -> Manifest:
 
     def still(count: int) -> StaticSplats[np.ndarray]:
         return StaticSplats(
-            dice.normal(0, 1, (count, 3)).astype(np.float32), dice.normal(-4, 0.5, (count, 3)).astype(np.float32),
-            dice.normal(0, 1, (count, 4)).astype(np.float32), dice.normal(0, 1, count).astype(np.float32),
+            dice.normal(0, 1, (count, 3)).astype(np.float32),
+            dice.normal(-4, 0.5, (count, 3)).astype(np.float32),
+            dice.normal(0, 1, (count, 4)).astype(np.float32),
+            dice.normal(0, 1, count).astype(np.float32),
             dice.uniform(0, 1, (count, 3)).astype(np.float32),
-        )  # fmt: skip
+        )
 
     def moving() -> DynamicSplats[np.ndarray]:
         one = still(DYNAMIC)

@@ -38,8 +38,11 @@ def main() -> None:
         command = [sys.executable, "-m", "server.cli", "serve", str(options.run), "--port", "0", "--workers", "0"]
         server = subprocess.Popen(
             [*command, "--drain", str(options.drain)],
-            env=os.environ | {"HGS_HOME": home}, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-        )  # fmt: skip
+            env=os.environ | {"HGS_HOME": home},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
         try:
             assert server.stdout is not None
             address, _, scene = server.stdout.readline().strip().partition("/view/")

@@ -111,8 +111,11 @@ def main() -> None:
         write_capture(root / "captures" / "slow")
         server = subprocess.Popen(
             [sys.executable, "-m", "server.cli", "serve", "--workers", "0", "--port", "0"],
-            env=environment, stdout=subprocess.PIPE, text=True, cwd=ROOT,
-        )  # fmt: skip
+            env=environment,
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=ROOT,
+        )
         try:
             assert server.stdout is not None
             address = server.stdout.readline().strip().rstrip("/")

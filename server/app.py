@@ -137,9 +137,22 @@ def create_app(
     app.add_middleware(RequestLog, metrics=metrics)
     app.add_middleware(SiteRoot, root=root)
     for module in (
-        health, operation, session, links, capture_routes, capture_checks, upload_routes, upload_files, jobs,
-        submissions, job_runs, workers, scenes, chunks, stream,
-    ):  # fmt: skip
+        health,
+        operation,
+        session,
+        links,
+        capture_routes,
+        capture_checks,
+        upload_routes,
+        upload_files,
+        jobs,
+        submissions,
+        job_runs,
+        workers,
+        scenes,
+        chunks,
+        stream,
+    ):
         app.include_router(module.router)
         app.state.api += module.router.routes
     app.include_router(viewer_router(viewer))

@@ -51,9 +51,12 @@ class CaptureCheckRun:
     def to_json(self) -> dict[str, Any]:
         """Return the check object of docs/upload.md."""
         return {
-            "capture": str(self.capture), "state": self.state, "found": self.found, "error": self.error,
+            "capture": str(self.capture),
+            "state": self.state,
+            "found": self.found,
+            "error": self.error,
             "seconds": round((self.ended or time.monotonic()) - self.began, 1),
-        }  # fmt: skip
+        }
 
 
 def _command(capture: Path) -> list[str]:

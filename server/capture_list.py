@@ -152,6 +152,9 @@ class CaptureList:
 
     def _problem(self, found: dict[str, Any], problem: str) -> dict[str, Any]:
         return {
-            "layout": found["layout"], "cameras": found["cameras"], "frames": None, "seconds": None,
+            "layout": found["layout"],
+            "cameras": found["cameras"],
+            "frames": None,
+            "seconds": None,
             "problem": " ".join(self.folders.shown(problem).split()),
-        }  # fmt: skip
+        }

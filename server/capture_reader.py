@@ -75,11 +75,14 @@ def _find(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
     found, complete = find_captures(_folders(request))
     captures = [
         {
-            "name": one.name, "capture": str(one.path), "mark": one.mark, "layout": one.layout,
+            "name": one.name,
+            "capture": str(one.path),
+            "mark": one.mark,
+            "layout": one.layout,
             "cameras": list(one.cameras),
         }
         for one in found
-    ]  # fmt: skip
+    ]
     yield {"captures": captures, "complete": complete}
 
 
@@ -101,9 +104,12 @@ def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
         require_bounded_tables(capture)
         pipeline = importlib.import_module(home.pipeline)
         config = pipeline.create_run(
-            Path(request["run"]), capture, RunConfig.from_json(request["config"]), masks=masks and Path(masks),
+            Path(request["run"]),
+            capture,
+            RunConfig.from_json(request["config"]),
+            masks=masks and Path(masks),
             audio=request["audio"],
-        )  # fmt: skip
+        )
         return {"config": config.to_json()}
 
     _limit_processor(request["seconds"])
@@ -111,8 +117,10 @@ def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
 
 
 _OPERATIONS: dict[str, Callable[[dict[str, Any], Home], Iterator[dict[str, Any]]]] = {
-    "find": _find, "describe": _describe, "create": _create,
-}  # fmt: skip
+    "find": _find,
+    "describe": _describe,
+    "create": _create,
+}
 
 
 def _folders(request: dict[str, Any]) -> CaptureFolders:

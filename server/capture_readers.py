@@ -68,9 +68,13 @@ class CaptureReaders:
         with tempfile.TemporaryFile() as note, tempfile.TemporaryFile() as errors:
             process = subprocess.Popen(
                 self._command(operation, note.fileno()),
-                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, pass_fds=(note.fileno(),),
-                env=self._environment, start_new_session=True,
-            )  # fmt: skip
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                pass_fds=(note.fileno(),),
+                env=self._environment,
+                start_new_session=True,
+            )
             tree, late = ProcessTree(process.pid), threading.Event()
             with self._lock:
                 self._running.add(tree)

@@ -28,16 +28,21 @@ class Metrics:
             "hgs_requests", "HTTP requests answered", ["method", "route", "status"], registry=registry
         )
         self.request_seconds = Histogram(
-            "hgs_request_seconds", "From a request to the end of its answer", ["route"], buckets=_SECONDS,
+            "hgs_request_seconds",
+            "From a request to the end of its answer",
+            ["route"],
+            buckets=_SECONDS,
             registry=registry,
-        )  # fmt: skip
+        )
         self.sent_bytes = Counter("hgs_sent_bytes", "Bytes of bodies and messages", ["kind"], registry=registry)
         self.streams = Gauge("hgs_streams", "Streams that are open", registry=registry)
         self.stream_closes = Counter("hgs_stream_closes", "Streams that ended, by code", ["code"], registry=registry)
         self.stream_send_seconds = Histogram(
-            "hgs_stream_send_seconds", "How long a message waited for its client's line", buckets=_SECONDS,
+            "hgs_stream_send_seconds",
+            "How long a message waited for its client's line",
+            buckets=_SECONDS,
             registry=registry,
-        )  # fmt: skip
+        )
         self.stream_waits = Counter(
             "hgs_stream_waits", "Clients that stopped playing while data was on its way to them", registry=registry
         )

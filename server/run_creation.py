@@ -74,9 +74,13 @@ class LimitedCreation:
 
     def _look(self, run: Path, capture: Path, config: RunConfig, masks: Path | None, audio: str) -> _Kept:
         request = {
-            "run": str(run), "capture": str(capture), "config": config.to_json(), "masks": masks and str(masks),
-            "audio": audio, "seconds": _SECONDS,
-        }  # fmt: skip
+            "run": str(run),
+            "capture": str(capture),
+            "config": config.to_json(),
+            "masks": masks and str(masks),
+            "audio": audio,
+            "seconds": _SECONDS,
+        }
         try:
             (answer,) = self._readers.read("create", request, _WALL_SECONDS)
             found, spec = answered(answer, capture), RunFolder(run).spec

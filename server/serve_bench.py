@@ -126,9 +126,11 @@ async def _bad_clients(server: BenchServer) -> dict[str, Any]:
             there, most = costs.connections, max(most, costs.kernel)
         gone = time.monotonic() - begun
     report["stalled"] = {
-        "count": STALLED, "still_there": max(there - quiet.connections, 0), "seconds": gone,
+        "count": STALLED,
+        "still_there": max(there - quiet.connections, 0),
+        "seconds": gone,
         "kernel_each": most / STALLED,
-    }  # fmt: skip
+    }
     with resting(server.url, RESTING):
         await asyncio.sleep(REST_SECONDS)
         before = await server.costs()
@@ -162,9 +164,11 @@ def _quantiles(values: Sequence[float]) -> dict[str, float | int | None]:
 def serve_text(report: Mapping[str, Any]) -> str:
     """Return the report as text."""
     witnesses = report["witnesses"]
-    begin = "none plays" if witnesses["start_p50"] is None else (
-        f"{witnesses['playing']} play, after {witnesses['start_p50']:.2f} s (p50)"
-    )  # fmt: skip
+    begin = (
+        "none plays"
+        if witnesses["start_p50"] is None
+        else (f"{witnesses['playing']} play, after {witnesses['start_p50']:.2f} s (p50)")
+    )
     rows = [
         f"{report['viewers']} viewers for {report['seconds']:.0f} s, {report['processes']} server(s): "
         f"{report['bytes'] / 1e6:.0f} MB, {report['mbit_per_viewer']:.2f} Mbit/s each, {report['lost']} lost",

@@ -46,9 +46,11 @@ class PendingSubmission:
     def to_json(self) -> dict[str, Any]:
         """Return the submission object of docs/protocol.md."""
         return {
-            "id": self.id, "capture": self.capture, "state": "looking" if self.running else "waiting",
+            "id": self.id,
+            "capture": self.capture,
+            "state": "looking" if self.running else "waiting",
             "seconds": round(time.monotonic() - self.began, 1),
-        }  # fmt: skip
+        }
 
 
 class Submissions:

@@ -26,10 +26,12 @@ def balls(*places: np.ndarray) -> StaticSplats[torch.Tensor]:
     colours = np.eye(3)[np.random.default_rng(0).integers(0, 3, count)]
     total = len(means)
     return StaticSplats(
-        torch.tensor(means, dtype=torch.float32), torch.full((total, 3), float(np.log(0.03))),
-        torch.tensor([[1.0, 0, 0, 0]]).repeat(total, 1), torch.full((total,), 4.0),
+        torch.tensor(means, dtype=torch.float32),
+        torch.full((total, 3), float(np.log(0.03))),
+        torch.tensor([[1.0, 0, 0, 0]]).repeat(total, 1),
+        torch.full((total,), 4.0),
         torch.tensor(np.tile(colours, (len(places), 1)), dtype=torch.float32),
-    )  # fmt: skip
+    )
 
 
 def pictures(static: StaticSplats[torch.Tensor] | None, grey: float = 0.2) -> list[torch.Tensor]:

@@ -45,9 +45,14 @@ def drawn(scene: HybridScene[npt.NDArray[np.float32]], camera: Camera, *, antial
 def truth(scene: HybridScene[npt.NDArray[np.float32]], camera: Camera) -> Doubles:
     """Return the mean of what is seen within each pixel: of a picture FINE times finer."""
     fine = dataclasses.replace(
-        camera, width=FINE * camera.width, height=FINE * camera.height,
-        fx=FINE * camera.fx, fy=FINE * camera.fy, cx=FINE * camera.cx, cy=FINE * camera.cy,
-    )  # fmt: skip
+        camera,
+        width=FINE * camera.width,
+        height=FINE * camera.height,
+        fx=FINE * camera.fx,
+        fy=FINE * camera.fy,
+        cx=FINE * camera.cx,
+        cy=FINE * camera.cy,
+    )
     picture = drawn(scene, fine, antialiased=True)
     return picture.reshape(camera.height, FINE, camera.width, FINE, 3).mean(axis=(1, 3))
 

@@ -50,82 +50,100 @@ ROWS: Mapping[str, Row] = {
         Row("confirmed-points", "Are points that several cameras agree on enough?", {"points.continued": False}),
         Row("discs", "Do first splats that are discs in their surfaces help?", {"points.discs": True}),
         Row(
-            "train-separate", "Can each set learn alone, where the masks say it belongs?",
+            "train-separate",
+            "Can each set learn alone, where the masks say it belongs?",
             {"train.stages": "separate"},
         ),
         Row(
-            "two-stage", "Is one step for each set, the statics first, better than one?",
+            "two-stage",
+            "Is one step for each set, the statics first, better than one?",
             {"train.stages": "interleaved"},
         ),
         Row("order-1", "Is straight motion enough?", {"train.motion_order": 1}),
         Row("order-2", "Is motion with constant acceleration enough?", {"train.motion_order": 2}),
         Row("order-5", "Does motion of the fifth order, in place of a cubic, show more?", {"train.motion_order": 5}),
         Row(
-            "all-dynamic", "What does the division save: a single set of dynamic splats with the whole budget?",
+            "all-dynamic",
+            "What does the division save: a single set of dynamic splats with the whole budget?",
             {"train.labels.initial": "dynamic", "train.labels.adaptive": False},
         ),
         Row(
-            "all-static", "What is time worth: a single set of static splats with the whole budget?",
+            "all-static",
+            "What is time worth: a single set of static splats with the whole budget?",
             {"train.labels.initial": "static", "train.labels.adaptive": False, "train.density.birth_rounds": 0},
         ),
         Row(
-            "no-parameter-sharing", "What would the full scene weigh if its statics were dynamic splats at rest?",
+            "no-parameter-sharing",
+            "What would the full scene weigh if its statics were dynamic splats at rest?",
             statics_at_rest=True,
         ),
         Row("no-colour-correction", "Do the cameras' colour maps help?", {"train.colour_correction": False}),
         Row("no-lens-falloff", "Does learning how lenses darken corners help?", {"train.lens_falloff": False}),
         Row(
-            "no-births", "Do splats that are born where moving pixels are wrong help?",
+            "no-births",
+            "Do splats that are born where moving pixels are wrong help?",
             {"train.density.birth_rounds": 0},
         ),
         Row(
-            "no-opacity-penalty", "Does a steady pull of all opacities towards transparency help?",
+            "no-opacity-penalty",
+            "Does a steady pull of all opacities towards transparency help?",
             {"train.density.static_opacity_penalty": 0.0, "train.density.dynamic_opacity_penalty": 0.0},
         ),
         Row(
-            "no-infill", "Do statics that are added where still pixels stay wrong help?",
+            "no-infill",
+            "Do statics that are added where still pixels stay wrong help?",
             {"train.density.infill": 0.0},
         ),
         Row(
-            "no-moving-steps", "Do further steps of the dynamics alone, where it moves, help?",
+            "no-moving-steps",
+            "Do further steps of the dynamics alone, where it moves, help?",
             {"train.moving_steps": 0.0},
         ),
         Row("no-settling", "Do steps that become small at the end help?", {"train.settled": 1.0}),
         Row(
-            "no-mean", "Do steps that are held at the end, and the mean of the splats over the last of them, help?",
+            "no-mean",
+            "Do steps that are held at the end, and the mean of the splats over the last of them, help?",
             {"train.hold_from": 1.0, "train.average_from": 1.0},
         ),
         Row("equal-steps", "Do smaller steps of what lives shortly help?", {"train.steps_by_life": False}),
         Row(
-            "relocation", "Is copying by opacity better than refining what is pulled at?",
+            "relocation",
+            "Is copying by opacity better than refining what is pulled at?",
             {"train.density.method": "relocation"},
         ),
         Row("fixed-labels", "Does it help that labels follow the evidence?", {"train.labels.adaptive": False}),
         *(
             Row(
-                f"masks-{share}", f"What if masks call {share} % of every picture moving?",
+                f"masks-{share}",
+                f"What if masks call {share} % of every picture moving?",
                 masks=_grown(share / 100),
             )
             for share in _MASK_SHARES
         ),
         Row(
-            "masks-eroded", f"What if masks are {_MASK_PIXELS} pixels too narrow?",
+            "masks-eroded",
+            f"What if masks are {_MASK_PIXELS} pixels too narrow?",
             masks=lambda m, _: eroded(m, _MASK_PIXELS),
         ),
         Row(
-            "masks-dilated", f"What if masks are {_MASK_PIXELS} pixels too wide?",
+            "masks-dilated",
+            f"What if masks are {_MASK_PIXELS} pixels too wide?",
             masks=lambda m, _: dilate(m, _MASK_PIXELS),
         ),
         Row(
-            "masks-dropped", f"What if masks miss {_DROPPED_SHARE:.0%} of the components that move?",
-            masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED_SHARE), masks_vary=True,
+            "masks-dropped",
+            f"What if masks miss {_DROPPED_SHARE:.0%} of the components that move?",
+            masks=lambda mask, generator: components_dropped(mask, generator, _DROPPED_SHARE),
+            masks_vary=True,
         ),
         Row(
-            "masks-blobs", f"What if masks call {_BLOBS} random discs, {_BLOB_SHARE:.0%} of the picture, moving too?",
-            masks=lambda mask, generator: blobs_added(mask, generator, _BLOBS, _BLOB_SHARE), masks_vary=True,
+            "masks-blobs",
+            f"What if masks call {_BLOBS} random discs, {_BLOB_SHARE:.0%} of the picture, moving too?",
+            masks=lambda mask, generator: blobs_added(mask, generator, _BLOBS, _BLOB_SHARE),
+            masks_vary=True,
         ),
     )
-}  # fmt: skip
+}
 """By name, in the order of the table."""
 
 

@@ -12,9 +12,16 @@ from hgs_core.ablate.rows import FULL
 __all__ = ["ENOUGH_SEEDS", "FIGURES", "NEAR_DECIBELS", "RowSummary", "summarise"]
 
 FIGURES = (
-    "psnr", "ssim", "psnr_dynamic", "flicker", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
+    "psnr",
+    "ssim",
+    "psnr_dynamic",
+    "flicker",
+    "bytes_static",
+    "bytes_dynamic",
+    "splats_static",
+    "splats_dynamic",
     "train_seconds",
-)  # fmt: skip
+)
 """The fields of eval.json that are compared."""
 
 NEAR_DECIBELS = 0.5  # dB: runs of published methods that differ in the seed alone differ by 0.2 to 0.3

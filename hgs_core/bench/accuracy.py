@@ -63,9 +63,7 @@ def _leaves(workload: Workload, dtype: torch.dtype) -> tuple[StaticSplats[Tensor
 def _draw(
     workload: Workload, static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor] | None, backend: str
 ) -> Tensor:
-    return rasterize(
-        static, dynamic, workload.camera, workload.scene.time, background=BACKGROUND, backend=backend
-    ).rgb  # fmt: skip
+    return rasterize(static, dynamic, workload.camera, workload.scene.time, background=BACKGROUND, backend=backend).rgb
 
 
 def _gradients(

@@ -60,9 +60,11 @@ def compare(settings: BenchSettings, python: Path, size: Size, threads: int, rou
         InputError: the other checkout does not run, or cannot do what is asked.
     """
     start = {
-        "size": (size.splats, size.width, size.height), "threads": threads,
-        "seed": settings.seed, "dynamic_share": settings.dynamic_share,
-    }  # fmt: skip
+        "size": (size.splats, size.width, size.height),
+        "threads": threads,
+        "seed": settings.seed,
+        "dynamic_share": settings.dynamic_share,
+    }
     with ExitStack() as stack:
         here, other = (stack.enter_context(_measuring(path, start)) for path in (Path(sys.executable), python))
         found = [process.ask({}) if size in settings.truth else None for process in (here, other)]
@@ -73,10 +75,16 @@ def compare(settings: BenchSettings, python: Path, size: Size, threads: int, rou
             times.append((TrainingTimes(**pair[here]), TrainingTimes(**pair[other])))
     ratios = [tuple(b / a for a, b in zip(*pair, strict=True)) for pair in times]
     return Comparison(
-        str(size), threads, rounds,
-        _each(statistics.median, [one for one, _ in times]), _each(statistics.median, [two for _, two in times]),
-        _each(statistics.median, ratios), _each(min, ratios), _each(max, ratios), *found,
-    )  # fmt: skip
+        str(size),
+        threads,
+        rounds,
+        _each(statistics.median, [one for one, _ in times]),
+        _each(statistics.median, [two for _, two in times]),
+        _each(statistics.median, ratios),
+        _each(min, ratios),
+        _each(max, ratios),
+        *found,
+    )
 
 
 def _each(function: Any, rounds: list[Any]) -> TrainingTimes:
@@ -107,8 +115,11 @@ def _measuring(python: Path, start: Mapping[str, Any]) -> Iterator[_Process]:
     # -P: the folder of the script is not where its imports are looked for.
     with subprocess.Popen(
         [str(python), "-P", str(script)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=python.parents[2],
-    ) as child:  # fmt: skip
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=python.parents[2],
+    ) as child:
         process = _Process(child, python)
         try:
             process.ask(start, answered=False)

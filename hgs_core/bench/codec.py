@@ -94,9 +94,11 @@ def bench_codec(
         progress(Progress("codec", done, steps))
 
     utility = measure_utility(
-        scene, list(views.trained.values()), views.times,
+        scene,
+        list(views.trained.values()),
+        views.times,
         any_background=views.any_background,
-    )  # fmt: skip
+    )
     tell()
     seen = Loss(scene, views, views.trained)
     unseen = Loss(scene, views, held_out) if held_out else None
@@ -117,9 +119,15 @@ def bench_codec(
         with tempfile.TemporaryDirectory() as out:
             began = time.process_time()
             manifest = encode_scene(
-                found.scene, Path(out), cameras=views.cameras, closer=views.closer, times=views.times,
-                title=views.title, settings=found.settings, utility=found.utility,
-            )  # fmt: skip
+                found.scene,
+                Path(out),
+                cameras=views.cameras,
+                closer=views.closer,
+                times=views.times,
+                title=views.title,
+                settings=found.settings,
+                utility=found.utility,
+            )
             seconds = fitting + time.process_time() - began
             decoded = decode_scene(Path(out))
             if not rates:
@@ -128,16 +136,26 @@ def bench_codec(
         lost = seen.of(decoded)
         points.append(
             CodecPoint(
-                name, found.settings.coarseness, found.settings.dynamic_share, totals.bytes_static,
-                totals.bytes_dynamic, totals.splats_static, totals.splats_dynamic, lost.whole, lost.moving,
-                None if unseen is None else unseen.of(decoded).whole, seconds,
+                name,
+                found.settings.coarseness,
+                found.settings.dynamic_share,
+                totals.bytes_static,
+                totals.bytes_dynamic,
+                totals.splats_static,
+                totals.splats_dynamic,
+                lost.whole,
+                lost.moving,
+                None if unseen is None else unseen.of(decoded).whole,
+                seconds,
             )
-        )  # fmt: skip
+        )
         tell()
     moving = [segment.dynamic for segment in scene.segments]
     still = not any(map(len, moving))
-    splatv = sum(len(splatv_file(scene.static.take(slice(0, None if i == 0 else 0)), part, views.cameras).data)
-                 for i, part in enumerate(moving))  # fmt: skip
+    splatv = sum(
+        len(splatv_file(scene.static.take(slice(0, None if i == 0 else 0)), part, views.cameras).data)
+        for i, part in enumerate(moving)
+    )
     errors: dict[str, StaticErrors] = {}
     spz: dict[str, int] = {}
     if still:
@@ -150,9 +168,18 @@ def bench_codec(
             )
     tell()
     return CodecReport(
-        machine_facts(), source.name, len(scene.static), sum(map(len, moving)), tuple(points[: len(chosen)]),
-        tuple(points[len(chosen) :]), *prefix, rates, splatv, spz, errors,
-    )  # fmt: skip
+        machine_facts(),
+        source.name,
+        len(scene.static),
+        sum(map(len, moving)),
+        tuple(points[: len(chosen)]),
+        tuple(points[len(chosen) :]),
+        *prefix,
+        rates,
+        splatv,
+        spz,
+        errors,
+    )
 
 
 def _opened(

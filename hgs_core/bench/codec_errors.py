@@ -62,12 +62,13 @@ def spz_errors(splats: StaticSplats[Floats], data: bytes) -> StaticErrors:
     quats = splats.quats.astype(np.float64)
     original = Prepared(
         {
-            "position": splats.means.astype(np.float64), "log_scale": splats.log_scales.astype(np.float64),
+            "position": splats.means.astype(np.float64),
+            "log_scale": splats.log_scales.astype(np.float64),
             "rgb": splats.rgb.astype(np.float64),
             "rotation": quats / np.linalg.norm(quats, axis=1, keepdims=True),
             "opacity": 1 / (1 + np.exp(-splats.opacity_logits[:, None].astype(np.float64))),
         }
-    )  # fmt: skip
+    )
     opacities = 1 / (1 + np.exp(-read.opacity_logits.astype(np.float64)))
     found = {"means": read.means, "log_scales": read.log_scales, "quats": read.quats, "rgb": read.rgb}
     return _errors(original, {name: a.astype(np.float64) for name, a in found.items()} | {"opacities": opacities})

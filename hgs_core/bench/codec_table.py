@@ -19,16 +19,43 @@ def codec_text(report: CodecReport) -> str:
         "",
         "Encodings; bytes per splat are of those kept",
     ]
-    rows = [["budget", "coarseness", "of dynamic", "static", "bytes", "each", "dynamic", "bytes", "each", "all bytes",
-             "loss dB", "moving dB", "held out dB", "encode s"]]  # fmt: skip
+    rows = [
+        [
+            "budget",
+            "coarseness",
+            "of dynamic",
+            "static",
+            "bytes",
+            "each",
+            "dynamic",
+            "bytes",
+            "each",
+            "all bytes",
+            "loss dB",
+            "moving dB",
+            "held out dB",
+            "encode s",
+        ]
+    ]
     for p in (*report.budgets, *report.sweep):
-        rows.append([
-            p.name or "-", f"{p.coarseness:.3g}", f"{p.coarseness * p.dynamic_share:.3g}", f"{p.splats_static:,}",
-            f"{p.bytes_static:,}", _each(p.bytes_static, p.splats_static), f"{p.splats_dynamic:,}",
-            f"{p.bytes_dynamic:,}",
-            _each(p.bytes_dynamic, p.splats_dynamic), f"{p.bytes_static + p.bytes_dynamic:,}", f"{p.loss:.3f}",
-            _decibels(p.loss_moving), _decibels(p.loss_held_out), f"{p.encode_seconds:.1f}",
-        ])  # fmt: skip
+        rows.append(
+            [
+                p.name or "-",
+                f"{p.coarseness:.3g}",
+                f"{p.coarseness * p.dynamic_share:.3g}",
+                f"{p.splats_static:,}",
+                f"{p.bytes_static:,}",
+                _each(p.bytes_static, p.splats_static),
+                f"{p.splats_dynamic:,}",
+                f"{p.bytes_dynamic:,}",
+                _each(p.bytes_dynamic, p.splats_dynamic),
+                f"{p.bytes_static + p.bytes_dynamic:,}",
+                f"{p.loss:.3f}",
+                _decibels(p.loss_moving),
+                _decibels(p.loss_held_out),
+                f"{p.encode_seconds:.1f}",
+            ]
+        )
     lines += aligned(rows, left=("budget",))
     lines += ["", f".splatv of the same splats: {report.bytes_splatv:,} bytes"]
     lines += [f"{name}: {size:,} bytes" for name, size in report.bytes_spz.items()]
@@ -37,8 +64,11 @@ def codec_text(report: CodecReport) -> str:
         table = [["root mean square errors", *names]]
         table += [[name, *(f"{getattr(e, n):.3g}" for n in names)] for name, e in report.errors.items()]
         lines += ["", *aligned(table, left=("root mean square errors",))]
-    lines += ["", f"a quarter of the bytes of the first encoding: {report.prefix_loss:.2f} dB lost in order of the "
-              f"manifest, {report.prefix_loss_shuffled:.2f} dB shuffled"]  # fmt: skip
+    lines += [
+        "",
+        f"a quarter of the bytes of the first encoding: {report.prefix_loss:.2f} dB lost in order of the "
+        f"manifest, {report.prefix_loss_shuffled:.2f} dB shuffled",
+    ]
     rates = ", ".join(f"{name} {rate / 1e6:.1f} M splats/s" for name, rate in report.decode_rates.items())
     return "\n".join([*lines, "", f"decoding by one core: {rates}"])
 

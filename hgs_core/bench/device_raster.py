@@ -155,10 +155,19 @@ def _comparator(name: str) -> Draw:
         pose = torch.tensor(camera.world_to_camera, dtype=torch.float32, device=device)
         lens = torch.tensor([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1]], device=device)
         image = rasterization(
-            static.means, static.quats, static.log_scales.exp(), static.opacity_logits.sigmoid(), static.rgb,
-            pose[None], lens[None].float(), camera.width, camera.height, near_plane=camera.near,
-            backgrounds=torch.tensor([BACKGROUND], device=device), packed=False,
-        )[0]  # fmt: skip
+            static.means,
+            static.quats,
+            static.log_scales.exp(),
+            static.opacity_logits.sigmoid(),
+            static.rgb,
+            pose[None],
+            lens[None].float(),
+            camera.width,
+            camera.height,
+            near_plane=camera.near,
+            backgrounds=torch.tensor([BACKGROUND], device=device),
+            packed=False,
+        )[0]
         planes: Tensor = image[0].permute(2, 0, 1)
         return planes
 
@@ -168,8 +177,10 @@ def _comparator(name: str) -> Draw:
 def device_report_text(report: DeviceReport) -> str:
     """Return the table of a report."""
     lines = [f"{report.machine['device']}, torch {report.machine['torch']}", ""]
-    lines.append(f"{'size':<18}{'rasterizer':<12}{'forward ms':>12}{'with backward':>15}{'peak MiB':>10}"
-                 f"{'image error':>13}{'gradient':>10}")  # fmt: skip
+    lines.append(
+        f"{'size':<18}{'rasterizer':<12}{'forward ms':>12}{'with backward':>15}{'peak MiB':>10}"
+        f"{'image error':>13}{'gradient':>10}"
+    )
     for p in report.points:
         peak = "-" if p.peak_bytes is None else f"{p.peak_bytes / 2**20:.0f}"
         gradient = "-" if p.gradient_error is None else f"{p.gradient_error:.1e}"

@@ -184,9 +184,13 @@ def _work(kernels: Measurements, peak: float) -> Work:
         "backward": kernels.evaluations / kernels.composite_backward,
     }
     return Work(
-        int(kernels.visible_static), int(kernels.visible_dynamic), int(kernels.tile_entries), int(kernels.evaluations),
-        rates, {part: rate * getattr(operations, part) / peak for part, rate in rates.items()},
-    )  # fmt: skip
+        int(kernels.visible_static),
+        int(kernels.visible_dynamic),
+        int(kernels.tile_entries),
+        int(kernels.evaluations),
+        rates,
+        {part: rate * getattr(operations, part) / peak for part, rate in rates.items()},
+    )
 
 
 def _speedups(points: list[Point]) -> tuple[Speedup, ...]:

@@ -62,9 +62,10 @@ class BenchSettings:
         """
         if not library.available() and "cpu" in backends:
             raise InputError(
-                "--backends", "cpu needs the compiled kernels and there are none",
+                "--backends",
+                "cpu needs the compiled kernels and there are none",
                 "install a C++17 compiler and reinstall hgs, unset HGS_NATIVE_ISA, or ask for reference alone",
-            )  # fmt: skip
+            )
         if not (math.isfinite(seconds) and seconds > 0):
             raise InputError("--seconds", f"{seconds} is not a positive number")
         if not 0 <= dynamic_share <= 0.9:

@@ -80,9 +80,15 @@ def training_times(workload: Workload, backend: str, seconds: float) -> Timing[T
         start = time.perf_counter()
         static.map(lambda array: array.requires_grad_(True))
         render = rasterize(
-            static, dynamic, camera, moment,
-            background=BACKGROUND, backend=backend, gradients="static", statistics=statistics,
-        )  # fmt: skip
+            static,
+            dynamic,
+            camera,
+            moment,
+            background=BACKGROUND,
+            backend=backend,
+            gradients="static",
+            statistics=statistics,
+        )
         drawn = time.perf_counter()
         picture = render.rgb.detach().requires_grad_(True)
         (slope,) = torch.autograd.grad(photometric_loss(picture, workload.target, dssim), picture)

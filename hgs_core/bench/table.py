@@ -52,11 +52,15 @@ def _work(points: Iterable[Point]) -> list[list[str]]:
         if p.work is not None:
             counts = (p.work.visible_static + p.work.visible_dynamic, p.work.tile_entries, p.work.evaluations)
             rates, shares = p.work.evaluations_per_second, p.work.share_of_peak
-            rows.append([
-                p.size, str(p.threads), *(f"{count:,}" for count in counts),
-                *(f"{rates[part] / 1e9:.2f}" for part in ("forward", "backward")),
-                *(f"{shares[part]:.0%}" for part in ("forward", "backward")),
-            ])  # fmt: skip
+            rows.append(
+                [
+                    p.size,
+                    str(p.threads),
+                    *(f"{count:,}" for count in counts),
+                    *(f"{rates[part] / 1e9:.2f}" for part in ("forward", "backward")),
+                    *(f"{shares[part]:.0%}" for part in ("forward", "backward")),
+                ]
+            )
     return rows
 
 

@@ -69,18 +69,29 @@ def bench_training(capture: Path, config: RunConfig, device: str, progress: Prog
         scores = evaluate_run(run, progress, backend=backend)
         summary = json.loads(RunFolder(run).train_summary.read_text())
     return TrainingReport(
-        machine_facts(), device, config.to_json(), summary["seconds"] / 60, seconds / 60, summary["profile"],
-        scores["psnr"], scores["ssim"], scores["bytes_total"], scores["splats_static"], scores["splats_dynamic"],
-    )  # fmt: skip
+        machine_facts(),
+        device,
+        config.to_json(),
+        summary["seconds"] / 60,
+        seconds / 60,
+        summary["profile"],
+        scores["psnr"],
+        scores["ssim"],
+        scores["bytes_total"],
+        scores["splats_static"],
+        scores["splats_dynamic"],
+    )
 
 
 def training_report_text(report: TrainingReport) -> str:
     """Return the report as lines for people."""
     longest = sorted(report.profile.items(), key=lambda item: -item[1])
-    return "\n".join((
-        f"device {report.device}, {report.machine['cpu']}, torch {report.machine['torch']}",
-        f"training {report.minutes:.2f} min, with initialisation and encoding {report.minutes_in_all:.2f} min",
-        f"PSNR {report.psnr:.2f} dB, SSIM {report.ssim:.4f}, {report.bytes_total:,} bytes",
-        f"{report.splats_static:,} static and {report.splats_dynamic:,} dynamic splats",
-        "seconds: " + ", ".join(f"{name} {seconds:.1f}" for name, seconds in longest),
-    ))  # fmt: skip
+    return "\n".join(
+        (
+            f"device {report.device}, {report.machine['cpu']}, torch {report.machine['torch']}",
+            f"training {report.minutes:.2f} min, with initialisation and encoding {report.minutes_in_all:.2f} min",
+            f"PSNR {report.psnr:.2f} dB, SSIM {report.ssim:.4f}, {report.bytes_total:,} bytes",
+            f"{report.splats_static:,} static and {report.splats_dynamic:,} dynamic splats",
+            "seconds: " + ", ".join(f"{name} {seconds:.1f}" for name, seconds in longest),
+        )
+    )

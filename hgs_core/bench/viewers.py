@@ -147,9 +147,14 @@ def _write_files(
     """Write what the viewers load; returns the scene, the camera as the page takes it, and the splats of the start."""
     if source.is_file():
         import_run(
-            source, scratch / "run", silent,
-            duration=1.0, capture=None, config=RunConfig(preset="imported"), antialiased=False,
-        )  # fmt: skip
+            source,
+            scratch / "run",
+            silent,
+            duration=1.0,
+            capture=None,
+            config=RunConfig(preset="imported"),
+            antialiased=False,
+        )
         source = scratch / "run"
     folder = _scene_folder(source)
     manifest, scene = load_manifest(folder), decode_scene(folder)
@@ -217,11 +222,14 @@ def _truths(
     pictures = []
     for degrees in DEGREES:
         render = rasterize(
-            splats.map(torch.from_numpy), None, turned_camera(camera, degrees, size),
+            splats.map(torch.from_numpy),
+            None,
+            turned_camera(camera, degrees, size),
             background=scene.background if ours else BLACK,
             antialiased=ours and scene.antialiased,
-            backend="cpu", gradients="none",
-        )  # fmt: skip
+            backend="cpu",
+            gradients="none",
+        )
         pictures.append(np.clip(render.rgb.double().permute(1, 2, 0).numpy(), 0, 1))
     return pictures
 

@@ -205,11 +205,13 @@ def _equations(
         own = np.column_stack([by[:, 6] + by[:, 7], by[:, 10], by[:, 11]])  # fx and fy are one
         if not lenses:
             own[:] = 0.0
-        columns = np.concatenate([
-            3 * one.camera + np.arange(3),
-            first_board + 6 * moment + np.arange(6),
-            first_camera + 6 * one.camera + np.arange(6),
-        ])  # fmt: skip
+        columns = np.concatenate(
+            [
+                3 * one.camera + np.arange(3),
+                first_board + 6 * moment + np.arange(6),
+                first_camera + 6 * one.camera + np.arange(6),
+            ]
+        )
         jacobian = np.hstack([own, poses])
         far = np.repeat(np.hypot(left[::2], left[1::2]), 2)
         weights = np.minimum(1.0, _OUTLIER / np.maximum(far, 1e-9))  # Huber's

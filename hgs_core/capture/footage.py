@@ -29,11 +29,57 @@ FEWEST_VIDEOS = 3
 
 _PICTURES = frozenset(("png", "jpg", "jpeg", "jpe", "jp2", "tif", "tiff", "bmp", "webp", "ppm", "pgm", "pnm", "tga"))
 _FOREIGN = frozenset(("heic", "heif", "avif", "gif"))  # pictures that are not read, and are refused with the way out
-_VIDEOS = frozenset((
-    "mp4", "m4v", "mov", "qt", "mkv", "webm", "avi", "mts", "m2ts", "m2t", "ts", "mpg", "mpeg", "mpe", "m2v", "mpv",
-    "vob", "wmv", "asf", "flv", "f4v", "3gp", "3g2", "mxf", "gxf", "lxf", "ogv", "ogm", "rm", "rmvb", "dv", "y4m",
-    "h264", "264", "avc", "h265", "265", "hevc", "ivf", "obu", "av1", "nut", "insv", "360", "mj2", "mjpg", "mjpeg",
-))  # fmt: skip
+_VIDEOS = frozenset(
+    (
+        "mp4",
+        "m4v",
+        "mov",
+        "qt",
+        "mkv",
+        "webm",
+        "avi",
+        "mts",
+        "m2ts",
+        "m2t",
+        "ts",
+        "mpg",
+        "mpeg",
+        "mpe",
+        "m2v",
+        "mpv",
+        "vob",
+        "wmv",
+        "asf",
+        "flv",
+        "f4v",
+        "3gp",
+        "3g2",
+        "mxf",
+        "gxf",
+        "lxf",
+        "ogv",
+        "ogm",
+        "rm",
+        "rmvb",
+        "dv",
+        "y4m",
+        "h264",
+        "264",
+        "avc",
+        "h265",
+        "265",
+        "hevc",
+        "ivf",
+        "obu",
+        "av1",
+        "nut",
+        "insv",
+        "360",
+        "mj2",
+        "mjpg",
+        "mjpeg",
+    )
+)
 # Folders that hold other things: masks, calibration, what structure from motion leaves behind.
 _SKIPPED = re.compile(
     r"\..*|masks?|seg|sparse.*|stereo|dense|calib.*|intrinsics?|extrinsics?|depths?|normals?|flow|openpose|"

@@ -35,8 +35,15 @@ from hgs_core.capture.video import VideoReader, announced_length
 __all__ = ["CAMERA_FORMATS", "Outline", "calibration", "clock_of_videos", "load", "outline"]
 
 CAMERA_FORMATS: tuple[CameraFormat, ...] = (
-    PANOPTIC_SPORTS, LLFF, NERFSTUDIO, IMMERSIVE, EASYMOCAP, CALIBRATION_TOML, COLMAP, OPENCV_FILES,
-)  # fmt: skip
+    PANOPTIC_SPORTS,
+    LLFF,
+    NERFSTUDIO,
+    IMMERSIVE,
+    EASYMOCAP,
+    CALIBRATION_TOML,
+    COLMAP,
+    OPENCV_FILES,
+)
 """In the order in which a folder is tried; a new format is a module and an entry."""
 
 _LARGE = 3.0  # times the pixels of most cameras, from which on a camera is worth a word

@@ -46,13 +46,17 @@ class Starts:
     def lines(self) -> list[str]:
         """Return a line for each camera, for people."""
         width = max(len(name) for name in self.values)
-        return [
-            f"{name:<{width}} {value:+.4f} s" if self.unit == "seconds" else f"{name:<{width}} {value:+.2f} frames"
-            for name, value in self.values.items()
-        ] if not self.confidence else [
-            f"{name:<{width}} {value:+.4f} s  confidence {self.confidence[name]:.2f}"
-            for name, value in self.values.items()
-        ]  # fmt: skip
+        return (
+            [
+                f"{name:<{width}} {value:+.4f} s" if self.unit == "seconds" else f"{name:<{width}} {value:+.2f} frames"
+                for name, value in self.values.items()
+            ]
+            if not self.confidence
+            else [
+                f"{name:<{width}} {value:+.4f} s  confidence {self.confidence[name]:.2f}"
+                for name, value in self.values.items()
+            ]
+        )
 
     def write(self, file: Path) -> None:
         """Write sync.json."""
@@ -89,9 +93,11 @@ def starts_by_sound(where: Path, names: Sequence[str], videos: Sequence[Path], p
         raise InputError(where, problem, f"is it an echo, or sound by cable? Go by what moves (motion), or {_CURE}")
     heard = {name: one for name, one in zip(names, told.cameras, strict=True) if one is not None}
     return Starts(
-        "sound", "seconds", {name: round(one.seconds, 5) for name, one in heard.items()},
+        "sound",
+        "seconds",
+        {name: round(one.seconds, 5) for name, one in heard.items()},
         {name: round(one.confidence, 2) for name, one in heard.items()},
-    )  # fmt: skip
+    )
 
 
 def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
@@ -110,9 +116,10 @@ def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
     if untold:
         raise InputError(capture.path, f"too little that moves is seen by {', '.join(untold)}", _CURE)
     return Starts(
-        "motion", "frames",
+        "motion",
+        "frames",
         {name: round(offset, 2) + 0.0 for name, offset in zip(names, offsets, strict=True) if offset is not None},
-    )  # fmt: skip
+    )
 
 
 def starts_by_energy(

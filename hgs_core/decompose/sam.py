@@ -82,9 +82,14 @@ class Sam2Refiner:
             return found
         video = torch.cat([self._prepared(picture) for picture in pictures])
         session = Sam2VideoInferenceSession(
-            video=video, video_height=height, video_width=width, inference_device=self._device,
-            inference_state_device=self._device, video_storage_device="cpu", dtype=torch.float32,
-        )  # fmt: skip
+            video=video,
+            video_height=height,
+            video_width=width,
+            inference_device=self._device,
+            inference_state_device=self._device,
+            video_storage_device="cpu",
+            dtype=torch.float32,
+        )
         scale = torch.tensor([self._size / width, self._size / height])
         for number, (left, top, right, bottom) in enumerate(boxes):
             corners = torch.tensor([[left, top], [right, bottom]]) * scale

@@ -53,12 +53,14 @@ def crop(viewed: ViewedScene, region: Region, *, inverse: bool = False, touching
     other = 0 if touching else crossing
     return Edit(
         dataclasses.replace(viewed, scene=kept),
-        nonzero((
-            Change(Action.LEFT_OUT, "splats", total - left - other - unseen, total, f"they are not {where}"),
-            Change(Action.LEFT_OUT, "splats", other, total, f"they cross the border of the {region.name}"),
-            Change(Action.LEFT_OUT, "splats", unseen, total, "they are never seen"),
-        )),
-    )  # fmt: skip
+        nonzero(
+            (
+                Change(Action.LEFT_OUT, "splats", total - left - other - unseen, total, f"they are not {where}"),
+                Change(Action.LEFT_OUT, "splats", other, total, f"they cross the border of the {region.name}"),
+                Change(Action.LEFT_OUT, "splats", unseen, total, "they are never seen"),
+            )
+        ),
+    )
 
 
 def paths_inside(dynamic: DynamicSplats[Floats], region: Region, until: float) -> tuple[Mask, Mask, Mask]:

@@ -37,15 +37,17 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
     if a.antialiased != b.antialiased:
         words = ["drawn antialiased" if scene.antialiased else "not drawn antialiased" for scene in (a, b)]
         raise InputError(
-            "--merge", f"was trained to be {words[1]}, and the scene to be {words[0]}: one of the two would look wrong",
+            "--merge",
+            f"was trained to be {words[1]}, and the scene to be {words[0]}: one of the two would look wrong",
             "train one of them again with train.antialiased as the other has it",
-        )  # fmt: skip
+        )
     if not np.allclose(a.background, b.background, atol=1 / 512):
         shown = [",".join(f"{value:g}" for value in scene.background) for scene in (a, b)]
         raise InputError(
-            "--merge", f"has the background {shown[1]}, and the scene {shown[0]}: a scene has one",
+            "--merge",
+            f"has the background {shown[1]}, and the scene {shown[0]}: a scene has one",
             "train one of them again before the other's background",
-        )  # fmt: skip
+        )
     if at is not None and not at >= a.start:
         raise InputError("--at", f"{at:g} s is before the scene begins", f"give {a.start:g} or more")
     second = _shifted(second, (a.start if at is None else at) - b.start)
@@ -56,7 +58,7 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
             f"{len(statics.first):,} static splats of the scene and {len(statics.second):,} of the other fill the same "
             "places, and a still scene is always shown: everything there would stand twice",
             "cut out of one of them what the other has: hgs edit with --box or --sphere, and --inverse",
-        )  # fmt: skip
+        )
     parts = _segments(a, second.scene)
     stored = 0
     if statics.by_time:
@@ -73,11 +75,19 @@ def merge(first: ViewedScene, second: ViewedScene, at: float | None = None) -> E
         Change(Action.LEFT_OUT, "splats", statics.twice, total, "both scenes have them"),
         Change(Action.REPLACED, "static splats", statics.by_time, total, f"by some that live for a time: {by_time}"),
         Change(Action.LEFT_OUT, "splats", instants, total, "their segment lasts no time"),
-        Change(Action.REPLACED, "segments", max(copies, 0), total, "they live across a border of the other's segments, "
-               "and are stored on both sides of it"),
-        *([Change.whole(Action.REPLACED, "camera names", f"{renamed} of the second have names of the first")]
-          if renamed else []),
-    )  # fmt: skip
+        Change(
+            Action.REPLACED,
+            "segments",
+            max(copies, 0),
+            total,
+            "they live across a border of the other's segments, and are stored on both sides of it",
+        ),
+        *(
+            [Change.whole(Action.REPLACED, "camera names", f"{renamed} of the second have names of the first")]
+            if renamed
+            else []
+        ),
+    )
     times = _clock(first.times, second.times, merged)
     return Edit(ViewedScene(merged, cameras, times, first.up, first.begins), nonzero(changes))
 

@@ -128,9 +128,12 @@ def _score(
             camera = views[capture.cameras[index].name]
             gain = None if falloff is None else falloff_gain(torch.tensor(falloff), camera)
             view = FixedView(
-                scene.static, camera,
-                background=scene.background, antialiased=scene.antialiased, backend=backend,
-            )  # fmt: skip
+                scene.static,
+                camera,
+                background=scene.background,
+                antialiased=scene.antialiased,
+                backend=backend,
+            )
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))
                 moment = segment.normalised(capture.moment(index, frame))

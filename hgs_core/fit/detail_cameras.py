@@ -57,7 +57,7 @@ def best_directions(
         directions: [D, 3] unit vectors to choose from.
         camera: makes one that looks at a place from a vector away.
         seen: how many splats a camera sees.
-    """  # fmt: skip
+    """
     chosen, found = np.zeros(len(directions)), []
     for target, distance in zip(targets, distances, strict=True):
         counts = np.array([seen(camera(target, distance * direction)) for direction in directions], np.float64)

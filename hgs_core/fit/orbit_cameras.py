@@ -137,9 +137,14 @@ def _log_scales(scene: HybridScene[Floats]) -> Floats:
 
 def _smaller(camera: Camera, factor: int) -> Camera:
     return dataclasses.replace(
-        camera, width=camera.width // factor, height=camera.height // factor, fx=camera.fx / factor,
-        fy=camera.fy / factor, cx=camera.cx / factor, cy=camera.cy / factor,
-    )  # fmt: skip
+        camera,
+        width=camera.width // factor,
+        height=camera.height // factor,
+        fx=camera.fx / factor,
+        fy=camera.fy / factor,
+        cx=camera.cx / factor,
+        cy=camera.cy / factor,
+    )
 
 
 def _places(scene: HybridScene[Floats]) -> tuple[Doubles, Doubles, Doubles]:
@@ -203,9 +208,12 @@ def _peaks(scene: HybridScene[Floats], camera: Camera) -> Floats:
     segment = scene.segment_at(seconds)
     with one_torch_thread():
         found = contributions(
-            scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
-            segment.normalised(seconds), antialiased=scene.antialiased,
-        )  # fmt: skip
+            scene.static.map(torch.from_numpy),
+            segment.dynamic.map(torch.from_numpy),
+            camera,
+            segment.normalised(seconds),
+            antialiased=scene.antialiased,
+        )
     return np.asarray(found.peak)
 
 

@@ -62,9 +62,14 @@ def measure_utility(
                 static.splats, moving.splats, view.camera, view.moment, antialiased=scene.antialiased, tile_mask=tiles
             )
             render = rasterize(
-                static.eased, moving.eased, view.camera, view.moment,
-                gradients="all" if view.whole else "dynamic", tile_mask=tiles, antialiased=scene.antialiased,
-            )  # fmt: skip
+                static.eased,
+                moving.eased,
+                view.camera,
+                view.moment,
+                gradients="all" if view.whole else "dynamic",
+                tile_mask=tiles,
+                antialiased=scene.antialiased,
+            )
             picture = render.rgb
             if any_background:
                 picture = picture + (1 - render.alpha) * torch.randint(0, 2, picture.shape, generator=signs)

@@ -50,9 +50,12 @@ class EncodeViews:
             return None if picture is None else lambda camera, frame: picture(camera, first + frame)
 
         return dataclasses.replace(
-            self, times=self.times[first : first + count], truth=later(self.truth), moving=later(self.moving),
+            self,
+            times=self.times[first : first + count],
+            truth=later(self.truth),
+            moving=later(self.moving),
             first=self.first + first,
-        )  # fmt: skip
+        )
 
     @property
     def every_camera(self) -> tuple[Camera, ...]:

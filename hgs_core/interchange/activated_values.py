@@ -63,9 +63,10 @@ def as_stored(
 
 def _ask(path: Path, problem: str) -> None:
     raise InputError(
-        path, f"may hold scales and opacities as they are drawn: {problem}",
+        path,
+        f"may hold scales and opacities as they are drawn: {problem}",
         "import it with --activated if so, with --no-activated if they are logarithms and logits",
-    )  # fmt: skip
+    )
 
 
 def _larger_than_gaps(scales: Doubles, places: Doubles) -> bool:

@@ -12,10 +12,11 @@ NOTE = "hgs_antialiased"
 """The name of the note; its value is "1" or "0" in texts, a boolean in JSON."""
 
 UNTOLD = Change.whole(
-    Action.ASSUMED, "drawing without antialiasing",
+    Action.ASSUMED,
+    "drawing without antialiasing",
     "the file does not say; if its splats were trained antialiased (hgs does so, Mip-Splatting, and gsplat and "
     "Nerfstudio when told to), import it with --antialiased; --no-antialiased says that they were not",
-)  # fmt: skip
+)
 
 
 def note_of(antialiased: bool) -> str:

@@ -62,8 +62,13 @@ class Change:
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form: action, what, count, of, reason."""
-        return {"action": str(self.action), "what": self.what, "count": self.count, "of": self.of,
-                "reason": self.reason}  # fmt: skip
+        return {
+            "action": str(self.action),
+            "what": self.what,
+            "count": self.count,
+            "of": self.of,
+            "reason": self.reason,
+        }
 
 
 @dataclass(frozen=True)

@@ -23,10 +23,16 @@ UNEVEN_LENGTH = 0.05  # by which a quaternion's differs from 1: bytes are off by
 BEYOND = f"position is beyond {LARGEST_COORDINATE:g}"
 ALL_ZERO = "scale, rotation and opacity are all 0: rows that were never filled"
 _WORDS = {
-    "means": "position", "motion": "position or motion", "log_scales": "scale", "quats": "rotation",
-    "rotation": "rotation or turning", "opacity_logits": "opacity", "rgb": "colour", "time_centers": "middle of life",
+    "means": "position",
+    "motion": "position or motion",
+    "log_scales": "scale",
+    "quats": "rotation",
+    "rotation": "rotation or turning",
+    "opacity_logits": "opacity",
+    "rgb": "colour",
+    "time_centers": "middle of life",
     "time_log_precisions": "life",
-}  # fmt: skip
+}
 
 S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
 
@@ -91,11 +97,13 @@ def _limits(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> lis
     return [
         Change.where(Action.LIMITED, "opacity", np.abs(logits) > LARGEST_LOGIT, "to 0.000001 to 0.999999"),
         Change.where(
-            Action.LIMITED, "scale", np.abs(scales) > LARGEST_LOG_SCALE,
+            Action.LIMITED,
+            "scale",
+            np.abs(scales) > LARGEST_LOG_SCALE,
             f"to e^{-LARGEST_LOG_SCALE:g} to e^{LARGEST_LOG_SCALE:g}",
         ),
         Change.where(Action.LIMITED, "colour", (rgb < 0) | (rgb > LARGEST_COLOUR), f"to 0 to {LARGEST_COLOUR:g}"),
-    ]  # fmt: skip
+    ]
 
 
 def _lengths(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Change]:

@@ -26,8 +26,12 @@ CONVERTED = (".ksplat", ".lcc", ".lcc2")
 """The suffixes of files that another program makes a .ply of."""
 
 _BEGINNINGS = {
-    b"ply": (".ply",), b"glTF": (".glb",), b"NGSP": (".spz",), b"\x1f\x8b": (".spz",), b"PK\x03\x04": (".sog",),
-}  # fmt: skip
+    b"ply": (".ply",),
+    b"glTF": (".glb",),
+    b"NGSP": (".spz",),
+    b"\x1f\x8b": (".spz",),
+    b"PK\x03\x04": (".sog",),
+}
 
 
 def format_of(path: Path, fits: Callable[[FileFormat], bool]) -> FileFormat:

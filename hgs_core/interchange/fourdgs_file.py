@@ -72,9 +72,12 @@ def fourdgs_file(scene: HybridScene[Floats]) -> Written:
     columns["win_hi"][columns["win_hi"] >= length * (1 - 1e-9)] = length + 1e-6  # the last moment is shown
     frame = package.CoordinateFrame(handedness=RIGHT_HANDED, up_axis=DOWN, forward_axis=FORWARD)
     options = package.WriteOptions(
-        profile=PROFILE, cutoff=CUTOFF, library="HGS", metadata={SPACE: SRGB, NOTE: str(int(scene.antialiased))},
+        profile=PROFILE,
+        cutoff=CUTOFF,
+        library="HGS",
+        metadata={SPACE: SRGB, NOTE: str(int(scene.antialiased))},
         provenance=package.Provenance(frames=[frame]),
-    )  # fmt: skip
+    )
     buffer = io.BytesIO()
     package.write(buffer, package.GaussianSet(**columns), length, options=options)
     total = len(scene.static) + scene.dynamic_splats
@@ -101,9 +104,12 @@ def fourdgs_file(scene: HybridScene[Floats]) -> Written:
 def _still(static: StaticSplats[Floats], length: float) -> Columns:
     count = len(static)
     return _columns(static, static.means, unit_quaternions(static.quats)) | {
-        "motions": np.zeros((count, 3)), "mu_t": np.full(count, length / 2), "sigma_t": np.full(count, np.inf),
-        "win_lo": np.zeros(count), "win_hi": np.full(count, length),
-    }  # fmt: skip
+        "motions": np.zeros((count, 3)),
+        "mu_t": np.full(count, length / 2),
+        "sigma_t": np.full(count, np.inf),
+        "win_lo": np.zeros(count),
+        "win_hi": np.full(count, length),
+    }
 
 
 def _moving(dynamic: DynamicSplats[Floats], found: Any, start: float, span: float) -> Columns:
@@ -116,18 +122,22 @@ def _moving(dynamic: DynamicSplats[Floats], found: Any, start: float, span: floa
     middle = np.where(np.isinf(sigma), (found.starts + found.ends) / 2, center)
     means = found.means + found.velocities * (middle - center)[:, None]
     return _columns(splats, means, found.quats) | {
-        "motions": found.velocities / span, "mu_t": start + span * middle, "sigma_t": sigma,
-        "win_lo": start + span * found.starts, "win_hi": start + span * found.ends,
-    }  # fmt: skip
+        "motions": found.velocities / span,
+        "mu_t": start + span * middle,
+        "sigma_t": sigma,
+        "win_lo": start + span * found.starts,
+        "win_hi": start + span * found.ends,
+    }
 
 
 def _columns(splats: StaticSplats[Floats] | DynamicSplats[Floats], means: Doubles | Floats, quats: Doubles) -> Columns:
     opacities = opacities_of(splats.opacity_logits)
     return {
-        "positions": np.asarray(means, np.float64), "scales": deviations_of(splats.log_scales).astype(np.float64),
+        "positions": np.asarray(means, np.float64),
+        "scales": deviations_of(splats.log_scales).astype(np.float64),
         "rotations": quats[:, [1, 2, 3, 0]],
         "colors": np.concatenate([np.clip(splats.rgb, 0, 1), opacities[:, None]], axis=1).astype(np.float64),
-    }  # fmt: skip
+    }
 
 
 def read_fourdgs(path: Path) -> ReadSplats:
@@ -184,9 +194,13 @@ def read_fourdgs(path: Path) -> ReadSplats:
         Change.whole(Action.REPLACED, "windows", f"by {len(segments)} segments, with {max(copies, 0):,} further copies")
     )
     return ReadSplats(
-        still.take(always), tuple(segments), lasts=True, ends=tuple(edges[1:].tolist()), antialiased=antialiased,
+        still.take(always),
+        tuple(segments),
+        lasts=True,
+        ends=tuple(edges[1:].tolist()),
+        antialiased=antialiased,
         changes=tuple(changes),
-    )  # fmt: skip
+    )
 
 
 def _segment(

@@ -68,15 +68,21 @@ def glb_file(splats: StaticSplats[Floats], antialiased: bool = False) -> Written
     places = arrays["POSITION"]
     accessors[0] |= {"min": places.min(axis=0).tolist(), "max": places.max(axis=0).tolist()}
     primitive = {
-        "mode": 0, "attributes": {name: number for number, name in enumerate(arrays)},
+        "mode": 0,
+        "attributes": {name: number for number, name in enumerate(arrays)},
         "extensions": {EXTENSION: {"kernel": "ellipse", "colorSpace": SRGB}},
-    }  # fmt: skip
+    }
     document = {
         "asset": {"version": "2.0", "generator": "HGS", "extras": {NOTE: antialiased}},
-        "extensionsUsed": [EXTENSION], "scene": 0,
-        "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": [primitive]}],
-        "accessors": accessors, "bufferViews": views, "buffers": [{"byteLength": at}],
-    }  # fmt: skip
+        "extensionsUsed": [EXTENSION],
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": at}],
+    }
     note = noted_for_us(antialiased)
     changes = (
         *([] if note is None else [note]),
@@ -124,9 +130,11 @@ def _read(asset: GltfAsset, reading: Reading) -> ReadSplats:
     extras = asset.document.get("asset", {}).get("extras", {})
     note = extras.get(NOTE) if isinstance(extras, dict) else None
     return ReadSplats(
-        joined([_in_floats(one, middle) for one in sets]), changes=tuple(changes), middle=middle,
+        joined([_in_floats(one, middle) for one in sets]),
+        changes=tuple(changes),
+        middle=middle,
         antialiased=note if isinstance(note, bool) else None,
-    )  # fmt: skip
+    )
 
 
 class _Ellipsoids(NamedTuple):

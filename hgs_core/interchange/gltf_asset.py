@@ -59,10 +59,13 @@ class GltfAsset:
         count, first, skipped, size, stride = (
             self._whole(source, name, default)
             for source, name, default in (
-                (accessor, "count", -1), (view, "byteOffset", 0), (accessor, "byteOffset", 0), (view, "byteLength", -1),
+                (accessor, "count", -1),
+                (view, "byteOffset", 0),
+                (accessor, "byteOffset", 0),
+                (view, "byteLength", -1),
                 (view, "byteStride", width * dtype.itemsize),
             )
-        )  # fmt: skip
+        )
         element = width * dtype.itemsize
         needed, there = skipped + (count - 1) * stride + element, min(size, len(self.binary) - first)
         if count and (stride < element or needed > there):

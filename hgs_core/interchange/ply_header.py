@@ -12,10 +12,25 @@ from hgs_core.base.errors import InputError
 __all__ = ["NumberFormat", "PlyElement", "PlyHeader", "PlyProperty", "read_header"]
 
 _TYPES = {
-    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
-    "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
-    "double": "f8", "float64": "f8", "int64": "i8", "uint64": "u8",
-}  # fmt: skip
+    "char": "i1",
+    "int8": "i1",
+    "uchar": "u1",
+    "uint8": "u1",
+    "short": "i2",
+    "int16": "i2",
+    "ushort": "u2",
+    "uint16": "u2",
+    "int": "i4",
+    "int32": "i4",
+    "uint": "u4",
+    "uint32": "u4",
+    "float": "f4",
+    "float32": "f4",
+    "double": "f8",
+    "float64": "f8",
+    "int64": "i8",
+    "uint64": "u8",
+}
 _LONGEST_HEADER = 1 << 20
 _MOST_ROWS = 1 << 40
 _CURE = "give a .ply file of splats"

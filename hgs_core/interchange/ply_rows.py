@@ -55,8 +55,9 @@ def _of_bytes(path: Path, data: bytes, at: int, element: PlyElement, order: str)
         for one in element.properties:
             if one.length:
                 fields.append((f"#{one.name}", order + one.length))
-            fields.append((one.name, order + one.kind, (lengths[one.name],)) if one.length
-                          else (one.name, order + one.kind))  # type: ignore[arg-type]  # fmt: skip
+            fields.append(
+                (one.name, order + one.kind, (lengths[one.name],)) if one.length else (one.name, order + one.kind)
+            )  # type: ignore[arg-type]
         row = np.dtype(fields)
         if element.count * row.itemsize <= len(data) - at:
             rows = np.frombuffer(data, row, element.count, at)

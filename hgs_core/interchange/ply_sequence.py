@@ -150,9 +150,13 @@ def read_sequence(folder: Path, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
         splats = _still(file, reading).static
         frames.append(at_rest(splats.take(~np.isin(rows_of(splats), common))))
     return ReadSplats(
-        static, tuple(frames), lasts=True, antialiased=start.antialiased, middle=start.middle,
+        static,
+        tuple(frames),
+        lasts=True,
+        antialiased=start.antialiased,
+        middle=start.middle,
         changes=most_of_any(changes),
-    )  # fmt: skip
+    )
 
 
 def _still(file: Path, reading: Reading) -> ReadSplats:

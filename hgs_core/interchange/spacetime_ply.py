@@ -90,14 +90,20 @@ def spacetime_ply(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], 
         parts.append(
             np.concatenate(
                 [
-                    splats.motion[:, 0], splats.time_centers[:, None], scale[:, None], np.zeros((len(splats), 3)),
-                    splats.motion[:, 1:].reshape(-1, 9), splats.rgb,
+                    splats.motion[:, 0],
+                    splats.time_centers[:, None],
+                    scale[:, None],
+                    np.zeros((len(splats), 3)),
+                    splats.motion[:, 1:].reshape(-1, 9),
+                    splats.rgb,
                     np.clip(splats.opacity_logits, -LARGEST_LOGIT, LARGEST_LOGIT)[:, None],
-                    splats.log_scales, splats.rotation[:, 0], splats.rotation[:, 1],
+                    splats.log_scales,
+                    splats.rotation[:, 0],
+                    splats.rotation[:, 1],
                 ],
                 axis=1,
             )
-        )  # fmt: skip
+        )
     names = ("x", "y", "z", *CLOCK, "nx", "ny", "nz", *MOTION, *DC, "opacity", *SCALE, *ROT, *OMEGA)
     table = dict(zip(names, np.concatenate(parts).astype(np.float32).T, strict=True))
     data = write_ply(table, [note_of(antialiased)])

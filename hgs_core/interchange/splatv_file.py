@@ -33,10 +33,15 @@ LARGEST_LOG_SCALE = 11.0  # whose exponential a half holds
 NARROWEST = 6e-5  # width of a life: halves below it lose precision
 _ROW = np.dtype(
     [
-        ("mean", "<f4", 3), ("quat", "<f2", 4), ("deviation", "<f2", 4), ("rgba", "u1", 4), ("motion", "<f2", 10),
-        ("omega", "<f2", 4), ("clock", "<f2", 2),
+        ("mean", "<f4", 3),
+        ("quat", "<f2", 4),
+        ("deviation", "<f2", 4),
+        ("rgba", "u1", 4),
+        ("motion", "<f2", 10),
+        ("omega", "<f2", 4),
+        ("clock", "<f2", 2),
     ]
-)  # fmt: skip
+)
 
 
 def splatv_file(
@@ -61,9 +66,13 @@ def splatv_file(
         width = np.exp(np.clip(splats.time_log_precisions / -2, BRIEFEST, STEADIEST))
         part["clock"] = _half(np.stack([splats.time_centers, np.maximum(width, NARROWEST)], axis=1))
     chunk = {
-        "type": "splat", "size": rows.nbytes, "texwidth": 4 * ROW_SPLATS, "texheight": texture_rows,
-        "cameras": [_camera(i, camera) for i, camera in enumerate(cameras)], NOTE: antialiased,
-    }  # fmt: skip
+        "type": "splat",
+        "size": rows.nbytes,
+        "texwidth": 4 * ROW_SPLATS,
+        "texheight": texture_rows,
+        "cameras": [_camera(i, camera) for i, camera in enumerate(cameras)],
+        NOTE: antialiased,
+    }
     text = json.dumps([chunk], separators=(",", ":")).encode()
     data = np.array([MAGIC, len(text)], "<u4").tobytes() + text + rows.tobytes()
     note = noted_for_us(antialiased)
@@ -101,10 +110,15 @@ def _half(values: Floats) -> NDArray[np.float16]:
 def _camera(number: int, camera: Camera) -> dict[str, object]:
     """Describe a camera as 3DGS's cameras.json does: its place, and its axes in the world as columns."""
     return {
-        "id": number, "img_name": camera.name, "width": camera.width, "height": camera.height,
-        "position": camera.position.tolist(), "rotation": camera.world_to_camera[:3, :3].T.tolist(),
-        "fx": camera.fx, "fy": camera.fy,
-    }  # fmt: skip
+        "id": number,
+        "img_name": camera.name,
+        "width": camera.width,
+        "height": camera.height,
+        "position": camera.position.tolist(),
+        "rotation": camera.world_to_camera[:3, :3].T.tolist(),
+        "fx": camera.fx,
+        "fy": camera.fy,
+    }
 
 
 SPLATV = FileFormat(".splatv", write_moving=splatv_file)

@@ -60,9 +60,13 @@ def camera_shown(
     height, width = planes_size(picture)
     shown = np.empty_like(picture)
     status = load().hgs_camera_shown(
-        ctypes.byref(_struct(affine, falloff, lens)), ctypes.c_void_p(address("picture", picture, picture.shape)),
-        width, height, threads or thread_count(), ctypes.c_void_p(address("shown", shown, picture.shape)),
-    )  # fmt: skip
+        ctypes.byref(_struct(affine, falloff, lens)),
+        ctypes.c_void_p(address("picture", picture, picture.shape)),
+        width,
+        height,
+        threads or thread_count(),
+        ctypes.c_void_p(address("shown", shown, picture.shape)),
+    )
     check(status)
     return shown
 
@@ -87,10 +91,14 @@ def camera_shown_backward(
     height, width = planes_size(picture)
     found = ColourGradients(np.empty_like(picture), np.empty((3, 4), np.float32), np.empty(2, np.float32))
     status = load().hgs_camera_shown_backward(
-        ctypes.byref(_struct(affine, falloff, lens)), ctypes.c_void_p(address("picture", picture, picture.shape)),
-        ctypes.c_void_p(address("gradient", gradient, picture.shape)), width, height, threads or thread_count(),
+        ctypes.byref(_struct(affine, falloff, lens)),
+        ctypes.c_void_p(address("picture", picture, picture.shape)),
+        ctypes.c_void_p(address("gradient", gradient, picture.shape)),
+        width,
+        height,
+        threads or thread_count(),
         *(ctypes.c_void_p(address(name, array, array.shape)) for name, array in found._asdict().items()),
-    )  # fmt: skip
+    )
     check(status)
     return found
 

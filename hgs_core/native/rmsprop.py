@@ -73,8 +73,17 @@ def rmsprop_step(
         factors_at = ctypes.c_void_p(address("factors", factors, factors.shape))
         span = gradients.size // factors.size
     status = load().hgs_rmsprop(
-        ctypes.c_int64(count), ctypes.c_int64(gradients.size // count if count else 0), rows_at, *places, decays_at,
-        ctypes.c_double(beta), factors_at, ctypes.c_int64(span), ctypes.c_double(learning_rate),
-        ctypes.c_double(correction), ctypes.c_double(epsilon), threads or thread_count(),
-    )  # fmt: skip
+        ctypes.c_int64(count),
+        ctypes.c_int64(gradients.size // count if count else 0),
+        rows_at,
+        *places,
+        decays_at,
+        ctypes.c_double(beta),
+        factors_at,
+        ctypes.c_int64(span),
+        ctypes.c_double(learning_rate),
+        ctypes.c_double(correction),
+        ctypes.c_double(epsilon),
+        threads or thread_count(),
+    )
     check(status)

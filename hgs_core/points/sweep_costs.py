@@ -49,9 +49,15 @@ def sweep_costs(
     """
     if available():
         return native.colour_sweep(
-            camera.position, np.ascontiguousarray(rays), np.ascontiguousarray(own), depths, neighbours, hull,
-            hull_share=HULL_SHARE, blind=BLIND_COST,
-        )  # fmt: skip
+            camera.position,
+            np.ascontiguousarray(rays),
+            np.ascontiguousarray(own),
+            depths,
+            neighbours,
+            hull,
+            hull_share=HULL_SHARE,
+            blind=BLIND_COST,
+        )
     points = (camera.position + rays[:, None] * depths[:, None]).reshape(-1, 3)
     ray = np.repeat(np.arange(len(rays)), len(depths))
     costs = np.full((len(neighbours), len(points)), BLIND_COST, np.float32)

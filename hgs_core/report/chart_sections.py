@@ -97,11 +97,7 @@ def comparison_section(run: FinishedRun, others: Sequence[FinishedRun]) -> str:
         )
     runs = [run, *others]
     names = _names(runs)
-    points = [
-        (number, one, decibels)
-        for number, one in enumerate(runs)
-        if (decibels := one.score("psnr")) is not None
-    ]  # fmt: skip
+    points = [(number, one, decibels) for number, one in enumerate(runs) if (decibels := one.score("psnr")) is not None]
     charts = []
     for title, label, of in (
         ("Training time against quality", "minutes of training", lambda one: one.seconds / 60),
@@ -109,11 +105,15 @@ def comparison_section(run: FinishedRun, others: Sequence[FinishedRun]) -> str:
     ):
         dots = [
             Point(
-                names[number], of(one), decibels, number, not comparable(run, one),
+                names[number],
+                of(one),
+                decibels,
+                number,
+                not comparable(run, one),
                 f"{names[number]}: {decibels:.2f} dB, {one.seconds / 60:.1f} min, {megabytes(one.bytes_total):.3f} MB",
             )
             for number, one, decibels in points
-        ]  # fmt: skip
+        ]
         if dots:
             charts.append(chart(title, scatter_chart(title, dots, label, "PSNR, dB")))
     rows = [_row(run, one, name) for one, name in zip(runs, names, strict=True)]
@@ -184,9 +184,7 @@ def _share(dynamic: int, static: int) -> float:
 def _names(runs: Sequence[FinishedRun]) -> list[str]:
     """Folder names, with the folder above where two are called alike."""
     names = [run.name for run in runs]
-    return [
-        run.name if names.count(run.name) == 1 else "/".join(run.folder.path.resolve().parts[-2:]) for run in runs
-    ]  # fmt: skip
+    return [run.name if names.count(run.name) == 1 else "/".join(run.folder.path.resolve().parts[-2:]) for run in runs]
 
 
 def _row(run: FinishedRun, one: FinishedRun, name: str) -> tuple[str, ...]:

@@ -59,10 +59,17 @@ def make_segment(run: Path, number: int, progress: ProgressCallback) -> None:
     config, points = spec.config, PointCloud.load(folder.points)
     cameras = with_near_planes(capture.cameras, points.xyz)
     trainer = segment_trainer(
-        capture, {i: cameras[i] for i in config.capture.training_cameras(capture)}, config.train, config.seed, points,
-        capture.frames_in(config.points.interval), folder.checkpoint(number), segments[number],
-        MotionMasks.load(folder.masks, capture), load_state(folder.checkpoint(0)) if number else None,
-    )  # fmt: skip
+        capture,
+        {i: cameras[i] for i in config.capture.training_cameras(capture)},
+        config.train,
+        config.seed,
+        points,
+        capture.frames_in(config.points.interval),
+        folder.checkpoint(number),
+        segments[number],
+        MotionMasks.load(folder.masks, capture),
+        load_state(folder.checkpoint(0)) if number else None,
+    )
     scene = trainer.run(progress)
     _encode(folder, spec, scene, segments, number)
 
@@ -172,16 +179,29 @@ def _encode(
         scene = dataclasses.replace(scene, static=StaticSplats.empty())
         utility = Utility(SetUtility(utility.static.shown[:0], utility.static.missed[:0]), utility.dynamic)
     encode_scene(
-        scene, folder.segment(number), cameras=whole.cameras, closer=whole.closer, times=whole.times,
-        title=whole.title, settings=settings, thumbnail=picture, training=training, utility=utility,
-        trained=list(whole.trained.values()) if whole.photographed else (), up=whole.up, audio=audio,
-    )  # fmt: skip
+        scene,
+        folder.segment(number),
+        cameras=whole.cameras,
+        closer=whole.closer,
+        times=whole.times,
+        title=whole.title,
+        settings=settings,
+        thumbnail=picture,
+        training=training,
+        utility=utility,
+        trained=list(whole.trained.values()) if whole.photographed else (),
+        up=whole.up,
+        audio=audio,
+    )
 
 
 def _joined(parts: list[Manifest]) -> Manifest:
     """Return the first manifest with the segments of the others behind its own."""
     slices = [dataclasses.replace(piece, segment=number) for number, part in enumerate(parts) for piece in part.slices]
     return dataclasses.replace(
-        parts[0], end=parts[-1].end, segments=tuple(part.segments[0] for part in parts), slices=tuple(slices),
+        parts[0],
+        end=parts[-1].end,
+        segments=tuple(part.segments[0] for part in parts),
+        slices=tuple(slices),
         version=max(part.version for part in parts),
-    )  # fmt: skip
+    )

@@ -19,17 +19,25 @@ __all__ = ["PRESETS", "RunConfig"]
 
 PRESETS: dict[str, dict[str, Any]] = {
     "preview": {
-        "points.static": 12_000, "points.dynamic": 5_000, "points.discs": True, "train.iterations": 3_200,
-        "train.coarse_until": 0.4, "train.moving_steps": 1.0, "train.density.max_static": 35_000,
+        "points.static": 12_000,
+        "points.dynamic": 5_000,
+        "points.discs": True,
+        "train.iterations": 3_200,
+        "train.coarse_until": 0.4,
+        "train.moving_steps": 1.0,
+        "train.density.max_static": 35_000,
         "train.density.max_dynamic": 12_000,
     },
     "standard": {},
     "best": {
-        "points.static": 45_000, "points.dynamic": 10_000, "train.moving_steps": 9.0,
-        "train.density.max_static": 120_000, "train.density.max_dynamic": 25_000,
+        "points.static": 45_000,
+        "points.dynamic": 10_000,
+        "train.moving_steps": 9.0,
+        "train.density.max_static": 120_000,
+        "train.density.max_dynamic": 25_000,
         "train.density.static_opacity_penalty": 0.025,
     },
-}  # fmt: skip
+}
 """What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
 
 _SEEDS: dict[str, Range] = {"seed": (0, 2**53 - 1)}  # up to what every reader of JSON keeps, browsers too

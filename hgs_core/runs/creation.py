@@ -68,9 +68,14 @@ def create_run(
     _require_enough(config, opened)
     prepared = not opened.unaligned or config.capture.sync == "none"
     spec = RunSpec(
-        capture.resolve(), opened.fingerprint(), config, masks and masks.resolve(), found=found, prepared=prepared,
+        capture.resolve(),
+        opened.fingerprint(),
+        config,
+        masks and masks.resolve(),
+        found=found,
+        prepared=prepared,
         audio=audio,
-    )  # fmt: skip
+    )
     folder.write_spec(spec)
     for note in opened.notes:
         log.warning("%s: %s", capture, note)

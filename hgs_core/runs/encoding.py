@@ -67,14 +67,23 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     steps = 4 + iterations
     progress(Progress("encode", 0, steps))
     utility = measure_utility(
-        scene, list(views.trained.values()), views.times,
+        scene,
+        list(views.trained.values()),
+        views.times,
         any_background=views.any_background,
-    )  # fmt: skip
+    )
     progress(Progress("encode", 1, steps))
     found = fit(
-        scene, views, utility, budget or config.encode.budget, config.train, seed=config.seed, iterations=iterations,
-        states=training_states(folder, scene), trained=lambda done: progress(Progress("encode", 1 + done, steps)),
-    )  # fmt: skip
+        scene,
+        views,
+        utility,
+        budget or config.encode.budget,
+        config.train,
+        seed=config.seed,
+        iterations=iterations,
+        states=training_states(folder, scene),
+        trained=lambda done: progress(Progress("encode", 1 + done, steps)),
+    )
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
@@ -84,11 +93,20 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),
     }
     manifest = encode_scene(
-        found.scene, folder.scene, cameras=views.cameras, closer=views.closer, times=views.times, title=views.title,
-        settings=found.settings, thumbnail=picture, training=training, utility=found.utility,
-        trained=list(views.trained.values()) if views.photographed else (), up=views.up,
+        found.scene,
+        folder.scene,
+        cameras=views.cameras,
+        closer=views.closer,
+        times=views.times,
+        title=views.title,
+        settings=found.settings,
+        thumbnail=picture,
+        training=training,
+        utility=found.utility,
+        trained=list(views.trained.values()) if views.photographed else (),
+        up=views.up,
         audio=scene_sound(folder, spec, views.capture, found.scene.start, found.scene.end),
-    )  # fmt: skip
+    )
     progress(Progress("encode", steps, steps))
     settings = found.settings
     return Encoded(

@@ -60,9 +60,13 @@ class RunSpec:
             raise InputError(self.capture, "the run has not found its cameras yet", "run hgs train to its end first")
         reduced = self.config.capture
         capture = open_capture(
-            self.capture, masks=self.masks, downscale=reduced.downscale, reductions=reduced.reductions,
-            cache_bytes=cache_bytes, found=self.found,
-        )  # fmt: skip
+            self.capture,
+            masks=self.masks,
+            downscale=reduced.downscale,
+            reductions=reduced.reductions,
+            cache_bytes=cache_bytes,
+            found=self.found,
+        )
         self.check_unchanged(capture)
         return capture
 

@@ -165,6 +165,9 @@ def _points(scene: HybridScene[NDArray[np.float32]]) -> PointCloud:
     spacing = np.maximum(np.exp(np.concatenate(sizes)).mean(axis=1), 1e-9)
     rgb = np.concatenate([scene.static.rgb, *(part.dynamic.rgb for part in scene.segments)])
     return PointCloud.at_rest(
-        xyz, np.clip(rgb, 0, 1), np.full(len(xyz), scene.start, np.float32), moving.astype(np.float32),
+        xyz,
+        np.clip(rgb, 0, 1),
+        np.full(len(xyz), scene.start, np.float32),
+        moving.astype(np.float32),
         spacing.astype(np.float32),
-    )  # fmt: skip
+    )

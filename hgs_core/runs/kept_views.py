@@ -36,8 +36,14 @@ class KeptViews:
             return views_around(scene, self.title)
         trained = {i: camera for i, camera in enumerate(self.cameras) if camera.name not in self.held_out}
         return EncodeViews(
-            self.title, self.cameras, trained, self.times, None, photographed=True, up=self.up,
-        )  # fmt: skip
+            self.title,
+            self.cameras,
+            trained,
+            self.times,
+            None,
+            photographed=True,
+            up=self.up,
+        )
 
     def save(self, path: Path) -> None:
         """Write the file atomically."""

@@ -39,8 +39,13 @@ def photographed_errors(
             true = target_picture(capture, index, frame, camera)
             for antialiased, found in errors.items():
                 drawn = rasterize(
-                    tensors.static, segment.dynamic, camera, segment.normalised(seconds), antialiased=antialiased,
-                    background=scene.background, gradients="none",
-                )  # fmt: skip
+                    tensors.static,
+                    segment.dynamic,
+                    camera,
+                    segment.normalised(seconds),
+                    antialiased=antialiased,
+                    background=scene.background,
+                    gradients="none",
+                )
                 found.append(float(((drawn.rgb.clamp(0, 1) - true) ** 2).mean()))
     return {antialiased: float(np.mean(found)) for antialiased, found in errors.items()}

@@ -58,14 +58,18 @@ def prepared_capture(spec: RunSpec, own: Path, progress: ProgressCallback) -> Pa
             apart = f"{starts.apart:.3g} {starts.unit}"
             log.warning(
                 "%s: by %s, the cameras began up to %s apart; written to %s",
-                spec.capture, {"sound": "their sound", "motion": "what moves"}[starts.by], apart, place / SYNC_FILE,
-            )  # fmt: skip
+                spec.capture,
+                {"sound": "their sound", "motion": "what moves"}[starts.by],
+                apart,
+                place / SYNC_FILE,
+            )
     if not posed:
         find_cameras(spec.capture, found=None if beside else own, progress=_as_cameras(progress))
         log.warning(
             "%s: poses were found from the videos and written to %s (docs/cameras.md)",
-            spec.capture, place / COLMAP_FOLDER,
-        )  # fmt: skip
+            spec.capture,
+            place / COLMAP_FOLDER,
+        )
     return own if _holds_any(own) else None
 
 

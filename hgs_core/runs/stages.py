@@ -80,10 +80,18 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     segments = cut_into_segments(capture.times, config.train.segment_frames)
     moments = sorted({frame for segment in segments for frame in segment.sampled(every)})
     points = initial_points(
-        capture, cameras, masks, moments=moments, static_target=config.points.static,
-        dynamic_target=config.points.dynamic_in(capture.seconds), stereo=config.points.stereo,
-        continued=config.points.continued, normals=config.points.discs, seed=config.seed, progress=progress,
-    )  # fmt: skip
+        capture,
+        cameras,
+        masks,
+        moments=moments,
+        static_target=config.points.static,
+        dynamic_target=config.points.dynamic_in(capture.seconds),
+        stereo=config.points.stereo,
+        continued=config.points.continued,
+        normals=config.points.discs,
+        seed=config.seed,
+        progress=progress,
+    )
     points.save(folder.points)
 
 

@@ -31,9 +31,17 @@ def train_run(
     points = PointCloud.load(folder.points)
     cameras, masks = with_near_planes(capture.cameras, points.xyz), MotionMasks.load(folder.masks, capture)
     scene, summary = train_capture(
-        capture, {i: cameras[i] for i in config.capture.training_cameras(capture)}, config.train, config.seed, points,
-        capture.frames_in(config.points.interval), folder.checkpoint, progress, masks, folder.preview,
-    )  # fmt: skip
+        capture,
+        {i: cameras[i] for i in config.capture.training_cameras(capture)},
+        config.train,
+        config.seed,
+        points,
+        capture.frames_in(config.points.interval),
+        folder.checkpoint,
+        progress,
+        masks,
+        folder.preview,
+    )
     return scene, summary | {"machine": machine_facts()}
 
 

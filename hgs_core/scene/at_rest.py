@@ -20,6 +20,11 @@ def at_rest(static: StaticSplats[Floats]) -> DynamicSplats[Floats]:
     motion[:, 0] = static.means
     rotation = np.stack([static.quats, np.zeros_like(static.quats)], axis=1)
     return DynamicSplats(
-        motion, rotation, static.log_scales, static.opacity_logits,
-        np.full(count, 0.5, np.float32), np.full(count, STEADY, np.float32), static.rgb,
-    )  # fmt: skip
+        motion,
+        rotation,
+        static.log_scales,
+        static.opacity_logits,
+        np.full(count, 0.5, np.float32),
+        np.full(count, STEADY, np.float32),
+        static.rgb,
+    )

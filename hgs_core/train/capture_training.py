@@ -41,9 +41,12 @@ def segment_trainer(
 ) -> Trainer:
     """Return the trainer of one segment of a capture; the arguments are those of `train_capture` and of `Trainer`."""
     start = initial_splats(
-        segment.points(points), segment.clock, len(segment.sampled(sampled_every)), config.labels.initial,
+        segment.points(points),
+        segment.clock,
+        len(segment.sampled(sampled_every)),
+        config.labels.initial,
         coefficients=coefficients_of_order(config.motion_order),
-    )  # fmt: skip
+    )
     return Trainer(capture, cameras, config, seed, segment, start, checkpoint, masks=masks, after=after)
 
 
@@ -84,9 +87,17 @@ def train_capture(
     drawn = None if preview is None else Preview(preview, next(iter(cameras.values())), config)
     for number, segment in enumerate(segments):
         trainer = segment_trainer(
-            capture, cameras, config, seed, points, sampled_every, checkpoint(number), segment, masks,
+            capture,
+            cameras,
+            config,
+            seed,
+            points,
+            sampled_every,
+            checkpoint(number),
+            segment,
+            masks,
             None if key is None else key.state,
-        )  # fmt: skip
+        )
         before = number * config.iterations
 
         def report(step: Progress, before: int = before, trainer: Trainer = trainer) -> None:

@@ -112,11 +112,16 @@ def fresh_state(
 ) -> TrainState:
     """Return the state before the first iteration, with `cameras` training cameras."""
     return TrainState(
-        0, 0.0, static, dynamic, RmsProp.of(static), RmsProp.of(dynamic),
+        0,
+        0.0,
+        static,
+        dynamic,
+        RmsProp.of(static),
+        RmsProp.of(dynamic),
         ScreenStatistics.zeros(len(static) + len(dynamic)),
         ColourCorrection(cameras, falloff=config.lens_falloff) if config.colour_correction else None,
         TrainingHistory(),
-    )  # fmt: skip
+    )
 
 
 def save_state(path: Path, state: TrainState) -> None:

@@ -88,9 +88,12 @@ class ColourCorrection:
     def state(self) -> dict[str, Any]:
         """Return plain tensors for a checkpoint."""
         return {
-            "affine": self.affine, "moments": self._moments, "steps": self._steps,
-            "falloff": self.falloff, "falloff_moments": self._falloff_moments,
-        }  # fmt: skip
+            "affine": self.affine,
+            "moments": self._moments,
+            "steps": self._steps,
+            "falloff": self.falloff,
+            "falloff_moments": self._falloff_moments,
+        }
 
     @classmethod
     def restored(cls, state: dict[str, Any]) -> ColourCorrection:

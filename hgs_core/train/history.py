@@ -66,11 +66,17 @@ class TrainingHistory:
     def state(self) -> dict[str, Any]:
         """Return plain values for a checkpoint."""
         return {
-            "curves": self.curves, "profile": self.profile,
-            "labels_changed": self.labels_changed, "births": self.births,
-            "infilled": self.infilled, "pruned": self.pruned, "stride": self.stride,
-            "loss": self.loss, "psnr": self.psnr, "reports": self._reports,
-        }  # fmt: skip
+            "curves": self.curves,
+            "profile": self.profile,
+            "labels_changed": self.labels_changed,
+            "births": self.births,
+            "infilled": self.infilled,
+            "pruned": self.pruned,
+            "stride": self.stride,
+            "loss": self.loss,
+            "psnr": self.psnr,
+            "reports": self._reports,
+        }
 
     @staticmethod
     def restored(state: dict[str, Any]) -> TrainingHistory:

@@ -41,7 +41,12 @@ class Preview:
         self._drawn = number
         with torch.no_grad():
             render = rasterize(
-                state.static, state.dynamic, self._camera, 0.5,
-                backend=self._config.backend, gradients="none", antialiased=self._config.antialiased,
-            )  # fmt: skip
+                state.static,
+                state.dynamic,
+                self._camera,
+                0.5,
+                backend=self._config.backend,
+                gradients="none",
+                antialiased=self._config.antialiased,
+            )
         write_bytes(self._file, as_jpeg(render.rgb))

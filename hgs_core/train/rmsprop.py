@@ -116,18 +116,33 @@ def rmsprop_update(
     correction = 1 - BETA**step
     if parameter.device.type == "cpu" and parameter.dtype == torch.float32 and library.available():
         rmsprop_step(
-            parameter.detach().numpy(), gradient.contiguous().numpy(), moments.numpy(), step_size, correction,
-            beta=BETA, epsilon=EPSILON, factors=None if factors is None else factors.numpy(),
-            rows=None if rows is None else rows.numpy(), decays=None if decays is None else decays.numpy(),
-        )  # fmt: skip
+            parameter.detach().numpy(),
+            gradient.contiguous().numpy(),
+            moments.numpy(),
+            step_size,
+            correction,
+            beta=BETA,
+            epsilon=EPSILON,
+            factors=None if factors is None else factors.numpy(),
+            rows=None if rows is None else rows.numpy(),
+            decays=None if decays is None else decays.numpy(),
+        )
         return
     if available(parameter):
         from hgs_core.train.triton.rmsprop import rmsprop_step as rmsprop_step_triton
 
         rmsprop_step_triton(
-            parameter, gradient.contiguous(), moments, step_size, correction,
-            beta=BETA, epsilon=EPSILON, factors=factors, rows=rows, decays=decays,
-        )  # fmt: skip
+            parameter,
+            gradient.contiguous(),
+            moments,
+            step_size,
+            correction,
+            beta=BETA,
+            epsilon=EPSILON,
+            factors=factors,
+            rows=rows,
+            decays=decays,
+        )
         return
     row_shape = (-1, *[1] * (gradient.dim() - 1))
     left = BETA if decays is None else decays.to(moments.dtype).reshape(row_shape)

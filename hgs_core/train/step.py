@@ -59,10 +59,16 @@ def take_step(
     for splats in learning:
         splats.map(lambda array: array.requires_grad_(True))
     picture = rasterize(
-        static, dynamic, view.camera, view.moment,
-        backend=config.backend, gradients=gradients, tile_mask=tiles, statistics=statistics,
+        static,
+        dynamic,
+        view.camera,
+        view.moment,
+        backend=config.backend,
+        gradients=gradients,
+        tile_mask=tiles,
+        statistics=statistics,
         antialiased=config.antialiased,
-    ).rgb  # fmt: skip
+    ).rgb
     compared, colours = picture, None
     if correction is not None:
         colours = correction.learning(view.place)

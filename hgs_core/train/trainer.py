@@ -162,9 +162,15 @@ class Trainer:
                 self._learn("dynamic", iteration, view, tiles=tiles, ignored=still)
         self._constrain()
         context = RoundContext(
-            iteration, self.seed, self.schedule, self.views, self.segment, view.camera, self.first_counts,
+            iteration,
+            self.seed,
+            self.schedule,
+            self.views,
+            self.segment,
+            view.camera,
+            self.first_counts,
             self.statics_learn,
-        )  # fmt: skip
+        )
         self._torn = saved
         for control in due:
             with (
@@ -204,9 +210,16 @@ class Trainer:
         seen = ScreenStatistics.zeros(len(static) + len(dynamic))
         with timed(f"{stage} step"):
             step = take_step(
-                static, dynamic, view, config, gradients=stage, tiles=tiles, ignored=ignored,
-                correction=state.correction, statistics=seen,
-            )  # fmt: skip
+                static,
+                dynamic,
+                view,
+                config,
+                gradients=stage,
+                tiles=tiles,
+                ignored=ignored,
+                correction=state.correction,
+                statistics=seen,
+            )
         with timed("optimiser"):
             if stage in ("static", "all"):
                 rates = self.schedule.static_rates(iteration)

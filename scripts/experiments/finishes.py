@@ -124,9 +124,12 @@ class _Training:
         self.scored = [self.capture.camera_index(name) for name in scored]
         self.fitted = self.training[1 :: max(1, len(self.training) // 4)][:4]
         self.truth = Truth(
-            self.capture, [*self.scored, *self.fitted], pictures=None, masks=masks,
+            self.capture,
+            [*self.scored, *self.fitted],
+            pictures=None,
+            masks=masks,
             downscale=self.config.capture.downscale,
-        )  # fmt: skip
+        )
 
     def finish(self, name: str, how: Finish) -> None:
         """Finish the training and print its scores."""
@@ -134,16 +137,30 @@ class _Training:
         shutil.copy(self.folder.checkpoint(0), checkpoint)
         masks = MotionMasks.load(self.folder.masks, self.capture)
         trainer = segment_trainer(
-            self.capture, {i: self.cameras[i] for i in self.training}, self.config.train, self.config.seed, self.points,
-            self.capture.frames_in(self.config.points.interval), checkpoint, self.segment, masks, None,
-        )  # fmt: skip
+            self.capture,
+            {i: self.cameras[i] for i in self.training},
+            self.config.train,
+            self.config.seed,
+            self.points,
+            self.capture.frames_in(self.config.points.interval),
+            checkpoint,
+            self.segment,
+            masks,
+            None,
+        )
         state, first = trainer.state, trainer.state.iteration
         count = round(how.length * (self.config.train.iterations - first))
         plan = trainer.schedule
         trainer.schedule = _FinishSchedule(
-            plan.config, plan.extent, plan.frames, plan.seconds,
-            first=first, count=count, held=how.held, statics=how.statics,
-        )  # fmt: skip
+            plan.config,
+            plan.extent,
+            plan.frames,
+            plan.seconds,
+            first=first,
+            count=count,
+            held=how.held,
+            statics=how.statics,
+        )
         newton = None if how.newton is None else NewtonSteps(trainer, how.newton)
         means = [_Mean(first + round((1 - share) * count)) for share in _AVERAGES]
         started = time.process_time()

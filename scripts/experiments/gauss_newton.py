@@ -40,9 +40,16 @@ _WARM = 0.17  # share of the finish after which they begin
 _MOMENTUM, _MEMORY = 0.8, 200.0  # of gradients; visits over which the diagonal is a mean
 _LEAST_ERROR = 0.02  # below which a pixel's weight does not grow
 _TRUST = {
-    "means": 0.1, "motion": 0.1, "log_scales": 0.05, "quats": 0.02, "rotation": 0.02, "opacity_logits": 0.1,
-    "rgb": 0.01, "time_centers": 0.1, "time_log_precisions": 0.1,
-}  # fmt: skip
+    "means": 0.1,
+    "motion": 0.1,
+    "log_scales": 0.05,
+    "quats": 0.02,
+    "rotation": 0.02,
+    "opacity_logits": 0.1,
+    "rgb": 0.01,
+    "time_centers": 0.1,
+    "time_log_precisions": 0.1,
+}
 """Longest steps: of positions in sizes of the splat, of `time_centers` in lives."""
 
 
@@ -159,9 +166,12 @@ class _GaussNewton(RmsProp):
         self._damping = {name: self._how.damping * over(array, 0) + 1e-30 for name, array in known.items()}
 
     def step(
-        self, splats: Splats, rates: Mapping[str, float | Tensor], shown: Splats | None = None,
+        self,
+        splats: Splats,
+        rates: Mapping[str, float | Tensor],
+        shown: Splats | None = None,
         rows: Tensor | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         if self._damping is None:
             super().step(splats, rates, shown, rows)
             return

@@ -118,9 +118,14 @@ async def started_chromium(folder: Path) -> AsyncIterator[Chromium]:
     program = find_chromium()
     assert program is not None
     process = await asyncio.create_subprocess_exec(
-        program, *FLAGS, "--remote-debugging-port=0", f"--user-data-dir={folder}", "about:blank",
-        stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.PIPE,
-    )  # fmt: skip
+        program,
+        *FLAGS,
+        "--remote-debugging-port=0",
+        f"--user-data-dir={folder}",
+        "about:blank",
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.PIPE,
+    )
     assert process.stderr is not None
     address = None
     while address is None:

@@ -98,9 +98,12 @@ async def _view(transport: str, url: str, seconds: float, seeks: int, seed: int)
             if not viewer.can_show(moment):
                 sought.append(await viewer.sought(moment))
         return {
-            "start": seen.start, "stalls": seen.stalls, "waited": seen.waited, "seeks": sorted(sought),
+            "start": seen.start,
+            "stalls": seen.stalls,
+            "waited": seen.waited,
+            "seeks": sorted(sought),
             "bytes": viewer.client.wire,
-        }  # fmt: skip
+        }
     finally:
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)

@@ -39,14 +39,26 @@ def _encode(run: Path, budget: str, fine_tune: int | None) -> None:
         share = (lambda *_, **__: 1.0) if way == _WAYS[1] else coarseness.dynamic_share
         with patch.object(coarseness, "dynamic_share", share):
             found = coarseness.fit(
-                scene, known, utility, budget, spec.config.train, seed=spec.config.seed, iterations=iterations,
+                scene,
+                known,
+                utility,
+                budget,
+                spec.config.train,
+                seed=spec.config.seed,
+                iterations=iterations,
                 states=states,
-            )  # fmt: skip
+            )
         with tempfile.TemporaryDirectory() as out:
             totals = encode_scene(
-                found.scene, Path(out), cameras=views.cameras, closer=views.closer, times=views.times,
-                title=views.title, settings=found.settings, utility=found.utility,
-            ).totals  # fmt: skip
+                found.scene,
+                Path(out),
+                cameras=views.cameras,
+                closer=views.closer,
+                times=views.times,
+                title=views.title,
+                settings=found.settings,
+                utility=found.utility,
+            ).totals
             lost = loss.of(decode_scene(Path(out))).without_gain(loss.of(found.scene))
         settings, size = found.settings, totals.bytes_static + totals.bytes_dynamic
         moving = "unknown" if lost.moving is None else f"{lost.moving:.4f}"

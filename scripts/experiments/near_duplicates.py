@@ -54,10 +54,16 @@ def _covariances(static: hgs.StaticSplats[Tensor]) -> Tensor:
     """Return [N, 3, 3], float64."""
     w, x, y, z = torch.nn.functional.normalize(static.quats.double(), dim=1).unbind(1)
     rows = [
-        1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
-        2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
-        2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y),
-    ]  # fmt: skip
+        1 - 2 * (y * y + z * z),
+        2 * (x * y - w * z),
+        2 * (x * z + w * y),
+        2 * (x * y + w * z),
+        1 - 2 * (x * x + z * z),
+        2 * (y * z - w * x),
+        2 * (x * z - w * y),
+        2 * (y * z + w * x),
+        1 - 2 * (x * x + y * y),
+    ]
     axes = torch.stack(rows, dim=1).reshape(-1, 3, 3) * static.log_scales.double().exp()[:, None]
     return axes @ axes.mT
 

@@ -90,9 +90,14 @@ class Rig:
     def picture(self, scene: Scene, camera: hgs.Camera, seconds: float) -> Doubles:
         segment = scene.segment_at(seconds)
         drawn = hgs.rasterize(
-            scene.static.map(torch.from_numpy), segment.dynamic.map(torch.from_numpy), camera,
-            segment.normalised(seconds), gradients="none", background=scene.background, antialiased=scene.antialiased,
-        )  # fmt: skip
+            scene.static.map(torch.from_numpy),
+            segment.dynamic.map(torch.from_numpy),
+            camera,
+            segment.normalised(seconds),
+            gradients="none",
+            background=scene.background,
+            antialiased=scene.antialiased,
+        )
         return drawn.rgb.clamp(0, 1).permute(1, 2, 0).double().numpy()
 
     def psnr(self, scene: Scene, cameras: Iterable[int]) -> float:

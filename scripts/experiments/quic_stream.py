@@ -122,10 +122,15 @@ async def serving_quic(scene: SceneIndex, chunks: Mapping[str, bytes], host: str
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, "bench")])
     now = datetime.datetime.now(datetime.UTC)
     certificate = (
-        x509.CertificateBuilder().subject_name(name).issuer_name(name).public_key(key.public_key()).serial_number(1)
-        .not_valid_before(now - datetime.timedelta(days=1)).not_valid_after(now + datetime.timedelta(days=1))
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(1)
+        .not_valid_before(now - datetime.timedelta(days=1))
+        .not_valid_after(now + datetime.timedelta(days=1))
         .sign(key, hashes.SHA256())
-    )  # fmt: skip
+    )
     settings = QuicConfiguration(is_client=False, alpn_protocols=ALPN, congestion_control_algorithm="cubic")
     settings.certificate, settings.private_key = certificate, key
     speaker = type("Speaker", (_Speaker,), {"scene": scene, "chunks": chunks, "apart": apart})

@@ -66,9 +66,12 @@ def _picture(scene: HybridScene[npt.NDArray[np.float32]], keep: Marks, camera: C
     render = rasterize(
         scene.static.take(keep[:still]).map(torch.from_numpy),
         scene.segments[0].dynamic.take(keep[still:]).map(torch.from_numpy),
-        camera, time,
-        background=scene.background, antialiased=scene.antialiased, gradients="none",
-    )  # fmt: skip
+        camera,
+        time,
+        background=scene.background,
+        antialiased=scene.antialiased,
+        gradients="none",
+    )
     return np.clip(render.rgb.double().numpy(), 0, 1)
 
 

@@ -46,9 +46,15 @@ def main() -> None:
         """Return the picture [H, W, 3] and the depth [H, W]."""
         segment = scene.segment_at(seconds)
         picture = hgs.rasterize(
-            scene.static, segment.dynamic, camera, segment.normalised(seconds), depth=True, gradients="none",
-            background=scene.background, antialiased=scene.antialiased,
-        )  # fmt: skip
+            scene.static,
+            segment.dynamic,
+            camera,
+            segment.normalised(seconds),
+            depth=True,
+            gradients="none",
+            background=scene.background,
+            antialiased=scene.antialiased,
+        )
         assert picture.depth is not None
         rgb = picture.rgb.clamp(0, 1).permute(1, 2, 0).double().numpy()
         return rgb, (picture.depth / picture.alpha.clamp(min=1e-6)).double().numpy()

@@ -63,9 +63,8 @@ class _Run:
         self.scene = load_scene(folder.trained).map(torch.from_numpy)
         self.segment = self.scene.segments[0]
         self.frames = [
-            frame for frame in range(1, len(self.capture.times), 3)
-            if self.capture.times[frame] <= self.segment.end
-        ]  # fmt: skip
+            frame for frame in range(1, len(self.capture.times), 3) if self.capture.times[frame] <= self.segment.end
+        ]
 
     def moment(self, frame: int) -> float:
         return float(self.segment.normalised(float(self.capture.times[frame])))

@@ -109,9 +109,13 @@ class _Colours:
             towards = torch.nn.functional.normalize(static.means - torch.tensor(camera.position).float(), dim=1)
             rgb = rgb + torch.einsum("nk,nkc->nc", towards, self.harmonics)
         return hgs.rasterize(
-            dataclasses.replace(static, rgb=rgb), segment.dynamic, camera, segment.normalised(seconds),
-            gradients="static", antialiased=self.scene.antialiased,
-        ).rgb  # fmt: skip
+            dataclasses.replace(static, rgb=rgb),
+            segment.dynamic,
+            camera,
+            segment.normalised(seconds),
+            gradients="static",
+            antialiased=self.scene.antialiased,
+        ).rgb
 
 
 def _halved(picture: Tensor) -> Tensor:

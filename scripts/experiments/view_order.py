@@ -82,9 +82,14 @@ def picture(still: list[Cell], moving: DynamicSplats[Floats], camera: Camera, ba
     """Draw cells and the splats that move, at the beginning of the scene; [3, H, W]."""
     with torch.no_grad():
         shown: Floats = rasterize(
-            joined([cell.splats for cell in still]).map(torch.from_numpy), moving.map(torch.from_numpy), camera, 0.0,
-            background=background, antialiased=True, gradients="none",
-        ).rgb.numpy()  # fmt: skip
+            joined([cell.splats for cell in still]).map(torch.from_numpy),
+            moving.map(torch.from_numpy),
+            camera,
+            0.0,
+            background=background,
+            antialiased=True,
+            gradients="none",
+        ).rgb.numpy()
     return np.clip(shown, 0, 1)
 
 
@@ -171,8 +176,10 @@ def _print(name: str, row: list[float], mbit: float) -> None:
     share, now, then, *levels = row
     seconds = [8 * size / 1e3 / mbit for size in (now, then)]
     pairs = "  ".join(f"{use:9.1f} {view:5.1f}" for use, view in zip(levels[::2], levels[1::2], strict=True))
-    print(f"{name:18s}{100 * share:6.0f} %  {now:15.0f} {then:9.0f}    {seconds[0]:.2f}, {seconds[1]:.2f}  {pairs}",
-          flush=True)  # fmt: skip
+    print(
+        f"{name:18s}{100 * share:6.0f} %  {now:15.0f} {then:9.0f}    {seconds[0]:.2f}, {seconds[1]:.2f}  {pairs}",
+        flush=True,
+    )
 
 
 if __name__ == "__main__":

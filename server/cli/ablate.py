@@ -37,13 +37,18 @@ def add_parser(commands: Any) -> None:
         "--truth", metavar="FOLDER", type=Path, help="score against these pictures, instead of the capture's"
     )
     parser.add_argument(
-        "--score-masks", metavar="FOLDER", type=Path,
+        "--score-masks",
+        metavar="FOLDER",
+        type=Path,
         help="masks of what moves in the held-out cameras, for the scores alone",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--json", metavar="FILE", nargs="?", const="-",
+        "--json",
+        metavar="FILE",
+        nargs="?",
+        const="-",
         help="write JSON to FILE, or to standard output in place of the table",
-    )  # fmt: skip
+    )
     add_training_options(parser, hold_out="")
     parser.set_defaults(run=_run)
 
@@ -54,11 +59,15 @@ def _run(options: argparse.Namespace) -> int:
 
     config = training_config(options)
     ablation = Ablation(
-        options.capture, options.out, config,
+        options.capture,
+        options.out,
+        config,
         rows_named(None if options.rows is None else _list("--rows", options.rows)),
         (config.seed,) if options.seeds is None else [_seed(text) for text in _list("--seeds", options.seeds)],
-        masks=options.masks, truth=options.truth, score_masks=options.score_masks,
-    )  # fmt: skip
+        masks=options.masks,
+        truth=options.truth,
+        score_masks=options.score_masks,
+    )
     output = JsonOutput(options.json)
     require_writable_folder(options.out)
     from hgs_core.ablate.ablation import ablate

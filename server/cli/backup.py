@@ -17,10 +17,11 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "backup", help="copy HGS_HOME, also while its server runs",
+        "backup",
+        help="copy HGS_HOME, also while its server runs",
         description="Copy HGS_HOME with its database, scenes, runs, uploads and keys into a new folder, also while its "
         "server and workers run. hgs restore makes a home of it again.",
-    )  # fmt: skip
+    )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="a new folder; it appears whole or not at all")
     parser.set_defaults(run=_run)
 

@@ -48,15 +48,17 @@ def add_parser(commands: Any) -> None:
         "--backends", metavar="LIST", help="cpu, reference, or triton alone; default: cpu and reference"
     )
     raster.add_argument(
-        "--against", metavar="CHECKOUT",
+        "--against",
+        metavar="CHECKOUT",
         help="another installed checkout: both train in turn, by processor time; "
         "with --backends triton: gsplat, if it is installed",
-    )  # fmt: skip
+    )
     raster.add_argument(
-        "--truth", metavar="LIST",
+        "--truth",
+        metavar="LIST",
         help="sizes at which the torch path and float64 run too, or none; they take seconds and gigabytes; "
         "default: up to 20k@676x507",
-    )  # fmt: skip
+    )
     raster.add_argument("--seconds", metavar="S", default="1", help="of timing per point (default: 1)")
     raster.add_argument("--dynamic", metavar="SHARE", default="0", help="share of splats that move (default: 0)")
     raster.add_argument("--seed", metavar="N", default="0", help="of the scenes (default: 0)")
@@ -70,9 +72,12 @@ def add_parser(commands: Any) -> None:
         "source", metavar="RUN|FILE", type=Path, help="a finished run, or a .ply, .splat, .spz or .glb file"
     )
     codec.add_argument(
-        "--json", metavar="FILE", nargs="?", const="-",
+        "--json",
+        metavar="FILE",
+        nargs="?",
+        const="-",
         help="write JSON to FILE, or to standard output in place of text; in RUN/codec.json hgs report shows it",
-    )  # fmt: skip
+    )
     codec.add_argument("--sweep", metavar="LIST", help="coarsenesses to encode with, like 0.5,1,2, or none")
     codec.set_defaults(run=_run_codec)
     train: argparse.ArgumentParser = parts.add_parser(
@@ -174,10 +179,14 @@ def _run_viewers(options: argparse.Namespace) -> int:
 
     with ProgressBars() as bars:
         report = bench_viewers(
-            options.source, bars,
+            options.source,
+            bars,
             viewers=VIEWERS if options.viewers is None else options.viewers.split(","),
-            size=parse_picture_size("--size", options.size), rounds=rounds, frames=frames, measured_one=show,
-        )  # fmt: skip
+            size=parse_picture_size("--size", options.size),
+            rounds=rounds,
+            frames=frames,
+            measured_one=show,
+        )
     output.show(report.to_json(), viewers_text(report))
     return 0
 

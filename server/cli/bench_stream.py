@@ -35,17 +35,21 @@ def add_parts(parts: Any) -> None:
     serve.add_argument("--seconds", metavar="S", type=float, default=10.0, help="to watch (default: 10)")
     serve.add_argument("--processes", metavar="N", type=int, default=1, help="servers (default: 1)")
     serve.add_argument(
-        "--bad-clients", action="store_true",
+        "--bad-clients",
+        action="store_true",
         help="then let clients misbehave: that do not read, that open connections and wait, that seek all the time",
-    )  # fmt: skip
+    )
     serve.set_defaults(run=_run_serve)
 
 
 def _add_scene_and_output(part: argparse.ArgumentParser) -> None:
     part.add_argument(
-        "run_folder", metavar="RUN", type=Path, nargs="?",
+        "run_folder",
+        metavar="RUN",
+        type=Path,
+        nargs="?",
         help="a finished run or a scene folder; default: a made-up scene, 0.96 Mbit/s of random bytes",
-    )  # fmt: skip
+    )
     part.add_argument("--minutes", metavar="M", type=float, default=1.0, help="of the made-up scene (default: 1)")
     part.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
 

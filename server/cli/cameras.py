@@ -24,10 +24,11 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "cameras", help="find the poses of cameras from their videos",
+        "cameras",
+        help="find the poses of cameras from their videos",
         description="Find poses and focal lengths from videos of cameras that stand still, and write them beside the "
         "videos as COLMAP's text files, sparse/0.",
-    )  # fmt: skip
+    )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="one synchronous video of each camera")
     parser.add_argument("--focal", metavar="PIXELS", type=float, help="the focal length of all cameras, if it is known")
     parser.add_argument(
@@ -64,9 +65,14 @@ def _run(options: argparse.Namespace) -> int:
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars, interruptible():
         try:
             solution = find_cameras(
-                options.folder, focal=options.focal, up=options.up, distance=distance, board=board, floor=options.floor,
+                options.folder,
+                focal=options.focal,
+                up=options.up,
+                distance=distance,
+                board=board,
+                floor=options.floor,
                 progress=bars,
-            )  # fmt: skip
+            )
         except StageStopped:
             return 130
     print(_table(solution), file=sys.stderr)

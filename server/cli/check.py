@@ -19,9 +19,10 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "check", help="find faults of a capture before it trains",
+        "check",
+        help="find faults of a capture before it trains",
         description="Find wrong poses, lenses, clocks, masks and pictures of a capture. hgs train does it first.",
-    )  # fmt: skip
+    )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")
     add_masks_option(parser)
     parser.add_argument(

@@ -53,13 +53,17 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
     parser.add_argument(
-        "--truth", metavar="FOLDER", type=Path,
+        "--truth",
+        metavar="FOLDER",
+        type=Path,
         help="score against these pictures, <camera>/<FFFF>.png, instead of the capture's",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--masks", metavar="FOLDER", type=Path,
+        "--masks",
+        metavar="FOLDER",
+        type=Path,
         help="masks of what moves, <camera>/<FFFF>.png; without it the capture's, or what moves in the true pictures",
-    )  # fmt: skip
+    )
     parser.add_argument("--lpips", metavar="WEIGHTS", type=Path, help="compute LPIPS with these weights (.npz)")
     parser.add_argument("--flip", action="store_true", help="compute FLIP (needs the extra eval)")
     which = parser.add_mutually_exclusive_group()
@@ -82,9 +86,16 @@ def _run(options: argparse.Namespace) -> int:
 
     with ProgressBars() as bars:
         result = evaluate_run(
-            options.run_folder, bars, cameras=cameras, all_cameras=options.all_cameras, truth=options.truth,
-            masks=options.masks, lpips=options.lpips, flip=options.flip, backend=options.backend,
-        )  # fmt: skip
+            options.run_folder,
+            bars,
+            cameras=cameras,
+            all_cameras=options.all_cameras,
+            truth=options.truth,
+            masks=options.masks,
+            lpips=options.lpips,
+            flip=options.flip,
+            backend=options.backend,
+        )
     scores = {name: result[name] for name in FIELDS}
     if options.lpips is None:
         print(NO_LPIPS, file=sys.stderr)

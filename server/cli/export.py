@@ -52,9 +52,13 @@ def _run(options: argparse.Namespace) -> int:
     source = open_source(options.source)
     with ProgressBars() as bars:
         changes = source.export(
-            options.to, time=options.time, segment=options.segment, version=options.spz_version,
-            frame_rate=options.fps, progress=bars,
-        )  # fmt: skip
+            options.to,
+            time=options.time,
+            segment=options.segment,
+            version=options.spz_version,
+            frame_rate=options.fps,
+            progress=bars,
+        )
     for change in changes:
         print(f"{options.to}: {change}", file=sys.stderr)
     output.show({"file": str(options.to), "changes": [change.to_json() for change in changes]}, str(options.to))

@@ -21,14 +21,16 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "gc", help="remove old jobs, and chunks that no scene names",
+        "gc",
+        help="remove old jobs, and chunks that no scene names",
         description="Tell what need not be kept in HGS_HOME and its store, and with --delete remove it. Published "
         "scenes and unfinished jobs all stay.",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--check", action="store_true",
+        "--check",
+        action="store_true",
         help="read every chunk that a scene names, and tell which are missing or damaged; nothing is removed",
-    )  # fmt: skip
+    )
     parser.add_argument("--delete", action="store_true", help="remove it; without, nothing is changed")
     parser.add_argument("--keep-jobs", metavar="N", help="keep the N finished jobs that ended last (HGS_KEEP_JOBS)")
     parser.add_argument("--keep-days", metavar="N", help="keep jobs that ended in the last N days (HGS_KEEP_DAYS)")

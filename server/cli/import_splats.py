@@ -29,21 +29,25 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--out", metavar="RUN", type=Path, required=True, help="new folder of the run")
     parser.add_argument(
-        "--capture", metavar="FOLDER", type=Path,
+        "--capture",
+        metavar="FOLDER",
+        type=Path,
         help="what the splats were made of, in the same world: encoding is measured on it, and the run can be scored",
-    )  # fmt: skip
+    )
     parser.add_argument("--hold-out", metavar="A,B", default="", help="cameras that encoding must not look at")
     parser.add_argument("--duration", metavar="S", type=float, help="seconds that a 4D file lasts (default: 50 / 30)")
     parser.add_argument("--fps", metavar="N", type=float, help="frames of a folder a second (default: 30)")
     parser.add_argument(
-        "--antialiased", action=argparse.BooleanOptionalAction,
+        "--antialiased",
+        action=argparse.BooleanOptionalAction,
         help="whether the splats were trained antialiased (default: as the file or --capture tells, else not)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--activated", action=argparse.BooleanOptionalAction,
+        "--activated",
+        action=argparse.BooleanOptionalAction,
         help="whether scales and opacities stand in a .ply as they are drawn, not as logarithms and logits (default: "
         "their ranges tell)",
-    )  # fmt: skip
+    )
     parser.add_argument("--budget", choices=list(BUDGETS), default="default", help="what encoding may lose")
     parser.add_argument("--json", metavar="FILE", help="write what is left out or changed as JSON; -: in place of text")
     parser.set_defaults(run=_run)
@@ -58,9 +62,16 @@ def _run(options: argparse.Namespace) -> int:
 
     with ProgressBars() as bars:
         imported = import_run(
-            options.file, options.out, bars, duration=options.duration, frame_rate=options.fps,
-            capture=options.capture, config=config, antialiased=options.antialiased, activated=options.activated,
-        )  # fmt: skip
+            options.file,
+            options.out,
+            bars,
+            duration=options.duration,
+            frame_rate=options.fps,
+            capture=options.capture,
+            config=config,
+            antialiased=options.antialiased,
+            activated=options.activated,
+        )
     for change in imported.changes:
         print(f"{options.file}: {change}", file=sys.stderr)
     output.show({"run": str(options.out), **imported.to_json()}, str(options.out))

@@ -29,6 +29,9 @@ def job_options(options: argparse.Namespace) -> dict[str, Any]:
     """
     limit = 0.0 if options.time_limit is None else seconds_of(options.time_limit, "--time-limit")
     return {
-        "labels": tuple(options.label), "priority": options.priority, "time_limit": limit, "webhook": options.webhook,
+        "labels": tuple(options.label),
+        "priority": options.priority,
+        "time_limit": limit,
+        "webhook": options.webhook,
         "key": options.key,
-    }  # fmt: skip
+    }

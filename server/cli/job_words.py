@@ -57,11 +57,17 @@ def job_table(jobs: Sequence[dict[str, Any]], now: float) -> str:
     rows = [("JOB", "STATE", "STAGE", "LEFT", "PRIO", "AGE", "LABELS", "TITLE")]
     rows += [
         (
-            job["id"], job["state"], _stage(job), _left(job, now), str(job["priority"]),
-            duration(now - job["created"]), ",".join(job["labels"]) or "-", job["title"],
+            job["id"],
+            job["state"],
+            _stage(job),
+            _left(job, now),
+            str(job["priority"]),
+            duration(now - job["created"]),
+            ",".join(job["labels"]) or "-",
+            job["title"],
         )
         for job in jobs
-    ]  # fmt: skip
+    ]
     return _aligned(rows)
 
 
@@ -101,11 +107,15 @@ def worker_table(workers: Sequence[dict[str, Any]], now: float) -> str:
     rows = [("WORKER", "HOST", "DEVICE", "JOB", "UP", "WHY IDLE")]
     rows += [
         (
-            one["id"], one["host"], one["device"] or "-", one["job"] or "-", duration(now - one["started"]),
+            one["id"],
+            one["host"],
+            one["device"] or "-",
+            one["job"] or "-",
+            duration(now - one["started"]),
             one["idle_because"] or "-",
         )
         for one in workers
-    ]  # fmt: skip
+    ]
     return _aligned(rows)
 
 

@@ -33,9 +33,13 @@ def add_parser(commands: Any) -> None:
     add = actions.add_parser("add", help="make a key and print it: it is shown this once")
     add.add_argument("name", metavar="NAME", help="whose or what for")
     add.add_argument(
-        "--scope", action="append", choices=_SCOPES, default=[], dest="scopes",
+        "--scope",
+        action="append",
+        choices=_SCOPES,
+        default=[],
+        dest="scopes",
         help="may be repeated; submit and publish allow to view, admin allows everything (default: view)",
-    )  # fmt: skip
+    )
     add.add_argument(
         "--for", metavar="TIME", dest="duration", help="how long it holds, such as 30d or 12h (default: ever)"
     )

@@ -24,15 +24,18 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "masks", help="write the masks of what moves",
+        "masks",
+        help="write the masks of what moves",
         description="Write masks of what moves as PNG files. Edit them and give them to hgs train --masks.",
-    )  # fmt: skip
+    )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view video")
     parser.add_argument("--out", metavar="FOLDER", type=Path, required=True, help="new folder for the masks")
     parser.add_argument(
-        "--sam", metavar="WEIGHTS", type=Path,
+        "--sam",
+        metavar="WEIGHTS",
+        type=Path,
         help="sharpen the automatic masks with SAM 2: a folder of weights in the format of transformers (extra sam)",
-    )  # fmt: skip
+    )
     parser.set_defaults(run=_run)
 
 

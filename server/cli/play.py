@@ -30,17 +30,21 @@ def add_parser(commands: Any) -> None:
         description="Receive a scene as a player does, and tell when it began, how often it waited, and what came.",
     )
     parser.add_argument(
-        "url", metavar="URL",
+        "url",
+        metavar="URL",
         help="a scene's page, http://HOST/view/NAME, with its ?link= if it has one; its stream, ws://...; or its "
         "folder on a web server, http://HOST/.../; HGS_KEY is the key that the server may ask for",
-    )  # fmt: skip
+    )
     parser.add_argument("--stats", action="store_true", help="tell how the stream went; there is no picture to show")
     parser.add_argument("--seconds", metavar="S", type=float, default=None, help="to watch; default: the scene once")
     add_patience_option(parser)
     parser.add_argument(
-        "--json", metavar="FILE", nargs="?", const="-",
+        "--json",
+        metavar="FILE",
+        nargs="?",
+        const="-",
         help="write JSON to FILE, or to standard output in place of text",
-    )  # fmt: skip
+    )
     parser.set_defaults(run=_run)
 
 

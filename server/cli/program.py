@@ -56,9 +56,30 @@ def command_line() -> CommandLine:
     parser.add_argument("--version", action="version", version=f"hgs {software_version()}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
     for command in (
-        train, check, cameras, sync, masks, encode, evaluate, report, edit, publish, import_splats, export, serve,
-        play, worker, submit, jobs, gc, backup, restore, keys, bench, ablate,
-    ):  # fmt: skip
+        train,
+        check,
+        cameras,
+        sync,
+        masks,
+        encode,
+        evaluate,
+        report,
+        edit,
+        publish,
+        import_splats,
+        export,
+        serve,
+        play,
+        worker,
+        submit,
+        jobs,
+        gc,
+        backup,
+        restore,
+        keys,
+        bench,
+        ablate,
+    ):
         command.add_parser(commands)
     return parser
 

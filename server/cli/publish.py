@@ -32,10 +32,11 @@ def add_parser(commands: Any) -> None:
     parser.add_argument("run_folder", metavar="RUN", type=Path, help="folder of the run")
     parser.add_argument("--id", default="", help="the scene's id in the store; default: the name of the run's folder")
     parser.add_argument(
-        "--to", metavar="DIR|s3://BUCKET/PREFIX",
+        "--to",
+        metavar="DIR|s3://BUCKET/PREFIX",
         help="a folder or a prefix of a bucket: a new one, an empty one, or one of the same scene; the bucket's "
         "endpoint, region and credentials are AWS_ENDPOINT, AWS_REGION, AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY",
-    )  # fmt: skip
+    )
     parser.add_argument("--replace", action="store_true", help="with --to: another scene may lie there, which goes")
     parser.add_argument("--data-only", action="store_true", help="with --to: write neither the player nor index.html")
     add_audio_option(parser, None, "default: as the run has it")

@@ -13,10 +13,11 @@ __all__ = ["add_parser"]
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "restore", help="make HGS_HOME of a backup",
+        "restore",
+        help="make HGS_HOME of a backup",
         description="Make HGS_HOME, which is not there yet or empty, of a folder that hgs backup has made, on this "
         "machine or another. Every file is compared with its SHA-256 first.",
-    )  # fmt: skip
+    )
     parser.add_argument("folder", metavar="FOLDER", type=Path, help="what hgs backup has made")
     parser.set_defaults(run=_run)
 

@@ -43,8 +43,11 @@ class _Sending:
         self._files = files
         self._total = sum(file.size for file in files)
         self._announced = {
-            "name": name[:200], "files": len(files), "bytes": self._total, "key": upload_key(files),
-        }  # fmt: skip
+            "name": name[:200],
+            "files": len(files),
+            "bytes": self._total,
+            "key": upload_key(files),
+        }
         self._progress = progress
         self._sent: dict[str, int] = {}
         self._sent_total = 0

@@ -38,46 +38,70 @@ def add_parser(commands: Any) -> None:
         help="address to listen on; any but one of this machine alone needs keys, or --open",
     )
     parser.add_argument(
-        "--open", action="store_true",
+        "--open",
+        action="store_true",
         help="ask nobody for a key: whoever can reach the server can use all of it; HGS_OPEN=1 means the same",
-    )  # fmt: skip
+    )
     parser.add_argument("--port", type=int, default=8000, help="0 lets the system choose")
     parser.add_argument("--workers", type=int, default=1, help="worker processes to run; 0 for none")
     parser.add_argument(
-        "--captures", metavar="FOLDERS", default="",
+        "--captures",
+        metavar="FOLDERS",
+        default="",
         help="folders that jobs may read, separated as in PATH; default: HGS_CAPTURES, else captures/ in the home",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--uploads", metavar="LIMITS", default="",
+        "--uploads",
+        metavar="LIMITS",
+        default="",
         help="how much may be sent to this server, as in quota=2T,upload=200G,file=100G,files=20000,open=16,client=4,"
         "free=10G,hours=48, of which all may be left out; or off; default: HGS_UPLOADS (docs/upload.md)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--allow-origin", metavar="ORIGIN", dest="origins", action="append", default=[],
+        "--allow-origin",
+        metavar="ORIGIN",
+        dest="origins",
+        action="append",
+        default=[],
         help="a page of another host that may read scenes, e.g. https://example.org; * for all; may be repeated",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--allow-host", metavar="NAME", dest="hosts", action="append", default=[],
+        "--allow-host",
+        metavar="NAME",
+        dest="hosts",
+        action="append",
+        default=[],
         help="a name that people reach this server by, beside localhost and IP addresses; may be repeated; "
         "HGS_ALLOW_HOSTS holds more, separated by commas",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--connections-per-address", metavar="N", type=int, default=None,
+        "--connections-per-address",
+        metavar="N",
+        type=int,
+        default=None,
         help="connections that one address may have open; give more if it is a proxy's (default: a quarter of all)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--max-streams", metavar="N", type=int, default=None,
+        "--max-streams",
+        metavar="N",
+        type=int,
+        default=None,
         help="streams that may be open at once; others are told to come again (default: as many as it can carry)",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--drain", metavar="SECONDS", type=float, default=5.0,
+        "--drain",
+        metavar="SECONDS",
+        type=float,
+        default=5.0,
         help="over which streams are ended when the server stops, so that their clients do not all come back at once",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "--root-path", metavar="PATH", default="",
+        "--root-path",
+        metavar="PATH",
+        default="",
         help="the path under which a proxy passes requests on as they came, such as /hgs; default: HGS_ROOT_PATH; "
         "not for a proxy that takes the path off (docs/deploy.md)",
-    )  # fmt: skip
+    )
     parser.add_argument("--access-log", action="store_true", help="write a line of JSON for every request to stderr")
     parser.set_defaults(run=_run)
 

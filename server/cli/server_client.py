@@ -66,9 +66,12 @@ class LostConnectionError(Exception):
 def add_patience_option(parser: argparse.ArgumentParser) -> None:
     """Add --patience."""
     parser.add_argument(
-        "--patience", metavar="SECONDS", type=float, default=FIRST_PATIENCE,
+        "--patience",
+        metavar="SECONDS",
+        type=float,
+        default=FIRST_PATIENCE,
         help="how long to try a server that does not answer (default: %(default)g)",
-    )  # fmt: skip
+    )
 
 
 class ServerClient:

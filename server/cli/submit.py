@@ -23,14 +23,17 @@ POLL_SECONDS = 0.5
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "submit", help="queue a capture for training",
+        "submit",
+        help="queue a capture for training",
         description="Queue a capture for training; print the job's id. With --to, send it to a server first; run the "
         "same command again to go on with what was cut off.",
-    )  # fmt: skip
+    )
     parser.add_argument(
-        "capture", metavar="CAPTURE", type=Path,
+        "capture",
+        metavar="CAPTURE",
+        type=Path,
         help="folder of a multi-view capture; with --to also a .zip, .tar, .tar.gz or .tar.zst of one",
-    )  # fmt: skip
+    )
     parser.add_argument("--to", metavar="URL", help="a server to send the capture to, as in http://host:8000")
     parser.add_argument("--title", default="", help="for people; default: the capture's name")
     parser.add_argument(

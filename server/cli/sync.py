@@ -26,15 +26,18 @@ _SAME_MOMENT = 1e-4  # seconds
 def add_parser(commands: Any) -> None:
     """Add the subcommand."""
     parser: argparse.ArgumentParser = commands.add_parser(
-        "sync", help="find out by how much the videos are apart",
+        "sync",
+        help="find out by how much the videos are apart",
         description="Find by their sound or by what moves when each camera began, to parts of a frame, and write "
         "sync.json.",
-    )  # fmt: skip
+    )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view video")
     parser.add_argument(
-        "--by", choices=SYNC_BY[:-1], default=SYNC_BY[0],
+        "--by",
+        choices=SYNC_BY[:-1],
+        default=SYNC_BY[0],
         help="the sound of the videos, which needs no poses; what moves, which does; or auto: the sound if it tells",
-    )  # fmt: skip
+    )
     parser.add_argument("--out", metavar="FILE", type=Path, help="where to write (default: CAPTURE/sync.json)")
     parser.set_defaults(run=_run)
 

@@ -19,20 +19,23 @@ def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto"
     """Add --preset, --hold-out with its default, --trust-poses, --sync, --downscale and --set."""
     parser.add_argument("--preset", choices=list(PRESETS), default="standard", help="how long and how fine to train")
     parser.add_argument(
-        "--hold-out", metavar="A,B", default=hold_out,
+        "--hold-out",
+        metavar="A,B",
+        default=hold_out,
         help="cameras kept for `hgs eval`, by name; or none; or auto, of six or more the one in the middle"
         + (" (default)" if hold_out == "auto" else ""),
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--trust-poses",
         action="store_true",
         help="train even where the check of the capture finds poses that do not fit",
     )
     parser.add_argument(
-        "--sync", choices=SYNC_BY,
+        "--sync",
+        choices=SYNC_BY,
         help="what tells when videos began that nothing is said of: their sound, what moves, whichever is sure (auto,"
         " the default), or nothing (docs/captures.md)",
-    )  # fmt: skip
+    )
     parser.add_argument(
         "--downscale",
         metavar="N",
@@ -40,9 +43,14 @@ def add_training_options(parser: argparse.ArgumentParser, hold_out: str = "auto"
         help="reduce the pictures N times; big photographs train N^2 times faster. Some cameras' by cam04=4,cam05=2",
     )
     parser.add_argument(
-        "--set", metavar="KEY=VALUE", dest="overrides", nargs="+", action="extend", default=[],
+        "--set",
+        metavar="KEY=VALUE",
+        dest="overrides",
+        nargs="+",
+        action="extend",
+        default=[],
         help="replace fields of the config, e.g. train.iterations=2000 encode.budget=low (docs/training.md)",
-    )  # fmt: skip
+    )
 
 
 def _reductions(text: str) -> tuple[int | None, list[str]]:
@@ -57,18 +65,22 @@ def _reductions(text: str) -> tuple[int | None, list[str]]:
 def add_masks_option(parser: argparse.ArgumentParser) -> None:
     """Add --masks."""
     parser.add_argument(
-        "--masks", metavar="FOLDER", type=Path,
+        "--masks",
+        metavar="FOLDER",
+        type=Path,
         help="masks of what moves, <camera>/<FFFF>.png, to use instead of the capture's own (docs/captures.md)",
-    )  # fmt: skip
+    )
 
 
 def add_audio_option(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
     """Add --audio; `otherwise` says what its default does."""
     parser.add_argument(
-        "--audio", metavar="FILE", default=default,
+        "--audio",
+        metavar="FILE",
+        default=default,
         help="what is heard: a file with sound, camera:NAME for that camera's, auto for the first one's that has any,"
         f" or none; {otherwise} (docs/captures.md)",
-    )  # fmt: skip
+    )
 
 
 def training_config(options: argparse.Namespace) -> RunConfig:

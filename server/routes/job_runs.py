@@ -51,11 +51,15 @@ def history(request: Request, job_id: str, service: ServiceDep) -> Response:
     course = thinned(read_course(service.runs.folder(job_id)), _MILESTONES)
     points = [
         {
-            "attempt": one.attempt, "stage": one.stage, "done": one.done, "total": one.total, "time": one.time,
+            "attempt": one.attempt,
+            "stage": one.stage,
+            "done": one.done,
+            "total": one.total,
+            "time": one.time,
             "figures": dict(one.figures),
         }
         for one in course
-    ]  # fmt: skip
+    ]
     return respond_json(request, encodable({"points": points}))
 
 

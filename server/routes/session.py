@@ -46,9 +46,14 @@ async def begin(request: Request, service: ServiceDep) -> Response:
         raise ProblemError(401, "key-needed", "this is no key of this server, or it holds no more", field="key")
     response = Response(status_code=204, headers={"Cache-Control": "no-store"})
     response.set_cookie(
-        COOKIE, begun[0], max_age=SESSION_SECONDS, path=f"{site_root(request)}/", httponly=True, samesite="strict",
+        COOKIE,
+        begun[0],
+        max_age=SESSION_SECONDS,
+        path=f"{site_root(request)}/",
+        httponly=True,
+        samesite="strict",
         secure=request.url.scheme == "https",
-    )  # fmt: skip
+    )
     return response
 
 

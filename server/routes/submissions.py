@@ -105,9 +105,16 @@ def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
         if audio not in (OWN_SOUND, NO_SOUND) and camera_of_sound(audio) is None:
             audio = str(service.captures.locate_file("audio", audio, capture))
         return JobRequest(
-            capture, config, submission.title, audio=audio, labels=tuple(submission.labels),
-            priority=submission.priority, time_limit=submission.time_limit, webhook=submission.webhook, key=key,
-        )  # fmt: skip
+            capture,
+            config,
+            submission.title,
+            audio=audio,
+            labels=tuple(submission.labels),
+            priority=submission.priority,
+            time_limit=submission.time_limit,
+            webhook=submission.webhook,
+            key=key,
+        )
     except InputError as error:
         raise _refused(service, error) from error
 

@@ -157,5 +157,7 @@ def _file(upload: Upload, number: str) -> ArrivingFile:
 def _state(service: Service, upload: Upload, file: ArrivingFile) -> dict[str, str]:
     expires = upload.last_byte + 3600 * service.uploads.limits.hours
     return {
-        "Tus-Resumable": VERSION, "Upload-Offset": str(file.offset), "Upload-Expires": formatdate(expires, usegmt=True),
-    }  # fmt: skip
+        "Tus-Resumable": VERSION,
+        "Upload-Offset": str(file.offset),
+        "Upload-Expires": formatdate(expires, usegmt=True),
+    }

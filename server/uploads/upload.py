@@ -94,11 +94,16 @@ class Upload:
         with self._lock:
             done = sum(file.verified for file in self._by_path.values())
             return {
-                "id": self.id, "name": self.announced.name, "state": "finished" if self.capture else "receiving",
-                "files": self.announced.files, "bytes": self.announced.bytes, "received": self.received,
-                "verified": self.announced.files if self.capture else done, "created": self.created,
+                "id": self.id,
+                "name": self.announced.name,
+                "state": "finished" if self.capture else "receiving",
+                "files": self.announced.files,
+                "bytes": self.announced.bytes,
+                "received": self.received,
+                "verified": self.announced.files if self.capture else done,
+                "created": self.created,
                 "expires": None if self.capture else self.last_byte + 3600 * limits.hours,
-            }  # fmt: skip
+            }
 
     def describe_files(self) -> list[dict[str, Any]]:
         """Return what has been announced and has come, file by file."""

@@ -33,7 +33,7 @@ SMALL: dict[str, Any] = {
     "capture": {"hold_out": ["2"]},
     "points": {"static": 300, "dynamic": 60, "interval": 0.1},
     "train": {"iterations": 60, "density": {"every": 20, "max_static": 400, "max_dynamic": 100}},
-}  # fmt: skip
+}
 
 
 def public(path: str) -> Any:

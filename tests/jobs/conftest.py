@@ -211,11 +211,16 @@ def used(home: Home, write_scene: Callable[..., list[str]], tmp_path: Path) -> H
         write_scene(tmp_path / name, chunks)
         store.put_scene(tmp_path / name, name)
     for name, text in (
-        ("uploads/x-1f9c03ab/upload.json", "{}"), ("uploads/captures/room/cam 0\n\\.mp4", "video"),
-        ("runs/a/checkpoint.pt", "state"), ("runs/a/run.lock", ""), ("runs/a/run.lease.3", ""),
-        ("runs/a/.checkpoint.pt.1f.tmp", "half"), ("uploads/.deleted-1/x", "x"), ("live/worker-1", ""),
+        ("uploads/x-1f9c03ab/upload.json", "{}"),
+        ("uploads/captures/room/cam 0\n\\.mp4", "video"),
+        ("runs/a/checkpoint.pt", "state"),
+        ("runs/a/run.lock", ""),
+        ("runs/a/run.lease.3", ""),
+        ("runs/a/.checkpoint.pt.1f.tmp", "half"),
+        ("uploads/.deleted-1/x", "x"),
+        ("live/worker-1", ""),
         ("store/chunks/" + "0" * 64, "nobody names it"),
-    ):  # fmt: skip
+    ):
         (home.folder / name).parent.mkdir(parents=True, exist_ok=True)
         (home.folder / name).write_text(text)
     os.utime(home.folder / "uploads/x-1f9c03ab/upload.json", (1e9, 1e9))

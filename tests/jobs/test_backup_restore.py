@@ -41,8 +41,14 @@ def test_a_home_is_made_of_a_backup_again(used: Home, elsewhere: Home, tmp_path:
     made = back_up(used, tmp_path / "backup")
     assert made.holes == ()
     restore(tmp_path / "backup", elsewhere)
-    kept = {"jobs.sqlite", "home-id", "backup.json", "uploads/x-1f9c03ab/upload.json", "runs/a/checkpoint.pt",
-            "uploads/captures/room/cam 0\n\\.mp4"}  # fmt: skip
+    kept = {
+        "jobs.sqlite",
+        "home-id",
+        "backup.json",
+        "uploads/x-1f9c03ab/upload.json",
+        "runs/a/checkpoint.pt",
+        "uploads/captures/room/cam 0\n\\.mp4",
+    }
     assert kept <= files(elsewhere.folder)
     assert not [name for name in files(elsewhere.folder) if ".tmp" in name or "run.l" in name or "live" in name]
     assert (elsewhere.folder / "uploads/x-1f9c03ab/upload.json").stat().st_mtime == 1e9

@@ -70,13 +70,16 @@ def test_our_services_agree_with_each_other_and_with_the_others() -> None:
         assert found[service]["volumes"] == found["api"]["volumes"]
         assert found[service]["restart"] == "unless-stopped"
         assert found[service]["depends_on"] == {
-            DATABASE: {"condition": "service_healthy"}, "bucket": {"condition": "service_completed_successfully"},
-        }  # fmt: skip
+            DATABASE: {"condition": "service_healthy"},
+            "bucket": {"condition": "service_completed_successfully"},
+        }
     environment, database = found["api"]["environment"], found[DATABASE]["environment"]
     url = sa.make_url(environment["HGS_DATABASE_URL"])
     assert (url.username, url.password, url.database) == (
-        database["POSTGRES_USER"], database["POSTGRES_PASSWORD"], database["POSTGRES_DB"],
-    )  # fmt: skip
+        database["POSTGRES_USER"],
+        database["POSTGRES_PASSWORD"],
+        database["POSTGRES_DB"],
+    )
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         assert environment[name] == found["store"]["environment"][name]
     assert environment["HGS_STORE_URL"].startswith("s3://hgs/")

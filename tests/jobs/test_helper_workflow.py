@@ -97,12 +97,14 @@ def test_workers_make_the_same_bits_as_one_process(
     client: JobClient, worker: Callable[..., subprocess.Popen[bytes]], wait_for: WaitFor, tmp_path: Path
 ) -> None:
     write_capture(tmp_path / "capture")
-    config = RunConfig.from_json({
-        "capture": {"hold_out": ["2"]},
-        "points": {"static": 200, "dynamic": 40, "interval": 0.1},
-        "train": {"iterations": 60, "checkpoint_every": 10, "segment_frames": 2},
-        "encode": {"by_segment": True},
-    })  # fmt: skip
+    config = RunConfig.from_json(
+        {
+            "capture": {"hold_out": ["2"]},
+            "points": {"static": 200, "dynamic": 40, "interval": 0.1},
+            "train": {"iterations": 60, "checkpoint_every": 10, "segment_frames": 2},
+            "encode": {"by_segment": True},
+        }
+    )
     worker(), worker()
     job_id = client.submit(JobRequest(tmp_path / "capture", config))
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")

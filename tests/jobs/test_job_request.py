@@ -44,10 +44,15 @@ def test_text_that_cannot_be_stored_or_shown_is_refused_by_name(
 
 def test_the_digest_is_of_all_that_is_asked_for(tmp_path: Path) -> None:
     changes: list[dict[str, Any]] = [
-        {"title": "A"}, {"labels": ("a",)}, {"priority": 1}, {"time_limit": 5.0}, {"masks": tmp_path},
+        {"title": "A"},
+        {"labels": ("a",)},
+        {"priority": 1},
+        {"time_limit": 5.0},
+        {"masks": tmp_path},
         {"audio": "none"},
-        {"config": RunConfig().changed({"train.iterations": 7})}, {"capture": tmp_path / "b"},
-    ]  # fmt: skip
+        {"config": RunConfig().changed({"train.iterations": 7})},
+        {"capture": tmp_path / "b"},
+    ]
     plain: dict[str, Any] = {"capture": tmp_path, "config": RunConfig()}
     digests = {JobRequest(**plain | change).digest for change in changes}
     assert len(digests | {JobRequest(**plain).digest}) == len(changes) + 1

@@ -22,7 +22,9 @@ def test_a_table_of_an_earlier_version_gets_the_new_columns_and_indexes(tmp_path
     prepare_database(home, engine, metadata)
     found = sa.inspect(engine)
     assert {index["name"] for index in found.get_indexes("hgs_job")} >= {
-        "ix_hgs_job_request_key", "ix_hgs_job_list", "ix_hgs_job_capture",
-    }  # fmt: skip
+        "ix_hgs_job_request_key",
+        "ix_hgs_job_list",
+        "ix_hgs_job_capture",
+    }
     assert {column["name"] for column in found.get_columns("hgs_job")} >= {"labels", "request_key", "audio"}
     engine.dispose()

@@ -134,11 +134,13 @@ def test_a_job_that_was_cancelled_while_its_worker_was_dead_stays_cancelled(
 def test_the_real_trainer_resumes_from_its_checkpoint(
     client: JobClient, worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:
-    config = RunConfig.from_json({
-        "capture": {"hold_out": [f"cam{i:02}" for i in range(4, 16)]},  # four cameras are enough here, and faster
-        "points": {"static": 1000, "dynamic": 300, "interval": 2.0},
-        "train": {"iterations": 300, "checkpoint_every": 20},
-    })  # fmt: skip
+    config = RunConfig.from_json(
+        {
+            "capture": {"hold_out": [f"cam{i:02}" for i in range(4, 16)]},  # four cameras are enough here, and faster
+            "points": {"static": 1000, "dynamic": 300, "interval": 2.0},
+            "train": {"iterations": 300, "checkpoint_every": 20},
+        }
+    )
     job_id = client.submit(JobRequest(SAMPLE, config))
     run = client.home.run(job_id)
     first = worker()

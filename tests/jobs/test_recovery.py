@@ -302,9 +302,12 @@ def test_rows_follow_workflows_that_ended_without_a_word(
 
 
 def test_a_worker_says_every_20_seconds_that_its_job_is_worked_on(
-    ours: Recovery, table: JobTable, clock: Callable[[float], None], attended: set[tuple[str, int]],
+    ours: Recovery,
+    table: JobTable,
+    clock: Callable[[float], None],
+    attended: set[tuple[str, int]],
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     words: list[tuple[str, int]] = []
     monkeypatch.setattr(table, "keep_alive", lambda job_id, attempt: words.append((job_id, attempt)))
     attended.add(("a", 1))

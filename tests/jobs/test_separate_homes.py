@@ -150,9 +150,16 @@ def test_an_upload_is_trained_by_a_machine_that_did_not_take_it(
 
 @pytest.mark.slow
 def test_a_store_that_is_away_for_a_while_costs_no_training(
-    client: JobClient, submit: Callable[..., str], home: Home, s3: S3Server, wait_for: WaitFor, wait_until: Poll,
-    node: Callable[[str], Worker], monkeypatch: pytest.MonkeyPatch, tmp_path: Path,
-) -> None:  # fmt: skip
+    client: JobClient,
+    submit: Callable[..., str],
+    home: Home,
+    s3: S3Server,
+    wait_for: WaitFor,
+    wait_until: Poll,
+    node: Callable[[str], Worker],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
     job_id = submit(iterations=500)
     proxy = FlakyProxy(int(s3.address.rpartition(":")[2]))
     monkeypatch.setenv("AWS_ENDPOINT", proxy.address)
@@ -228,12 +235,14 @@ def test_the_trainer_makes_the_same_bits_on_two_machines_as_on_one(
     by_segment: bool,
 ) -> None:
     write_capture(tmp_path / "capture")
-    config = RunConfig.from_json({
-        "capture": {"hold_out": ["2"]},
-        "points": {"static": 200, "dynamic": 40, "interval": 0.1},
-        "train": {"iterations": 200, "checkpoint_every": 10, "segment_frames": 2},
-        "encode": {"by_segment": by_segment},
-    })  # fmt: skip
+    config = RunConfig.from_json(
+        {
+            "capture": {"hold_out": ["2"]},
+            "points": {"static": 200, "dynamic": 40, "interval": 0.1},
+            "train": {"iterations": 200, "checkpoint_every": 10, "segment_frames": 2},
+            "encode": {"by_segment": by_segment},
+        }
+    )
     first = node("one")
     job_id = client.submit(JobRequest(tmp_path / "capture", config))
     run = StoredRun(open_object_store(client.home.store_url), run_prefix(job_id))

@@ -24,9 +24,15 @@ from jobs.subprocesses import StageRunner
 from server.cli import main as command_line
 
 SECRETS = {
-    "AWS_SECRET_ACCESS_KEY": "a", "AZURE_STORAGE_KEY": "b", "GOOGLE_SERVICE_ACCOUNT": "c", "PGPASSWORD": "d",
-    "HGS_DATABASE_URL": "postgresql://e", "HGS_STORE_URL": "s3://f", "HGS_WEBHOOK_SECRET": "g", "HGS_KEY": "h",
-}  # fmt: skip
+    "AWS_SECRET_ACCESS_KEY": "a",
+    "AZURE_STORAGE_KEY": "b",
+    "GOOGLE_SERVICE_ACCOUNT": "c",
+    "PGPASSWORD": "d",
+    "HGS_DATABASE_URL": "postgresql://e",
+    "HGS_STORE_URL": "s3://f",
+    "HGS_WEBHOOK_SECRET": "g",
+    "HGS_KEY": "h",
+}
 PLAIN = {"PATH": "/bin", "HGS_THREADS": "2", "CUDA_VISIBLE_DEVICES": "1"}
 
 

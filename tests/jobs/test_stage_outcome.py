@@ -14,16 +14,20 @@ from jobs.stage_outcome import StageOutcome, outcome_of
         (1, StageOutcome("no loss"), False, StageOutcome("no loss")),
         (69, StageOutcome(waiting="full"), False, StageOutcome(waiting="full")),
         (
-            -signal.SIGKILL, StageOutcome(), True,
+            -signal.SIGKILL,
+            StageOutcome(),
+            True,
             StageOutcome("train: hung: nothing was heard of it for too long, and it was killed", killed=True),
         ),
         (-signal.SIGSEGV, StageOutcome(), False, StageOutcome("train: ended by SIGSEGV", killed=True)),
         (1, StageOutcome(), False, StageOutcome("train: exit status 1; see stage.log in the run folder")),
         (
-            75, StageOutcome(), False,
+            75,
+            StageOutcome(),
+            False,
             StageOutcome("train: exit status 75; see stage.log in the run folder", killed=True),
         ),
     ],
-)  # fmt: skip
+)
 def test_outcomes(status: int, said: StageOutcome, silent: bool, outcome: StageOutcome) -> None:
     assert outcome_of("train", status, said, silent=silent, killed_before=None) == outcome

@@ -55,8 +55,12 @@ def test_every_stage_can_be_stopped_and_goes_on(home: Home, tmp_path: Path) -> N
     environment = {**os.environ, **home.environment(), "HGS_PIPELINE": "hgs_core.runs.stages"}
     with subprocess.Popen(
         [sys.executable, "-c", STOPS_ITSELF, str(run), str(tmp_path / "told.json"), json.dumps(REPORTS)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, text=True,
-    ) as process:  # fmt: skip
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=environment,
+        text=True,
+    ) as process:
         assert process.stdin is not None  # stays open: where it closes, the worker is gone
         assert process.stdout is not None
         assert process.stderr is not None

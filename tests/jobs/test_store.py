@@ -183,8 +183,12 @@ def test_an_attempt_that_is_put_off_becomes_the_next_and_keeps_its_progress(engi
     job = table.get("a")
     assert job is not None
     assert (job.state, job.attempt, job.waiting, job.stage, job.done) == (
-        JobState.WAITING, 2, "the store fails", "publish", 5,
-    )  # fmt: skip
+        JobState.WAITING,
+        2,
+        "the store fails",
+        "publish",
+        5,
+    )
     assert table.start("a", 2)
     assert not waiting(table)
 

@@ -212,9 +212,13 @@ def test_the_thread_goes_on_after_any_fault(
 
 
 def test_a_worker_that_is_killed_while_it_tells_loses_nothing(
-    client: JobClient, worker: Callable[..., subprocess.Popen[bytes]], receiver: Receiver, tmp_path: Path,
-    wait_until: Poll, monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    client: JobClient,
+    worker: Callable[..., subprocess.Popen[bytes]],
+    receiver: Receiver,
+    tmp_path: Path,
+    wait_until: Poll,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     for name, value in (("HOSTS", "127.0.0.1"), ("SECRET", SECRET.decode()), ("PRIVATE", "1")):
         monkeypatch.setenv(f"HGS_WEBHOOK_{name}", value)
     (tmp_path / "behaviour").write_text("count")

@@ -43,17 +43,39 @@ def test_named_hosts_are_allowed(url: str) -> None:
 @pytest.mark.parametrize(
     "url",
     [
-        "http://hooks.example.org/", "ftp://hooks.example.org/", "file:///etc/passwd", "https://other.example/",
-        "https://acme.example/", "https://notacme.example/", "https://hooks.example.org.evil.example/",
-        "https://user@hooks.example.org/", "https://hooks.example.org@evil.example/", "https://hooks.example.org:0/",
-        "https://hooks.example.org:x/", "https://hooks.example.org/a b", "https://hooks.example.org/\r\nX: y",
-        "nonsense", "https://hooks.example.org/#a", "https://[::1/", "https://127.0.0.1/",
-        "https://hooks.example.org/" + "a" * 2000, "https://a..acme.example/", "https://.acme.example/",
-        "https://a.b...acme.example/", f"https://{'a' * 64}.acme.example/", f"https://{'a.' * 130}acme.example/",
-        "https://-a.acme.example/", "https://a-.acme.example/", "https://a%2f.acme.example/", "https://a*.acme.example/",
-        "https://b\u00fcro.acme.example/", "https://a_.acme.example./", "https://[fe80::1%25eth0]/", "https://a,.acme.example",
+        "http://hooks.example.org/",
+        "ftp://hooks.example.org/",
+        "file:///etc/passwd",
+        "https://other.example/",
+        "https://acme.example/",
+        "https://notacme.example/",
+        "https://hooks.example.org.evil.example/",
+        "https://user@hooks.example.org/",
+        "https://hooks.example.org@evil.example/",
+        "https://hooks.example.org:0/",
+        "https://hooks.example.org:x/",
+        "https://hooks.example.org/a b",
+        "https://hooks.example.org/\r\nX: y",
+        "nonsense",
+        "https://hooks.example.org/#a",
+        "https://[::1/",
+        "https://127.0.0.1/",
+        "https://hooks.example.org/" + "a" * 2000,
+        "https://a..acme.example/",
+        "https://.acme.example/",
+        "https://a.b...acme.example/",
+        f"https://{'a' * 64}.acme.example/",
+        f"https://{'a.' * 130}acme.example/",
+        "https://-a.acme.example/",
+        "https://a-.acme.example/",
+        "https://a%2f.acme.example/",
+        "https://a*.acme.example/",
+        "https://b\u00fcro.acme.example/",
+        "https://a_.acme.example./",
+        "https://[fe80::1%25eth0]/",
+        "https://a,.acme.example",
     ],
-)  # fmt: skip
+)
 def test_everything_else_is_refused(url: str) -> None:
     with pytest.raises(InputError, match="webhook"):
         RULES.checked(url)
@@ -101,11 +123,27 @@ def test_without_settings_there_are_no_webhooks() -> None:
 @pytest.mark.parametrize(
     "address",
     [
-        "127.0.0.1", "10.0.0.5", "192.168.1.1", "172.16.0.1", "169.254.169.254", "0.0.0.0", "100.64.0.1", "224.0.0.1",
-        "::1", "fe80::1", "fd00::1", "fec0::1", "64:ff9b::a00:1", "::10.0.0.1", "::ffff:0:7f00:1",
-        "::ffff:127.0.0.1", "::ffff:10.0.0.1", "2002:7f00:1::", "::",
+        "127.0.0.1",
+        "10.0.0.5",
+        "192.168.1.1",
+        "172.16.0.1",
+        "169.254.169.254",
+        "0.0.0.0",
+        "100.64.0.1",
+        "224.0.0.1",
+        "::1",
+        "fe80::1",
+        "fd00::1",
+        "fec0::1",
+        "64:ff9b::a00:1",
+        "::10.0.0.1",
+        "::ffff:0:7f00:1",
+        "::ffff:127.0.0.1",
+        "::ffff:10.0.0.1",
+        "2002:7f00:1::",
+        "::",
     ],
-)  # fmt: skip
+)
 def test_a_name_that_leads_to_a_private_address_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found: list[Any] = [(0, 0, 0, "", ("93.184.215.14", 443)), (0, 0, 0, "", (address, 443))]
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: found)

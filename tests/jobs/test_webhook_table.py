@@ -48,9 +48,15 @@ def test_the_end_of_a_job_is_to_be_told(table: JobTable, webhooks: WebhookTable)
     body = json.loads(one.body)
     assert (body["type"], body["timestamp"]) == ("job.succeeded", one.ended)
     assert body["data"] == {
-        "id": "a", "attempt": 1, "state": "succeeded", "title": "A", "labels": ["night"], "capture": "/captures/a",
-        "scene": "a", "error": None,
-    }  # fmt: skip
+        "id": "a",
+        "attempt": 1,
+        "state": "succeeded",
+        "title": "A",
+        "labels": ["night"],
+        "capture": "/captures/a",
+        "scene": "a",
+        "error": None,
+    }
 
 
 def test_an_end_is_told_once(table: JobTable, webhooks: WebhookTable) -> None:

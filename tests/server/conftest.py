@@ -98,10 +98,18 @@ class FakeJobs:
         job_id = f"job-{len(self.jobs)}"
         title = request.title or request.capture.name
         self.jobs[job_id] = Job(
-            job_id, title, str(request.capture), request.config.to_json(), created=1.0, updated=1.0,
-            labels=request.labels, priority=request.priority, time_limit=request.time_limit,
-            webhook=request.webhook, audio=request.audio,
-        )  # fmt: skip
+            job_id,
+            title,
+            str(request.capture),
+            request.config.to_json(),
+            created=1.0,
+            updated=1.0,
+            labels=request.labels,
+            priority=request.priority,
+            time_limit=request.time_limit,
+            webhook=request.webhook,
+            audio=request.audio,
+        )
         return job_id
 
     def get(self, job_id: str) -> Job | None:

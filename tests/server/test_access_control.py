@@ -41,17 +41,25 @@ def now() -> list[float]:
 
 @pytest.fixture
 def guarded(
-    server: Server, keys: FakeKeys, now: list[float], manifest: bytes, chunks: list[bytes],
+    server: Server,
+    keys: FakeKeys,
+    now: list[float],
+    manifest: bytes,
+    chunks: list[bytes],
     monkeypatch: pytest.MonkeyPatch,
-) -> Server:  # fmt: skip
+) -> Server:
     """The scenes studio and other, which name the same chunks but one, behind keys."""
     monkeypatch.setattr(access_module, "FRESH_SECONDS", 0.0)
     access = Access(keys, Asking.ALWAYS, lambda: now[0])
     jobs, artifacts = FakeJobs(), FakeArtifacts()
     app = create_app(
-        server.home, captures=CaptureFolders(()), job_client=jobs, artifacts=artifacts, access=access,
+        server.home,
+        captures=CaptureFolders(()),
+        job_client=jobs,
+        artifacts=artifacts,
+        access=access,
         viewer=server.home.folder.parent / "viewer",
-    )  # fmt: skip
+    )
     artifacts.manifests = {"studio": manifest, "other": manifest.replace(b"Studio", b"Other")}
     artifacts.thumbnails = {"studio": b"jpeg", "other": b"jpeg"}
     for chunk in chunks:
@@ -140,8 +148,9 @@ def test_a_link_ends_to_the_second(guarded: Server, now: list[float]) -> None:
     now[0] = 1010.0
     answer = guarded.get(path)
     assert (answer.status_code, answer.json()["detail"]) == (
-        401, "this link has expired, or is no link of this server",
-    )  # fmt: skip
+        401,
+        "this link has expired, or is no link of this server",
+    )
 
 
 def test_a_session_of_a_browser_is_no_use_to_pages_of_other_sites(guarded: Server, keys: FakeKeys) -> None:

@@ -23,10 +23,24 @@ def test_loopback_and_addresses_are_allowed(host: str) -> None:
 
 @pytest.mark.parametrize(
     "host",
-    ["evil.example", "evil.example:8000", "localhost.evil.example", "127.0.0.1.evil.example", "xlocalhost", "",
-     "evil.example@localhost", "localhost:8000:80", "[::1", "[]", "[evil]", "127.1", "localhost/", "local host",
-     "\xff"],
-)  # fmt: skip
+    [
+        "evil.example",
+        "evil.example:8000",
+        "localhost.evil.example",
+        "127.0.0.1.evil.example",
+        "xlocalhost",
+        "",
+        "evil.example@localhost",
+        "localhost:8000:80",
+        "[::1",
+        "[]",
+        "[evil]",
+        "127.1",
+        "localhost/",
+        "local host",
+        "\xff",
+    ],
+)
 def test_other_names_are_not(host: str) -> None:
     assert not AllowedHosts.configured(environment={}).allows(host)
 

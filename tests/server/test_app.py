@@ -43,8 +43,11 @@ print(*(name for name in ("torch", "pycolmap", "av", "PIL", "cv2") if name in sy
 def test_api_process_never_imports_torch_or_what_opens_captures(tmp_path: Path, scene_folder: Path) -> None:
     process = subprocess.run(
         [sys.executable, "-c", SERVE_ONE_REQUEST_OF_EACH_KIND, str(tmp_path / "home"), str(scene_folder)],
-        capture_output=True, text=True, timeout=120, cwd=REPOSITORY,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        timeout=120,
+        cwd=REPOSITORY,
+    )
     assert process.returncode == 0, process.stderr
     assert process.stdout.strip() == ""
 

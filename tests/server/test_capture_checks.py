@@ -12,8 +12,13 @@ from server.capture_checks import CaptureCheckRun, CaptureChecks
 from server.problems import ProblemError
 
 FOUND = {
-    "cameras": [{"name": "a"}], "findings": [], "stops": False, "frames": [0], "width": 64, "shown": ["large"],
-}  # fmt: skip
+    "cameras": [{"name": "a"}],
+    "findings": [],
+    "stops": False,
+    "frames": [0],
+    "width": 64,
+    "shown": ["large"],
+}
 
 
 def checks(program: str, longest: float = 600.0) -> CaptureChecks:

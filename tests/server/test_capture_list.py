@@ -87,9 +87,17 @@ def listed(captures: CaptureList, times: int = 1) -> dict[str, dict[str, Any]]:
 
 def test_a_capture_is_told_as_its_reader_described_it(make: Callable[..., CaptureList], root: Path) -> None:
     assert listed(make({"a": "well"})) == {
-        "a": {"capture": str(root / "a"), "name": "a", "layout": "N3DV", "cameras": ["a"], "frames": 9, "seconds": 1.0,
-              "problem": None, "looking": False},
-    }  # fmt: skip
+        "a": {
+            "capture": str(root / "a"),
+            "name": "a",
+            "layout": "N3DV",
+            "cameras": ["a"],
+            "frames": 9,
+            "seconds": 1.0,
+            "problem": None,
+            "looking": False,
+        },
+    }
 
 
 def test_a_refused_capture_is_told_by_its_name_and_not_by_the_path_of_its_folder(
@@ -165,6 +173,7 @@ def test_callers_of_one_moment_share_a_look(make: Callable[..., CaptureList], re
 def test_folders_are_named_whether_they_are_there_or_not(root: Path, tmp_path: Path) -> None:
     captures = CaptureList(CaptureFolders((root, root / "missing")), CaptureReaders(Home.at(tmp_path)))
     assert asyncio.run(captures.describe()) == {
-        "captures": [], "complete": True,
+        "captures": [],
+        "complete": True,
         "folders": [{"path": str(root), "exists": True}, {"path": str(root / "missing"), "exists": False}],
-    }  # fmt: skip
+    }

@@ -56,11 +56,17 @@ def test_a_capture_is_described_with_its_cameras_and_its_length(folders: Capture
     shutil.copytree(REPOSITORY / "samples" / "studio", root / "shows" / "studio")
     (found,) = find_captures(folders)[0]
     assert (found.name, found.path, found.layout, found.cameras) == (
-        "shows/studio", root / "shows" / "studio", "N3DV", (),
-    )  # fmt: skip
+        "shows/studio",
+        root / "shows" / "studio",
+        "N3DV",
+        (),
+    )
     assert described(found.path, folders) == {
-        "layout": "N3DV", "cameras": [f"cam{number:02}" for number in range(16)], "frames": 60, "seconds": 2.0,
-    }  # fmt: skip
+        "layout": "N3DV",
+        "cameras": [f"cam{number:02}" for number in range(16)],
+        "frames": 60,
+        "seconds": 2.0,
+    }
 
 
 def test_three_videos_without_poses_are_a_capture_too(folders: CaptureFolders, root: Path) -> None:
@@ -72,8 +78,11 @@ def test_three_videos_without_poses_are_a_capture_too(folders: CaptureFolders, r
     (found,) = find_captures(folders)[0]
     assert (found.name, found.layout, found.cameras) == ("three", "videos without poses", ("cam1", "cam2", "cam10"))
     assert described(found.path, folders) == {
-        "layout": "videos without poses", "cameras": ["cam1", "cam2", "cam10"], "frames": 60, "seconds": 2.0,
-    }  # fmt: skip
+        "layout": "videos without poses",
+        "cameras": ["cam1", "cam2", "cam10"],
+        "frames": 60,
+        "seconds": 2.0,
+    }
 
 
 def test_captures_come_by_name_from_as_deep_as_the_bound(folders: CaptureFolders, root: Path) -> None:

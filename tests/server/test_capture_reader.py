@@ -42,9 +42,13 @@ def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None
     write_capture(tmp_path / "capture", frames=2)
     run, config = tmp_path / "run", RunConfig.from_json({"capture": {"hold_out": ["2"]}, "seed": 7})
     request = {
-        "run": str(run), "capture": str(tmp_path / "capture"), "config": config.to_json(), "masks": None,
-        "audio": "none", "seconds": 60,
-    }  # fmt: skip
+        "run": str(run),
+        "capture": str(tmp_path / "capture"),
+        "config": config.to_json(),
+        "masks": None,
+        "audio": "none",
+        "seconds": 60,
+    }
     (answer,) = CaptureReaders(home).read("create", request, 600)
     spec = RunFolder(run).read_spec()
     assert RunConfig.from_json(answer["found"]["config"]) == spec.config == config
@@ -89,9 +93,13 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
     (tmp_path / "capture").mkdir()
     write_still(tmp_path / "capture")
     request = {
-        "run": str(tmp_path / "run"), "capture": str(tmp_path / "capture"), "config": RunConfig().to_json(),
-        "masks": None, "audio": "none", "seconds": seconds,
-    }  # fmt: skip
+        "run": str(tmp_path / "run"),
+        "capture": str(tmp_path / "capture"),
+        "config": RunConfig().to_json(),
+        "masks": None,
+        "audio": "none",
+        "seconds": seconds,
+    }
     readers = CaptureReaders(dataclasses.replace(home, pipeline="hungry_pipeline"))
     (answer,) = readers.read("create", request, 600)
     return answer

@@ -18,9 +18,14 @@ from tests.conftest import REPOSITORY
 from tests.server.hostile_captures import HOSTILE, write_still
 
 WORST = (
-    "concat of itself", "concat of itself with poses", "npy of 1e9 rows", "objects 100,000 deep", "sync 100,000 deep",
-    "toml 100,000 deep", "picture of 60,000^2",
-)  # fmt: skip
+    "concat of itself",
+    "concat of itself with poses",
+    "npy of 1e9 rows",
+    "objects 100,000 deep",
+    "sync 100,000 deep",
+    "toml 100,000 deep",
+    "picture of 60,000^2",
+)
 STACK = 2500 << 10  # bytes: an opened file that opens itself ends with it before it ends with descriptors
 FILES = 20_000
 
@@ -36,9 +41,13 @@ def client(tmp_path: Path) -> Iterator[httpx.Client]:
 
     process = subprocess.Popen(
         [sys.executable, "-m", "server.cli", "serve", "--workers", "0", "--port", "0"],
-        cwd=REPOSITORY, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        cwd=REPOSITORY,
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
         preexec_fn=limited,
-    )  # fmt: skip
+    )
     try:
         assert process.stdout is not None
         address = process.stdout.readline().strip().rstrip("/")

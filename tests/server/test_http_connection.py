@@ -400,8 +400,11 @@ server.run([listener])
 def test_lack_of_files_is_told_in_few_words(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", TOO_FEW_FILES, str(tmp_path)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=REPOSITORY,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        cwd=REPOSITORY,
+    )
     try:
         assert process.stdout is not None
         assert process.stderr is not None

@@ -28,12 +28,28 @@ def test_the_cursor_of_a_job_is_read_as_its_place(created: float, state: JobStat
 @pytest.mark.parametrize(
     ("name", "value"),
     [
-        ("limit", "0"), ("limit", "1001"), ("limit", "1e2"), ("limit", ""), ("limit", "99999"), ("state", "done"),
-        ("state", "Running"), ("after", "zzz"), ("after", "0/1e999/a"), ("after", "0/1.2.3/a"), ("after", "\0"),
-        ("after", "3/1.0/a"), ("before", "a"), ("page", "2"), ("label", "two words"), ("capture", ""), ("find", "a\0"),
-        ("since", "yesterday"), ("until", "-1"), ("until", "1e5"),
+        ("limit", "0"),
+        ("limit", "1001"),
+        ("limit", "1e2"),
+        ("limit", ""),
+        ("limit", "99999"),
+        ("state", "done"),
+        ("state", "Running"),
+        ("after", "zzz"),
+        ("after", "0/1e999/a"),
+        ("after", "0/1.2.3/a"),
+        ("after", "\0"),
+        ("after", "3/1.0/a"),
+        ("before", "a"),
+        ("page", "2"),
+        ("label", "two words"),
+        ("capture", ""),
+        ("find", "a\0"),
+        ("since", "yesterday"),
+        ("until", "-1"),
+        ("until", "1e5"),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_understood_is_refused_by_name(name: str, value: str) -> None:
     with pytest.raises(ProblemError, match=name) as caught:
         JobQuery.read([(name, value)])

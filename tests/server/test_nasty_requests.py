@@ -85,11 +85,20 @@ def ask(
     """Send one request as uvicorn hands it on, past every check of a client's library."""
     path, _, query = target.partition(b"?")
     scope = {
-        "type": "http", "asgi": {"version": "3.0", "spec_version": "2.3"}, "http_version": "1.1", "scheme": "http",
-        "server": ("127.0.0.1", 80), "client": ("127.0.0.1", 1234), "method": method, "root_path": "", "state": {},
-        "path": unquote(path.decode("ascii")), "raw_path": path, "query_string": query,
+        "type": "http",
+        "asgi": {"version": "3.0", "spec_version": "2.3"},
+        "http_version": "1.1",
+        "scheme": "http",
+        "server": ("127.0.0.1", 80),
+        "client": ("127.0.0.1", 1234),
+        "method": method,
+        "root_path": "",
+        "state": {},
+        "path": unquote(path.decode("ascii")),
+        "raw_path": path,
+        "query_string": query,
         "headers": [(b"host", b"localhost"), *((name.lower(), value) for name, value in headers)],
-    }  # fmt: skip
+    }
     messages = [{"type": "http.request", "body": body, "more_body": False}]
     answer = Answer()
 
@@ -178,15 +187,58 @@ def test_bodies_that_broke_servers_before(app: FastAPI, body: bytes) -> None:
 
 
 PARTS = st.sampled_from(
-    [b"/", b"v1", b"jobs", b"scenes", b"chunks", b"events", b"manifest", b"thumbnail", b"stream", b"cancel", b"view",
-     b"assets", b"main-1a2b.js", b"..", b".", b"%00", b"%2f", b"%2e%2e", b"%ff", b"%ed%a0%80", b"%", b"~", b"?", b"#",
-     b"0" * 64, b"a" * 300, b"index.html", b"\\", b"%0d%0a", b"*", b"[", b"{x}"]
-)  # fmt: skip
+    [
+        b"/",
+        b"v1",
+        b"jobs",
+        b"scenes",
+        b"chunks",
+        b"events",
+        b"manifest",
+        b"thumbnail",
+        b"stream",
+        b"cancel",
+        b"view",
+        b"assets",
+        b"main-1a2b.js",
+        b"..",
+        b".",
+        b"%00",
+        b"%2f",
+        b"%2e%2e",
+        b"%ff",
+        b"%ed%a0%80",
+        b"%",
+        b"~",
+        b"?",
+        b"#",
+        b"0" * 64,
+        b"a" * 300,
+        b"index.html",
+        b"\\",
+        b"%0d%0a",
+        b"*",
+        b"[",
+        b"{x}",
+    ]
+)
 HEADERS = st.lists(
     st.tuples(
         st.sampled_from(
-            [b"Range", b"If-Range", b"If-None-Match", b"Accept", b"Accept-Encoding", b"Content-Type", b"Origin",
-             b"Last-Event-ID", b"X-Forwarded-For", b"Access-Control-Request-Method", b"Content-Encoding", b"Host"]
+            [
+                b"Range",
+                b"If-Range",
+                b"If-None-Match",
+                b"Accept",
+                b"Accept-Encoding",
+                b"Content-Type",
+                b"Origin",
+                b"Last-Event-ID",
+                b"X-Forwarded-For",
+                b"Access-Control-Request-Method",
+                b"Content-Encoding",
+                b"Host",
+            ]
         ),
         st.one_of(
             st.binary(max_size=30).filter(lambda value: not set(value) & set(b"\r\n\0")),
@@ -194,7 +246,7 @@ HEADERS = st.lists(
         ),
     ),
     max_size=4,
-)  # fmt: skip
+)
 
 
 @settings(max_examples=300, deadline=None)
@@ -213,26 +265,50 @@ def test_no_request_is_the_servers_fault(
 @settings(max_examples=300, deadline=None)
 @given(
     start=st.sampled_from(
-        [b"GET / HTTP/1.1", b"OPTIONS * HTTP/1.1", b"CONNECT localhost:80 HTTP/1.1", b"GET http://[/ HTTP/1.1",
-         b"get /",
-         b"GET  / HTTP/1.1", b"GET / HTTP/9.9", b"GET /\xff HTTP/1.1", b"PRI * HTTP/2.0", b"\x16\x03\x01", b"",
-         b"POST /v1/jobs HTTP/1.1", b"GET /v1/scenes/x/stream HTTP/1.1"]
+        [
+            b"GET / HTTP/1.1",
+            b"OPTIONS * HTTP/1.1",
+            b"CONNECT localhost:80 HTTP/1.1",
+            b"GET http://[/ HTTP/1.1",
+            b"get /",
+            b"GET  / HTTP/1.1",
+            b"GET / HTTP/9.9",
+            b"GET /\xff HTTP/1.1",
+            b"PRI * HTTP/2.0",
+            b"\x16\x03\x01",
+            b"",
+            b"POST /v1/jobs HTTP/1.1",
+            b"GET /v1/scenes/x/stream HTTP/1.1",
+        ]
     ),
     headers=st.lists(
         st.sampled_from(
-            [b"Host: localhost", b"Host: evil.example", b"Host:", b"Content-Length: 5", b"Content-Length: -1",
-             b"Content-Length: 5, 5", b"Transfer-Encoding: chunked", b"Transfer-Encoding: gzip",
-             b"Expect: 100-continue",
-             b"Connection: upgrade", b"Upgrade: websocket", b"Upgrade: h2c", b"Sec-WebSocket-Version: 13",
-             b"Sec-WebSocket-Key: x", b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==", b"Connection: close", b": x",
-             b"X: " + b"x" * 20000, b"Content-Type: application/json"]
+            [
+                b"Host: localhost",
+                b"Host: evil.example",
+                b"Host:",
+                b"Content-Length: 5",
+                b"Content-Length: -1",
+                b"Content-Length: 5, 5",
+                b"Transfer-Encoding: chunked",
+                b"Transfer-Encoding: gzip",
+                b"Expect: 100-continue",
+                b"Connection: upgrade",
+                b"Upgrade: websocket",
+                b"Upgrade: h2c",
+                b"Sec-WebSocket-Version: 13",
+                b"Sec-WebSocket-Key: x",
+                b"Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==",
+                b"Connection: close",
+                b": x",
+                b"X: " + b"x" * 20000,
+                b"Content-Type: application/json",
+            ]
         ),
         max_size=6,
     ),
-    body=st.sampled_from(
-        [b"", b"{}", b"5\r\nhello\r\n0\r\n\r\n", b"zz\r\n", b"\0" * 100, b"GET / HTTP/1.1\r\n\r\n"]
-    ),
-)  # fmt: skip
+    body=st.sampled_from([b"", b"{}", b"5\r\nhello\r\n0\r\n\r\n", b"zz\r\n", b"\0" * 100, b"GET / HTTP/1.1\r\n\r\n"]),
+)
 def test_nothing_on_the_wire_is_the_servers_fault(
     wire: tuple[tuple[str, int], Faults], start: bytes, headers: list[bytes], body: bytes
 ) -> None:

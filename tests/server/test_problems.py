@@ -39,9 +39,14 @@ def test_a_problem_is_answered_as_rfc_9457_lays_it_out() -> None:
     assert (answer.status_code, answer.headers["content-type"]) == (409, "application/problem+json")
     assert answer.headers["retry-after"] == "5"
     assert answer.json() == {
-        "type": "about:blank", "title": "Conflict", "status": 409, "detail": "job 3 is done", "instance": "/fault",
-        "code": "job-finished", "field": "job",
-    }  # fmt: skip
+        "type": "about:blank",
+        "title": "Conflict",
+        "status": 409,
+        "detail": "job 3 is done",
+        "instance": "/fault",
+        "code": "job-finished",
+        "field": "job",
+    }
 
 
 def test_a_problem_of_no_field_names_none() -> None:

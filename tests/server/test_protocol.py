@@ -17,9 +17,13 @@ from server.protocol import (
 def test_server_messages_are_maps_of_their_fields() -> None:
     welcome = msgpack.unpackb(encode(Welcome(1, "studio", b"{}", bytes(32), 12)))
     assert welcome == {
-        "type": "welcome", "protocol": 1, "scene": "studio", "manifest": b"{}", "manifest_id": bytes(32),
+        "type": "welcome",
+        "protocol": 1,
+        "scene": "studio",
+        "manifest": b"{}",
+        "manifest_id": bytes(32),
         "remaining": 12,
-    }  # fmt: skip
+    }
     assert msgpack.unpackb(encode(Missing(bytes(32)))) == {"type": "missing", "id": bytes(32)}
     assert msgpack.unpackb(encode(End(7))) == {"type": "end", "bytes": 7}
 

@@ -28,8 +28,11 @@ def test_every_request_is_a_line_without_its_query(server: Server, lines: Any) -
     answer = server.get("/v1/scenes/nowhere?link=secret")
     [line] = lines()
     assert {name: line[name] for name in ("method", "path", "status", "key")} == {
-        "method": "GET", "path": "/v1/scenes/nowhere", "status": 404, "key": None,
-    }  # fmt: skip
+        "method": "GET",
+        "path": "/v1/scenes/nowhere",
+        "status": 404,
+        "key": None,
+    }
     assert line["bytes"] == len(answer.content)
     assert line["id"] == answer.headers[REQUEST_ID]
     assert "secret" not in json.dumps(line)

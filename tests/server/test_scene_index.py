@@ -64,8 +64,9 @@ def test_sound_is_read_and_counts_for_the_size_and_for_what_a_link_opens(manifes
     sounding = json.dumps(json.loads(manifest) | {"audio": audio}).encode()
     scene = read_scene("studio", sounding)
     assert [(piece.start, piece.chunks[0].id.hex(), piece.chunks[0].size) for piece in scene.sounds] == [
-        (0.0, name, 5), (1.0, name, 5),
-    ]  # fmt: skip
+        (0.0, name, 5),
+        (1.0, name, 5),
+    ]
     assert scene.sizes == read_scene("studio", manifest).sizes
     assert scene.bytes_total == sum(map(len, chunks)) + 5 + len(sounding)
     assert scene.chunk_ids == {hashlib.sha256(chunk).hexdigest() for chunk in chunks} | {name}

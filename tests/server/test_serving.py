@@ -131,7 +131,7 @@ def test_ping_is_answered_without_credit(server: Any, manifest: bytes, chunks: l
         (bytes(MAX_MESSAGE_BYTES + 1), 1009, "message-too-large"),
     ],
     ids=["not msgpack", "no hello", "version 9", "too much credit", "text", "too large"],
-)  # fmt: skip
+)
 def test_broken_protocol_is_told_and_closed(
     server: Any, manifest: bytes, chunks: list[bytes], message: bytes | str, close_code: int, code: str
 ) -> None:

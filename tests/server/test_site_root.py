@@ -17,10 +17,16 @@ from tests.server.conftest import Server
 @pytest.mark.parametrize(
     ("given", "root"),
     [
-        ("", ""), ("/", ""), ("/hgs", "/hgs"), ("hgs/", "/hgs"), ("/a/b/c/", "/a/b/c"), ("/my%20scenes", "/my scenes"),
-        ("/my scenes/hgs", "/my scenes/hgs"), ("/view", "/view"),
+        ("", ""),
+        ("/", ""),
+        ("/hgs", "/hgs"),
+        ("hgs/", "/hgs"),
+        ("/a/b/c/", "/a/b/c"),
+        ("/my%20scenes", "/my scenes"),
+        ("/my scenes/hgs", "/my scenes/hgs"),
+        ("/view", "/view"),
     ],
-)  # fmt: skip
+)
 def test_a_root_is_read_as_people_write_it(given: str, root: str) -> None:
     assert configured_root(given, {}) == root
     assert configured_root("", {"HGS_ROOT_PATH": given}) == root
@@ -91,10 +97,17 @@ PAGE = '<link href="./icon.svg"><script src="./assets/index.js"></script><a href
 @pytest.mark.parametrize(
     ("path", "up"),
     [
-        ("/", "./"), ("/index.html", "./"), ("/new", "./"), ("/new/", "../"), ("/view/studio", "../"),
-        ("/view/studio/", "../../"), ("/job/a", "../"), ("/no/such/page", "../../"), ("/a%2Fb", "./"),
+        ("/", "./"),
+        ("/index.html", "./"),
+        ("/new", "./"),
+        ("/new/", "../"),
+        ("/view/studio", "../"),
+        ("/view/studio/", "../../"),
+        ("/job/a", "../"),
+        ("/no/such/page", "../../"),
+        ("/a%2Fb", "./"),
     ],
-)  # fmt: skip
+)
 def test_addresses_in_a_page_lead_from_it_to_the_root(server: Server, tmp_path: Path, path: str, up: str) -> None:
     (tmp_path / "viewer").mkdir(exist_ok=True)
     for name in ("index", "new", "job", "view"):

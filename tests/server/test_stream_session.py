@@ -87,9 +87,13 @@ def test_welcome_carries_the_manifest_and_what_remains(make_scene: MakeScene) ->
     scene = make_scene([10, 20], THREE_SLICES)
     welcome = drain(start(scene, have=frozenset({scene.static[1].id})))[0]
     assert welcome == {
-        "type": "welcome", "protocol": 2, "scene": "studio", "manifest": scene.manifest,
-        "manifest_id": hashlib.sha256(scene.manifest).digest(), "remaining": 10_010,
-    }  # fmt: skip
+        "type": "welcome",
+        "protocol": 2,
+        "scene": "studio",
+        "manifest": scene.manifest,
+        "manifest_id": hashlib.sha256(scene.manifest).digest(),
+        "remaining": 10_010,
+    }
 
 
 def test_manifest_that_the_client_keeps_is_not_sent_again(make_scene: MakeScene) -> None:
@@ -372,8 +376,10 @@ def test_follower_of_version_3_gets_the_index_and_then_the_page_that_has_changed
     session.grow(last, 1.0)
     added = drain(session, 1.0)
     assert {name: added[0][name] for name in ("type", "manifest", "manifest_id")} == {
-        "type": "grow", "manifest": last.manifest, "manifest_id": last.manifest_id,
-    }  # fmt: skip
+        "type": "grow",
+        "manifest": last.manifest,
+        "manifest_id": last.manifest_id,
+    }
     assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
     received = [chunk.id for chunk in chunks_of([*before, *added])]
     assert len(received) == len(set(received))

@@ -63,10 +63,28 @@ def test_pages_of_the_console_are_at_their_addresses_and_in_no_frame(
 
 @pytest.mark.parametrize(
     "path",
-    ["/metrics/x", "/docs", "/view", "/view/", "/job", "/job/", "/job/a/b", "/new/a",
-     "/view/a/b", "/view/-%00", "/assets/other.js", "/assets/%00", "/assets/",
-     "/assets", "/.built-1a2b", "/assets/main-1a2b.js.br", "/index.html/", "/" + "a" * 300, "/a" * 3000],
-)  # fmt: skip
+    [
+        "/metrics/x",
+        "/docs",
+        "/view",
+        "/view/",
+        "/job",
+        "/job/",
+        "/job/a/b",
+        "/new/a",
+        "/view/a/b",
+        "/view/-%00",
+        "/assets/other.js",
+        "/assets/%00",
+        "/assets/",
+        "/assets",
+        "/.built-1a2b",
+        "/assets/main-1a2b.js.br",
+        "/index.html/",
+        "/" + "a" * 300,
+        "/a" * 3000,
+    ],
+)
 def test_what_is_no_page_is_404_for_programs_and_people(server: Any, viewer: Path, path: str) -> None:
     answer = server.get(path)
     assert (answer.status_code, answer.json()["code"]) == (404, "not-found")

@@ -63,8 +63,9 @@ def test_a_kill_leaves_no_manifest_and_the_next_call_completes_the_folder(
         (web / ".index.html.0123456789ab.tmp").write_bytes(b"half")
     publish_to_folder(scene_folder, web, player=player)
     assert {name for name in tree(web) if not name.startswith("player/")} == tree(scene_folder / "scene") | {
-        "index.hgs", "index.html",
-    }  # fmt: skip
+        "index.hgs",
+        "index.html",
+    }
 
 
 def test_publishing_again_writes_only_damaged_chunks_anew(scene_folder: Path, player: Path, tmp_path: Path) -> None:

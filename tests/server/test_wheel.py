@@ -70,8 +70,12 @@ def serving(command: list[str], project: Path, home: Path) -> Iterator[tuple[htt
     with log.open("wb") as file:
         process = subprocess.Popen(
             [*command, "serve", "--port", "0", "--workers", "1", "--captures", str(home.parent)],
-            cwd=project, env=environment, stdout=subprocess.PIPE, stderr=file, text=True,
-        )  # fmt: skip
+            cwd=project,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=file,
+            text=True,
+        )
     try:
         assert process.stdout is not None
         page = process.stdout.readline().strip()

@@ -61,9 +61,13 @@ def publish_clicks(run: Path) -> Path:
     camera = Camera("side", 320, 200, 300.0, 280.0, 160.0, 100.0, looking_at((0.3, -0.2, -3.2), np.zeros(3)))
     run.mkdir()
     encode_scene(
-        HybridScene(static, (Segment(0.0, float(SECONDS), dynamic),)), run / "scene", cameras=[camera],
-        times=np.linspace(0, SECONDS, 91), title="Clicks", audio=clicking(run / "clicks.mka"),
-    )  # fmt: skip
+        HybridScene(static, (Segment(0.0, float(SECONDS), dynamic),)),
+        run / "scene",
+        cameras=[camera],
+        times=np.linspace(0, SECONDS, 91),
+        title="Clicks",
+        audio=clicking(run / "clicks.mka"),
+    )
     publish_to_folder(run, run / "site", player=VIEWER / PLAYER)
     return run / "site"
 

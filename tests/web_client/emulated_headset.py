@@ -46,11 +46,23 @@ class Frustum:
         width, height = self.left + self.right, self.up + self.down
         depth = far - near
         return [
-            2 / width, 0, 0, 0,
-            0, 2 / height, 0, 0,
-            (self.right - self.left) / width, (self.up - self.down) / height, -(far + near) / depth, -1,
-            0, 0, -2 * far * near / depth, 0,
-        ]  # fmt: skip
+            2 / width,
+            0,
+            0,
+            0,
+            0,
+            2 / height,
+            0,
+            0,
+            (self.right - self.left) / width,
+            (self.up - self.down) / height,
+            -(far + near) / depth,
+            -1,
+            0,
+            0,
+            -2 * far * near / depth,
+            0,
+        ]
 
 
 FRUSTA = (Frustum(0.9, 0.6, 0.7, 0.8), Frustum(0.6, 0.9, 0.7, 0.8))
@@ -172,10 +184,17 @@ class Headset:
             fy = self.height / (frustum.up + frustum.down)
             eyes.append(
                 Camera(
-                    "eye", self.width, self.height, fx, fy, fx * frustum.left, fy * frustum.up, world_to_camera,
+                    "eye",
+                    self.width,
+                    self.height,
+                    fx,
+                    fy,
+                    fx * frustum.left,
+                    fy * frustum.up,
+                    world_to_camera,
                     near=NEAR * units,
                 )
-            )  # fmt: skip
+            )
         return eyes[0], eyes[1]
 
 

@@ -28,9 +28,18 @@ REMARK = "hgs: this site does not pass WebSockets; the scene is loaded over HTTP
 UPGRADE = 'proxy_http_version 1.1; proxy_set_header Upgrade $http_upgrade; proxy_set_header Connection "upgrade";'
 HOST = "proxy_set_header Host $http_host;"
 KINDS = (
-    "bare", "two in a row", "gateway", "page", "stripped", "kept", "told", "stripped without Upgrade",
-    "kept without Upgrade", "guarded", "shipped",
-)  # fmt: skip
+    "bare",
+    "two in a row",
+    "gateway",
+    "page",
+    "stripped",
+    "kept",
+    "told",
+    "stripped without Upgrade",
+    "kept without Upgrade",
+    "guarded",
+    "shipped",
+)
 PREFIXED = ("stripped", "kept", "told", "stripped without Upgrade", "kept without Upgrade", "shipped")
 
 
@@ -75,9 +84,14 @@ def proxies(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pr
         text = "access_log off; client_max_body_size 0; absolute_redirect off; types {} default_type text/plain;"
         text += "".join(f"server {{ listen 127.0.0.1:{ports[kind]}; {block} }}" for kind, block in blocks.items())
         roots = {
-            "stripped": "/hgs", "kept": "/my%20scenes/hgs", "told": "/view/a%20b", "stripped without Upgrade": "/a/b/c",
-            "kept without Upgrade": "/my%20scenes/hgs", "guarded": "/hgs", "shipped": "/hgs",
-        }  # fmt: skip
+            "stripped": "/hgs",
+            "kept": "/my%20scenes/hgs",
+            "told": "/view/a%20b",
+            "stripped without Upgrade": "/a/b/c",
+            "kept without Upgrade": "/my%20scenes/hgs",
+            "guarded": "/hgs",
+            "shipped": "/hgs",
+        }
         with running_nginx(folder, text, [ports[kind] for kind in KINDS]):
             yield Proxies({kind: f"http://127.0.0.1:{ports[kind]}{roots.get(kind, '')}" for kind in KINDS}, key, link)
 
@@ -105,11 +119,18 @@ def lost(page: Page) -> list[str]:
 @pytest.mark.parametrize(
     ("kind", "over_http"),
     [
-        ("bare", True), ("two in a row", True), ("gateway", True), ("page", True),
-        ("stripped without Upgrade", True), ("kept without Upgrade", True),
-        ("stripped", False), ("kept", False), ("told", False), ("shipped", False),
+        ("bare", True),
+        ("two in a row", True),
+        ("gateway", True),
+        ("page", True),
+        ("stripped without Upgrade", True),
+        ("kept without Upgrade", True),
+        ("stripped", False),
+        ("kept", False),
+        ("told", False),
+        ("shipped", False),
     ],
-)  # fmt: skip
+)
 def test_a_scene_plays_and_says_calmly_what_is_missing(
     page: Page, proxies: Proxies, kind: str, over_http: bool
 ) -> None:

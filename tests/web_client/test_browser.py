@@ -44,9 +44,15 @@ def reference_picture(
     scene = site.scene.map(lambda array: torch.tensor(array, dtype=dtype))
     segment = scene.segment_at(seconds)
     render = rasterize(
-        scene.static, segment.dynamic, camera_named(site, name), segment.normalised(seconds),
-        background=(0.1, 0.2, 0.3), backend=backend, gradients="none", antialiased=antialiased,
-    )  # fmt: skip
+        scene.static,
+        segment.dynamic,
+        camera_named(site, name),
+        segment.normalised(seconds),
+        background=(0.1, 0.2, 0.3),
+        backend=backend,
+        gradients="none",
+        antialiased=antialiased,
+    )
     picture: npt.NDArray[np.float64] = render.rgb.permute(1, 2, 0).double().numpy()
     return picture
 

@@ -36,10 +36,22 @@ LONG = "a_name_without_any_space_" * 8
 def job(name: str, **fields: Any) -> dict[str, Any]:
     """A job as docs/protocol.md has it."""
     return {
-        "id": name, "state": "running", "attempt": 1, "capture": f"/captures/{name}", "title": name,
-        "preset": "preview", "hold_out": [], "config": {}, "audio": None, "stage": None, "progress": None,
-        "error": None, "scene": None, "created": 1.0, "updated": 1.0,
-    } | fields  # fmt: skip
+        "id": name,
+        "state": "running",
+        "attempt": 1,
+        "capture": f"/captures/{name}",
+        "title": name,
+        "preset": "preview",
+        "hold_out": [],
+        "config": {},
+        "audio": None,
+        "stage": None,
+        "progress": None,
+        "error": None,
+        "scene": None,
+        "created": 1.0,
+        "updated": 1.0,
+    } | fields
 
 
 def at_stage(stage: str, done: int = 3, total: int = 16, **figures: float) -> dict[str, Any]:
@@ -49,17 +61,29 @@ def at_stage(stage: str, done: int = 3, total: int = 16, **figures: float) -> di
 def scene(name: str, **fields: Any) -> dict[str, Any]:
     """A scene as docs/protocol.md has it."""
     return {
-        "id": name, "title": name, "created": 1.0, "start": 0.0, "end": 2.0, "bytes_total": 1000, "splats_static": 10,
-        "splats_dynamic": 5, "live": False,
-    } | fields  # fmt: skip
+        "id": name,
+        "title": name,
+        "created": 1.0,
+        "start": 0.0,
+        "end": 2.0,
+        "bytes_total": 1000,
+        "splats_static": 10,
+        "splats_dynamic": 5,
+        "live": False,
+    } | fields
 
 
 def capture(name: str, **fields: Any) -> dict[str, Any]:
     """A capture as docs/protocol.md has it."""
     return {
-        "capture": f"/captures/{name}", "name": name, "layout": "N3DV", "cameras": [f"cam{k:02}" for k in range(16)],
-        "frames": 60, "seconds": 2.0, "problem": None,
-    } | fields  # fmt: skip
+        "capture": f"/captures/{name}",
+        "name": name,
+        "layout": "N3DV",
+        "cameras": [f"cam{k:02}" for k in range(16)],
+        "frames": 60,
+        "seconds": 2.0,
+        "problem": None,
+    } | fields
 
 
 def _fulfill(answer: Any, route: Route) -> None:
@@ -97,10 +121,16 @@ def job_page(
 ) -> Iterator[Page]:
     """The page of a job that has trained for a while."""
     points = [
-        {"attempt": 1, "stage": "train", "done": done, "total": 2000, "time": done / 10.0,
-         "figures": {"psnr": 30 - 9000 / (done + 600), "loss": 30 / (done + 100), "static": 6000.0 + done}}
+        {
+            "attempt": 1,
+            "stage": "train",
+            "done": done,
+            "total": 2000,
+            "time": done / 10.0,
+            "figures": {"psnr": 30 - 9000 / (done + 600), "loss": 30 / (done + 100), "static": 6000.0 + done},
+        }
         for done in range(10, 1000, 10)
-    ]  # fmt: skip
+    ]
     name = shown["id"]
     answers = {
         f"jobs/{name}": shown,
@@ -123,9 +153,12 @@ PHONE = {"viewport": {"width": 390, "height": 844}, "device_scale_factor": 3, "h
 
 SCREENS = pytest.mark.parametrize("options", [PHONE, DESKTOP], ids=["phone", "desktop"])
 RUNNING = job(
-    "a", title="Studio", updated=99.0, **at_stage("train", 990, 2000, psnr=24.3, loss=0.03),
+    "a",
+    title="Studio",
+    updated=99.0,
+    **at_stage("train", 990, 2000, psnr=24.3, loss=0.03),
     config={"preset": "preview", "seed": 0, "train": {"iterations": 2000, "rates": {"rgb": 0.005}}, LONG: LONG},
-)  # fmt: skip
+)
 
 
 def width_of(page: Page) -> int:
@@ -211,9 +244,10 @@ def violations(page: Page) -> list[str]:
 def test_anybody_can_use_the_pages(browser: Browser, site: Site, options: dict[str, Any], theme: str) -> None:
     options = options | {"color_scheme": theme, "reduced_motion": "reduce"}
     jobs = [
-        job("a", **at_stage("train", psnr=20.5)), job("b", state="failed", error="it failed"),
+        job("a", **at_stage("train", psnr=20.5)),
+        job("b", state="failed", error="it failed"),
         job("c", state="succeeded", scene="s0"),
-    ]  # fmt: skip
+    ]
     with listing(browser, site, [scene(f"s{number}") for number in range(9)], jobs, **options) as page:
         assert violations(page) == []
         page.get_by_role("button", name="More about s3").click()
@@ -252,9 +286,10 @@ def test_the_list_says_what_to_do_while_it_is_empty(browser: Browser, site: Site
 
 
 NO_CAPTURES = {
-    "captures": [], "complete": True,
+    "captures": [],
+    "complete": True,
     "folders": [{"path": "/srv/captures", "exists": True}, {"path": "/srv/missing", "exists": False}],
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(

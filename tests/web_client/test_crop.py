@@ -67,9 +67,10 @@ def test_a_box_is_drawn_with_the_mouse_and_read_by_hgs(browser: Browser, site: S
         assert larger.size[0] > first.size[0]
         np.testing.assert_allclose(larger.size[1:], first.size[1:])
         np.testing.assert_allclose(  # the opposite face stays where it was
-            larger.center - larger.axes[:, 0] * larger.size[0] / 2, first.center - first.axes[:, 0] * first.size[0] / 2,
+            larger.center - larger.axes[:, 0] * larger.size[0] / 2,
+            first.center - first.axes[:, 0] * first.size[0] / 2,
             atol=1e-3,
-        )  # fmt: skip
+        )
         drag(page, ".crop-turn", 40, 0)
         assert np.abs(box(page).axes - first.axes).max() > 0.05
         np.testing.assert_allclose(box(page).axes[:, 1], first.axes[:, 1], atol=1e-4)  # it stands upright
@@ -126,6 +127,9 @@ def test_the_box_stays_in_the_world_when_the_camera_turns(browser: Browser, site
         command, edges = (page.locator(name) for name in (".crop-command", ".crop-edges"))
         before = command.text_content(), edges.get_attribute("d")
         page.keyboard.press("Shift+ArrowLeft")
-        page.wait_for_function("(d) => document.querySelector('.player-host').shadowRoot"
-                               ".querySelector('.crop-edges').getAttribute('d') !== d", arg=before[1])  # fmt: skip
+        page.wait_for_function(
+            "(d) => document.querySelector('.player-host').shadowRoot"
+            ".querySelector('.crop-edges').getAttribute('d') !== d",
+            arg=before[1],
+        )
         assert command.text_content() == before[0]

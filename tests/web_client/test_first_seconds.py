@@ -108,9 +108,13 @@ def test_the_poster_is_framed_as_the_first_picture(browser: Browser, site: Site,
     run = tmp_path / "framed"
     manifest = load_manifest(site.folder)
     encode_scene(
-        site.scene, run / "scene", cameras=manifest.cameras, times=np.linspace(0.0, 2.0, 31), title="Framed",
+        site.scene,
+        run / "scene",
+        cameras=manifest.cameras,
+        times=np.linspace(0.0, 2.0, 31),
+        title="Framed",
         thumbnail=thumbnail.getvalue(),
-    )  # fmt: skip
+    )
     publish_to_folder(run, tmp_path / "site", player=PLAYER)
     (tmp_path / "home").mkdir()
     with serving([run], tmp_path / "home") as [address], hosting(tmp_path / "site") as folder:

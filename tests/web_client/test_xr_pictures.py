@@ -40,9 +40,15 @@ def reference_picture(site: Site, camera: Camera, seconds: float = 0.4) -> Image
     scene = site.scene.map(lambda array: torch.tensor(array, dtype=torch.float64))
     segment = scene.segment_at(seconds)
     render = rasterize(
-        scene.static, segment.dynamic, camera, segment.normalised(seconds),
-        background=BACKGROUND, backend="reference", gradients="none", antialiased=True,
-    )  # fmt: skip
+        scene.static,
+        segment.dynamic,
+        camera,
+        segment.normalised(seconds),
+        background=BACKGROUND,
+        backend="reference",
+        gradients="none",
+        antialiased=True,
+    )
     picture: Image = render.rgb.permute(1, 2, 0).numpy()
     return picture
 

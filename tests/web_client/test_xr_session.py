@@ -147,9 +147,15 @@ def test_where_the_room_is_seen_behind_the_scene_alpha_says_how_much(browser: Br
         headset.enter("Show in this room")
         for eye, camera in zip(headset.pictures(), headset.cameras(dust.cameras[0], STANDING), strict=True):
             truth = rasterize(
-                scene.static, segment.dynamic, camera, segment.normalised(0.4),
-                background=(0.0, 0.0, 0.0), backend="reference", gradients="none", antialiased=True,
-            )  # fmt: skip
+                scene.static,
+                segment.dynamic,
+                camera,
+                segment.normalised(0.4),
+                background=(0.0, 0.0, 0.0),
+                backend="reference",
+                gradients="none",
+                antialiased=True,
+            )
             assert psnr(eye[..., :3], truth.rgb.permute(1, 2, 0).numpy()) >= EYE_PSNR  # multiplied by alpha
             assert psnr(eye[..., 3], truth.alpha.numpy()) >= EYE_PSNR
             assert eye[0, 0, 3] == 0

@@ -80,9 +80,15 @@ class CalibratedCamera:
         centre = self.centre or (calibrated[0] / 2, calibrated[1] / 2)
         try:
             return Camera(
-                name, width, height, self.focal[0] * sx, self.focal[1] * sy, centre[0] * sx, centre[1] * sy,
+                name,
+                width,
+                height,
+                self.focal[0] * sx,
+                self.focal[1] * sy,
+                centre[0] * sx,
+                centre[1] * sy,
                 self.world_to_camera,
-            )  # fmt: skip
+            )
         except InputError as error:
             raise InputError(
                 self.where, error.problem, error.cure or "calibrate again, or correct the number"

@@ -48,13 +48,16 @@ def encode_static_chunk(splats: Prepared, settings: EncodeSettings, index: int) 
         blur=steps.blur,
         shape=float(
             shape_error(
-                splats.values["rotation"], splats.values["log_scale"],
-                _unit(chunk.arrays["quats"]), chunk.arrays["log_scales"].astype(np.float64), steps.blur,
+                splats.values["rotation"],
+                splats.values["log_scale"],
+                _unit(chunk.arrays["quats"]),
+                chunk.arrays["log_scales"].astype(np.float64),
+                steps.blur,
             ).max()
         ),
         opacity=float(np.abs(chunk.arrays["opacities"][:, None] - splats.values["opacity"]).max()),
         rgb=float(np.abs(chunk.arrays["rgb"] - splats.values["rgb"]).max()),
-    )  # fmt: skip
+    )
     box = outward(means.min(axis=0), means.max(axis=0))
     data = pack(dataclasses.replace(container, box=box, bounds=declare(bounds, steps)))
     return data, decode_chunk(data)

@@ -99,8 +99,10 @@ def dynamic_numbers(splats: Prepared, time: SegmentTime, steps: Steps) -> tuple[
     turning, turns = turning_numbers(splats, path, offsets, shift, exponents, steps)
     look = appearance_numbers(splats, steps)
     numbers |= moving | turning
-    numbers |= {name: (look[name], step) for name, step in (
-        ("log_scale", steps.shape), ("opacity", steps.opacity), ("rgb", steps.rgb))}  # fmt: skip
+    numbers |= {
+        name: (look[name], step)
+        for name, step in (("log_scale", steps.shape), ("opacity", steps.opacity), ("rgb", steps.rgb))
+    }
     if orders.any() or turns.any():
         numbers["form"] = (np.minimum(orders, 3) + TURNS * turns + FIFTH * (orders > 3))[:, None], 1.0
     return numbers, path

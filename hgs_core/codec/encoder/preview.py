@@ -106,9 +106,14 @@ def _dynamic(part: Prepared, coded: DynamicSplats[Floats]) -> DynamicSplats[Floa
     rotation = np.stack([v["rotation"], v["turning"]], axis=1)
     motion = np.stack([v[name] for name in ("position", *MOTION_ORDERS[: highest_order(part)])], axis=1)
     arrays = (
-        motion, product(rotation, HALF_TURNS[best][:, None]) * sign[..., None], v["log_scale"],
-        logits(v["opacity"][:, 0]), v["time_center"][:, 0], v["time_log_precision"][:, 0], v["rgb"],
-    )  # fmt: skip
+        motion,
+        product(rotation, HALF_TURNS[best][:, None]) * sign[..., None],
+        v["log_scale"],
+        logits(v["opacity"][:, 0]),
+        v["time_center"][:, 0],
+        v["time_log_precision"][:, 0],
+        v["rgb"],
+    )
     return DynamicSplats(*(array.astype(np.float32) for array in arrays))
 
 

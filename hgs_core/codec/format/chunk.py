@@ -82,9 +82,19 @@ def pack(container: Container) -> bytes:
     planes = [plane for stream in container.streams for plane in stream.planes]
     total = HEADER.size + len(table) + sum(map(len, planes)) + CHECKSUM.size
     header = HEADER.pack(
-        MAGIC, container.version, container.kind, len(container.streams), 0, container.count, container.index, total,
-        *container.box[0], *container.box[1], *container.time_range, *container.bounds,
-    )  # fmt: skip
+        MAGIC,
+        container.version,
+        container.kind,
+        len(container.streams),
+        0,
+        container.count,
+        container.index,
+        total,
+        *container.box[0],
+        *container.box[1],
+        *container.time_range,
+        *container.bounds,
+    )
     body = b"".join([header, table, *planes])
     return body + CHECKSUM.pack(zlib.crc32(body))
 

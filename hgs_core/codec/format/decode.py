@@ -145,9 +145,15 @@ def _decoded(container: Container) -> DecodedChunk:
             if not np.isfinite(array).all():
                 raise ChunkError(TABLE, f"{name} of splat {_first_bad(array)}", "not finite", "a finite number")
     return DecodedChunk(
-        container.kind, container.count, container.index, container.time_range, container.box, container.bounds, arrays,
+        container.kind,
+        container.count,
+        container.index,
+        container.time_range,
+        container.box,
+        container.bounds,
+        arrays,
         container.version,
-    )  # fmt: skip
+    )
 
 
 def arrays_of(kind: Kind, values: Mapping[str, Floats], rows: Rows, count: int) -> dict[str, Floats]:

@@ -81,9 +81,7 @@ def read_columns(data: bytes, where: object = "page") -> Columns:
     boxes = column("<f4", 6 * chunks).reshape(-1, 6).tolist()
     counted, own, needed, needs_of, sizes, splats, lengths = (column("<u4", count).tolist() for count in wholes)
     ids = [raw[at + _ID * place : at + _ID * (place + 1)] for place in range(chunks + pieces)]
-    columns = Columns(
-        spans[0], spans[1], spans[2], boxes, counted, own, needed, needs_of, sizes, splats, lengths, ids
-    )  # fmt: skip
+    columns = Columns(spans[0], spans[1], spans[2], boxes, counted, own, needed, needs_of, sizes, splats, lengths, ids)
     _check(columns, where)
     return columns
 

@@ -29,8 +29,19 @@ def contributions_triton(
         slots = torch.zeros((len(lists.order), 2), device=device)
         if len(lists.order):
             weigh[(lists.tiles,)](
-                lists.drawn_tiles, lists.ranges, drawn.ends, lists.splats, lists.middle_t, lists.middle_e,
-                lists.order, screen.splats, slots, lists.across, view.camera.width, view.camera.height, num_warps=1,
-            )  # fmt: skip
+                lists.drawn_tiles,
+                lists.ranges,
+                drawn.ends,
+                lists.splats,
+                lists.middle_t,
+                lists.middle_e,
+                lists.order,
+                screen.splats,
+                slots,
+                lists.across,
+                view.camera.width,
+                view.camera.height,
+                num_warps=1,
+            )
         weighed = reduced(slots, lists.first_entries, lists.counts, maxima=1).cpu().numpy()
     return Contributions(weighed[:, 0].copy(), weighed[:, 1].copy())

@@ -34,9 +34,10 @@ def require_device(like: Tensor | None = None) -> torch.device:
         return torch.device("cpu")
     if not torch.cuda.is_available():
         raise InputError(
-            "backend", f"triton needs a CUDA device and torch {torch.__version__} sees none",
+            "backend",
+            f"triton needs a CUDA device and torch {torch.__version__} sees none",
             "install a torch with CUDA and the NVIDIA driver, or use cpu",
-        )  # fmt: skip
+        )
     return torch.device("cuda", torch.cuda.current_device())
 
 

@@ -51,30 +51,60 @@ def differentiate(
     slots = torch.zeros((total, constants.TERMS.value), device=counts.device)
     if total:
         composite_backward[(lists.tiles,)](
-            lists.drawn_tiles, lists.ranges, drawn.ends, lists.splats, lists.middle_t, lists.middle_e,
-            lists.order, first_slots - lists.first_entries, screen.splats, *pictures,
-            grad_rgb, grad_alpha, grad_depth, slots, first, last, lists.across, *reversed(pictures.alpha.shape),
+            lists.drawn_tiles,
+            lists.ranges,
+            drawn.ends,
+            lists.splats,
+            lists.middle_t,
+            lists.middle_e,
+            lists.order,
+            first_slots - lists.first_entries,
+            screen.splats,
+            *pictures,
+            grad_rgb,
+            grad_alpha,
+            grad_depth,
+            slots,
+            first,
+            last,
+            lists.across,
+            *reversed(pictures.alpha.shape),
             num_warps=1,
-        )  # fmt: skip
+        )
     sums = reduced(slots, first_slots[first:last], counts)
     norms = None if statistics is None else torch.empty(last - first, device=counts.device)
     options: dict[str, Any]
     if grad_static is not None and wants_static and static is not None and len(static):
         grid, options = row_blocks(len(static))
         differentiate_statics[grid](
-            static.means, static.log_scales, static.quats, static.opacity_logits, len(static),
-            screen.camera, screen.depths, sums, norms, *(array for _, array in grad_static.items()),
-            ANTIALIASED=antialiased, **options,
-        )  # fmt: skip
+            static.means,
+            static.log_scales,
+            static.quats,
+            static.opacity_logits,
+            len(static),
+            screen.camera,
+            screen.depths,
+            sums,
+            norms,
+            *(array for _, array in grad_static.items()),
+            ANTIALIASED=antialiased,
+            **options,
+        )
     if grad_dynamic is not None and wants_dynamic and dynamic is not None and len(dynamic):
         grid, options = row_blocks(len(dynamic))
         skipped = screen.statics - first
         differentiate_dynamics[grid](
-            *(array for name, array in dynamic.items() if name != "rgb"), len(dynamic), screen.camera,
-            screen.depths[screen.statics :], sums[skipped:], None if norms is None else norms[skipped:],
-            *(array for _, array in grad_dynamic.items()), COEFFICIENTS=dynamic.motion.shape[1],
-            ANTIALIASED=antialiased, **options,
-        )  # fmt: skip
+            *(array for name, array in dynamic.items() if name != "rgb"),
+            len(dynamic),
+            screen.camera,
+            screen.depths[screen.statics :],
+            sums[skipped:],
+            None if norms is None else norms[skipped:],
+            *(array for _, array in grad_dynamic.items()),
+            COEFFICIENTS=dynamic.motion.shape[1],
+            ANTIALIASED=antialiased,
+            **options,
+        )
     if statistics is not None and norms is not None:
         pulls = norms.cpu().numpy()
         statistics.grad_norm_sum[first:last] += pulls
@@ -87,7 +117,16 @@ def reduced(slots: Tensor, first_slots: Tensor, counts: Tensor, maxima: int = 0)
     totals = torch.empty((rows, width), device=slots.device)
     if rows:
         reduce_slots[(triton.cdiv(rows, _ROWS),)](
-            slots, first_slots, counts, totals, rows, WIDTH=width, MAXIMA=maxima,
-            ROWS=_ROWS, LANES=_LANES, COLUMNS=triton.next_power_of_2(width), num_warps=1,
-        )  # fmt: skip
+            slots,
+            first_slots,
+            counts,
+            totals,
+            rows,
+            WIDTH=width,
+            MAXIMA=maxima,
+            ROWS=_ROWS,
+            LANES=_LANES,
+            COLUMNS=triton.next_power_of_2(width),
+            num_warps=1,
+        )
     return totals

@@ -55,7 +55,21 @@ def draw(
     ends = torch.zeros(len(lists.ranges), dtype=torch.int32, device=device)
     if lists.tiles:
         composite[(lists.tiles,)](
-            lists.drawn_tiles, lists.ranges, lists.splats, lists.middle_t, lists.middle_e, screen.splats, background,
-            rgb, alpha, depth, ends, lists.across, width, height, CHUNK=_CHUNK, num_warps=1,
-        )  # fmt: skip
+            lists.drawn_tiles,
+            lists.ranges,
+            lists.splats,
+            lists.middle_t,
+            lists.middle_e,
+            screen.splats,
+            background,
+            rgb,
+            alpha,
+            depth,
+            ends,
+            lists.across,
+            width,
+            height,
+            CHUNK=_CHUNK,
+            num_warps=1,
+        )
     return Drawn(screen, lists, ends), Render(rgb, alpha, depth)

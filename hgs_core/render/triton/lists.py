@@ -56,9 +56,19 @@ def list_by_tile(screen: Screen, view: View) -> TileLists | None:
     if splats:
         grid, options = row_blocks(splats)
         count_tiles[grid](
-            screen.depths, screen.ellipses, screen.boxes, tiles_before, counts, screen.tally,
-            splats, screen.statics, across, MASKED=masked, enable_fp_fusion=False, **options,
-        )  # fmt: skip
+            screen.depths,
+            screen.ellipses,
+            screen.boxes,
+            tiles_before,
+            counts,
+            screen.tally,
+            splats,
+            screen.statics,
+            across,
+            MASKED=masked,
+            enable_fp_fusion=False,
+            **options,
+        )
     by_depth = torch.sort(screen.depths, stable=True).indices
     sorted_counts = counts[by_depth]
     ends = sorted_counts.cumsum(0, dtype=torch.int64)
@@ -76,23 +86,49 @@ def list_by_tile(screen: Screen, view: View) -> TileLists | None:
     grid = (triton.cdiv(entries, _BLOCK),)
     if entries:
         emit_tiles[grid](
-            entry_splats, first_entries, screen.ellipses, screen.boxes, tiles_before, drawn_tiles, tiles,
-            entries, across, MASKED=masked, BLOCK=_BLOCK, enable_fp_fusion=False,
-        )  # fmt: skip
+            entry_splats,
+            first_entries,
+            screen.ellipses,
+            screen.boxes,
+            tiles_before,
+            drawn_tiles,
+            tiles,
+            entries,
+            across,
+            MASKED=masked,
+            BLOCK=_BLOCK,
+            enable_fp_fusion=False,
+        )
     tiles, order = torch.sort(tiles, stable=True)
     lists = TileLists(
-        across, drawn_tiles, across * down if drawn is None else drawn, counts, first_entries, order,
+        across,
+        drawn_tiles,
+        across * down if drawn is None else drawn,
+        counts,
+        first_entries,
+        order,
         torch.empty_like(entry_splats),
         torch.empty(entries, dtype=torch.float32, device=device),
         torch.empty(entries, dtype=torch.float32, device=device),
         torch.zeros((across * down, 2), dtype=torch.int32, device=device),
-        statics, dynamics,
-    )  # fmt: skip
+        statics,
+        dynamics,
+    )
     if entries:
         place_entries[grid](
-            tiles, order, entry_splats, screen.splats, screen.places, lists.splats, lists.middle_t, lists.middle_e,
-            lists.ranges, entries, across, BLOCK=_BLOCK,
-        )  # fmt: skip
+            tiles,
+            order,
+            entry_splats,
+            screen.splats,
+            screen.places,
+            lists.splats,
+            lists.middle_t,
+            lists.middle_e,
+            lists.ranges,
+            entries,
+            across,
+            BLOCK=_BLOCK,
+        )
     return lists
 
 

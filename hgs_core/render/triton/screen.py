@@ -79,10 +79,20 @@ def _camera_tensor(view: View, device: torch.device) -> Tensor:
     pose = c.world_to_camera
     margin_x, margin_y = FRUSTUM_MARGIN * 0.5 * c.width / c.fx, FRUSTUM_MARGIN * 0.5 * c.height / c.fy
     values = [
-        *pose[:3, :3].flatten().tolist(), *pose[:3, 3].tolist(), c.fx, c.fy, c.cx, c.cy, c.near,
-        -c.cx / c.fx - margin_x, (c.width - c.cx) / c.fx + margin_x,
-        -c.cy / c.fy - margin_y, (c.height - c.cy) / c.fy + margin_y,
-        c.width, c.height, view.time,
-    ]  # fmt: skip
+        *pose[:3, :3].flatten().tolist(),
+        *pose[:3, 3].tolist(),
+        c.fx,
+        c.fy,
+        c.cx,
+        c.cy,
+        c.near,
+        -c.cx / c.fx - margin_x,
+        (c.width - c.cx) / c.fx + margin_x,
+        -c.cy / c.fy - margin_y,
+        (c.height - c.cy) / c.fy + margin_y,
+        c.width,
+        c.height,
+        view.time,
+    ]
     assert len(values) == constants.CAMERA_LENGTH
     return torch.tensor(values, dtype=torch.float64, device=device)

@@ -60,9 +60,15 @@ class TopAxis:
 
 
 def line_chart(
-    name: str, series: Sequence[Series], x_label: str, y_label: str, *, top_axis: TopAxis | None = None,
-    y_zero: bool = False, unit: str = "",
-) -> str:  # fmt: skip
+    name: str,
+    series: Sequence[Series],
+    x_label: str,
+    y_label: str,
+    *,
+    top_axis: TopAxis | None = None,
+    y_zero: bool = False,
+    unit: str = "",
+) -> str:
     """Return the chart of lines that have at least one finite point each; `unit` follows the numbers in tooltips."""
     drawn = [(line, line.points) for line in series if line.points]
     labels = [shortened(one.name, _LONGEST_NAME) for one, _ in drawn] if len(drawn) > 1 else []

@@ -30,9 +30,7 @@ class Point:
 def scatter_chart(name: str, points: Sequence[Point], x_label: str, y_label: str) -> str:
     """Return the chart of at least one point with finite places; x begins at zero."""
     top = 28.0
-    plot = make_plot(
-        [p.x for p in points], [p.y for p in points], top=top, height=_AREA_HEIGHT, right=16, x_zero=True
-    )  # fmt: skip
+    plot = make_plot([p.x for p in points], [p.y for p in points], top=top, height=_AREA_HEIGHT, right=16, x_zero=True)
     parts = plot.frame(x_label, y_label)
     places = [(plot.x(p.x), plot.y(p.y)) for p in points]
     labels = [shortened(p.name, _LONGEST_NAME) for p in points]

@@ -115,9 +115,12 @@ def as_statics(dynamic: DynamicSplats[Tensor]) -> StaticSplats[Tensor]:
     means, quats, _ = moments[_CHECKED_MOMENTS // 2]
     opacity = np.clip(np.mean([opacity for _, _, opacity in moments], axis=0), 1e-6, 1 - 1e-6)
     return StaticSplats(
-        _tensor(means), dynamic.log_scales.detach().clone(), _tensor(quats),
-        _tensor(np.log(opacity / (1 - opacity))), dynamic.rgb.detach().clone(),
-    )  # fmt: skip
+        _tensor(means),
+        dynamic.log_scales.detach().clone(),
+        _tensor(quats),
+        _tensor(np.log(opacity / (1 - opacity))),
+        dynamic.rgb.detach().clone(),
+    )
 
 
 def as_dynamics(static: StaticSplats[Tensor], coefficients: int = COEFFICIENTS[0]) -> DynamicSplats[Tensor]:
@@ -132,11 +135,16 @@ def as_dynamics(static: StaticSplats[Tensor], coefficients: int = COEFFICIENTS[0
     precision = torch.full((count,), math.log(math.log(2) / _HALF_LIFE**2))
     lives = [
         DynamicSplats(
-            motion, rotation, static.log_scales, static.opacity_logits, torch.full((count,), center), precision,
+            motion,
+            rotation,
+            static.log_scales,
+            static.opacity_logits,
+            torch.full((count,), center),
+            precision,
             static.rgb,
         )
         for center in _CENTERS
-    ]  # fmt: skip
+    ]
     return joined(*lives).map(Tensor.detach)
 
 

@@ -63,9 +63,14 @@ def _deviation(
     for view in views:
         rgb = static.rgb.detach().clone().requires_grad_(True)
         picture = rasterize(
-            dataclasses.replace(static, rgb=rgb), dynamic, view.camera, view.moment,
-            backend=config.backend, gradients="static", antialiased=config.antialiased,
-        ).rgb  # fmt: skip
+            dataclasses.replace(static, rgb=rgb),
+            dynamic,
+            view.camera,
+            view.moment,
+            backend=config.backend,
+            gradients="static",
+            antialiased=config.antialiased,
+        ).rgb
         error = view.target - shown(picture.detach(), view)
         picture.backward(error)  # type: ignore[no-untyped-call]
         weights = contributions(

@@ -40,6 +40,6 @@ def l1_dssim(image: Tensor, target: Tensor, dssim_weight: float) -> tuple[Tensor
         blur_derivatives[grid](derivatives, blurs, width, height, BLOCK=_BLOCK)
         write_gradient[grid](
             image, target, blurs, gradient, l1, width, height, (1 - dssim_weight) / values, BLOCK=_BLOCK
-        )  # fmt: skip
+        )
     mean_l1, mean_ssim = l1.sum(dtype=torch.float64) / values, ssim.sum(dtype=torch.float64) / windows
     return ((1 - dssim_weight) * mean_l1 + dssim_weight * (1 - mean_ssim)).float(), gradient

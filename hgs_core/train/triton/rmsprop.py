@@ -36,6 +36,18 @@ def rmsprop_step(
     span = 1 if factors is None else count // factors.numel()
     with launching_on(parameters.device):
         rmsprop[(triton.cdiv(count, _BLOCK),)](
-            parameters, gradients, moments, factors, rows, decays, learning_rate, 1 / math.sqrt(correction), count,
-            SPAN=span, WIDTH=width, BETA=beta, EPSILON=epsilon, BLOCK=_BLOCK,
-        )  # fmt: skip
+            parameters,
+            gradients,
+            moments,
+            factors,
+            rows,
+            decays,
+            learning_rate,
+            1 / math.sqrt(correction),
+            count,
+            SPAN=span,
+            WIDTH=width,
+            BETA=beta,
+            EPSILON=epsilon,
+            BLOCK=_BLOCK,
+        )

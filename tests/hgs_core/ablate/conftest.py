@@ -12,11 +12,13 @@ from hgs_core.ablate.rows import rows_named
 from hgs_core.runs.config import RunConfig
 from tests.synthetic import write_capture
 
-CONFIG = RunConfig.from_json({
-    "capture": {"hold_out": ["1"]},
-    "points": {"static": 100, "dynamic": 40, "interval": 0.07},
-    "train": {"iterations": 5, "density": {"every": 2, "max_static": 150, "max_dynamic": 60}},
-})  # fmt: skip
+CONFIG = RunConfig.from_json(
+    {
+        "capture": {"hold_out": ["1"]},
+        "points": {"static": 100, "dynamic": 40, "interval": 0.07},
+        "train": {"iterations": 5, "density": {"every": 2, "max_static": 150, "max_dynamic": 60}},
+    }
+)
 
 MakeAblation = Callable[..., Ablation]
 

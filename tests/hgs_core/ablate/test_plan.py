@@ -15,8 +15,11 @@ def ablation(**more: Path) -> Ablation:
 
 def test_all_rows_are_trained_with_one_seed_before_the_next() -> None:
     assert [(run.row.name, run.seed) for run in ablation().runs()] == [
-        ("full", 4), ("order-1", 4), ("full", 7), ("order-1", 7),
-    ]  # fmt: skip
+        ("full", 4),
+        ("order-1", 4),
+        ("full", 7),
+        ("order-1", 7),
+    ]
 
 
 def test_every_run_has_a_folder_of_its_own_and_its_rows_config_with_its_seed() -> None:

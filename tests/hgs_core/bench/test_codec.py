@@ -41,9 +41,13 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> CodecReport:
     means, scales, quats, logits, rgb = (
         rng.normal(mean, deviation, shape).astype(np.float32)
         for mean, deviation, shape in (
-            (0, 1, (200, 3)), (-2.5, 0.3, (200, 3)), (0, 1, (200, 4)), (1, 1, 200), (0.5, 0.1, (200, 3)),
+            (0, 1, (200, 3)),
+            (-2.5, 0.3, (200, 3)),
+            (0, 1, (200, 4)),
+            (1, 1, 200),
+            (0.5, 0.1, (200, 3)),
         )
-    )  # fmt: skip
+    )
     scene = HybridScene(StaticSplats(means, scales, quats, logits, rgb), (Segment(0.0, 0.0, DynamicSplats.empty()),))
     path = tmp_path_factory.mktemp("codec") / "cloud.ply"
     export_scene(scene, path, cameras=[])

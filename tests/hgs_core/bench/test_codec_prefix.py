@@ -18,8 +18,10 @@ def test_a_quarter_of_the_bytes_shows_more_in_the_order_of_utility_than_in_any_o
     rng = np.random.default_rng(0)
     fog = synthetic_scene(1)[0].map(lambda tensor: tensor.numpy())
     faint = StaticSplats(fog.means, fog.log_scales - 1.5, fog.quats, fog.opacity_logits - 3, fog.rgb)
-    both = [np.concatenate(pair) for pair in zip(
-        (a.numpy() for _, a in still.items()), (a for _, a in faint.items()), strict=True)]  # fmt: skip
+    both = [
+        np.concatenate(pair)
+        for pair in zip((a.numpy() for _, a in still.items()), (a for _, a in faint.items()), strict=True)
+    ]
     order = rng.permutation(len(both[0]))
     static = StaticSplats(*(array[order] for array in both))
     given = HybridScene(static, (Segment(0.0, 5 / 30, moving.map(lambda tensor: tensor.numpy())),))

@@ -9,9 +9,19 @@ DEFAULT = CodecPoint("default", 0.7071, 0.5, 12_000, 3_000, 1_000, 100, 0.0987, 
 STILL = CodecPoint("", 2.8, 1.0, 900, 0, 300, 0, 0.5, None, None, 0.04)
 ERRORS = {"spz 3": StaticErrors(7.05e-5, 0.018, 0.001, 0.0011, 0.0021)}
 REPORT = CodecReport(
-    MACHINE, "studio", 1_234, 567, (DEFAULT,), (STILL,), 0.25, 3.5, {"static": 2.34e7}, 65_536,
-    {"spz 3": 20_480}, ERRORS,
-)  # fmt: skip
+    MACHINE,
+    "studio",
+    1_234,
+    567,
+    (DEFAULT,),
+    (STILL,),
+    0.25,
+    3.5,
+    {"static": 2.34e7},
+    65_536,
+    {"spz 3": 20_480},
+    ERRORS,
+)
 
 
 def line(text: str, start: str) -> str:
@@ -21,15 +31,40 @@ def line(text: str, start: str) -> str:
 
 def test_an_encoding_has_its_bytes_by_kind_and_by_splat_kept() -> None:
     assert line(codec_text(REPORT), "default").split() == [
-        "default", "0.707", "0.354", "1,000", "12,000", "12.0", "100", "3,000", "30.0", "15,000", "0.099", "0.091",
-        "0.123", "2.0",
-    ]  # fmt: skip
+        "default",
+        "0.707",
+        "0.354",
+        "1,000",
+        "12,000",
+        "12.0",
+        "100",
+        "3,000",
+        "30.0",
+        "15,000",
+        "0.099",
+        "0.091",
+        "0.123",
+        "2.0",
+    ]
 
 
 def test_what_there_is_none_of_is_a_dash() -> None:
     assert line(codec_text(REPORT), "-").split() == [
-        "-", "2.8", "2.8", "300", "900", "3.0", "0", "0", "-", "900", "0.500", "-", "-", "0.0",
-    ]  # fmt: skip
+        "-",
+        "2.8",
+        "2.8",
+        "300",
+        "900",
+        "3.0",
+        "0",
+        "0",
+        "-",
+        "900",
+        "0.500",
+        "-",
+        "-",
+        "0.0",
+    ]
 
 
 def test_other_formats_errors_prefixes_and_rates_are_said() -> None:

@@ -49,8 +49,11 @@ def test_every_rasterizer_is_measured_at_every_size_against_the_reference() -> N
         assert point.repeats >= 3
         assert (point.forward > 0, point.forward_backward > 0, point.peak_bytes) == (True, True, None)
     assert [(one.done, one.total, one.figures["splats"]) for one in heard] == [
-        (1, 4, 20), (2, 4, 20), (3, 4, 30), (4, 4, 30),
-    ]  # fmt: skip
+        (1, 4, 20),
+        (2, 4, 20),
+        (3, 4, 30),
+        (4, 4, 30),
+    ]
 
 
 @pytest.mark.usefixtures("stand_ins")

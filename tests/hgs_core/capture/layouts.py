@@ -204,12 +204,15 @@ def opencv_files(root: Path) -> None:
     (root / "cameras").mkdir(exist_ok=True)
     for camera in truth():
         lines = [
-            "%YAML:1.0", "---", f"image_width: {WIDTH}", f"image_height: {HEIGHT}",
+            "%YAML:1.0",
+            "---",
+            f"image_width: {WIDTH}",
+            f"image_height: {HEIGHT}",
             f"camera_matrix: {opencv_matrix(lens_matrix(camera, 0.5))}",
             f"distortion_coefficients: {opencv_matrix(np.zeros((5, 1)))}",
             f"R: {opencv_matrix(camera.world_to_camera[:3, :3])}",
             f"T: {opencv_matrix(camera.world_to_camera[:3, 3:])}",
-        ]  # fmt: skip
+        ]
         (root / "cameras" / f"{camera.name}.yml").write_text("\n".join(lines) + "\n")
 
 
@@ -244,25 +247,32 @@ def frames_of_pictures(pattern: str, time: Callable[[int], float] | None = None)
 def immersive(root: Path) -> None:
     models = [
         {
-            "name": camera.name, "width": float(WIDTH), "height": float(HEIGHT), "focal_length": camera.fx,
-            "principal_point": [camera.cx, camera.cy], "pixel_aspect_ratio": 1.0, "projection_type": "fisheye",
-            "orientation": turn_vector(camera), "position": camera.position.tolist(),
+            "name": camera.name,
+            "width": float(WIDTH),
+            "height": float(HEIGHT),
+            "focal_length": camera.fx,
+            "principal_point": [camera.cx, camera.cy],
+            "pixel_aspect_ratio": 1.0,
+            "projection_type": "fisheye",
+            "orientation": turn_vector(camera),
+            "position": camera.position.tolist(),
             "radial_distortion": [0.01, -0.002, 0.0],
         }
         for camera in truth()
-    ]  # fmt: skip
+    ]
     (root / "models.json").write_text(json.dumps(models))
 
 
 def panoptic(root: Path) -> None:
     cameras = truth()
     meta = {
-        "w": WIDTH, "h": HEIGHT,
+        "w": WIDTH,
+        "h": HEIGHT,
         "k": [[lens_matrix(camera) for camera in cameras]] * FRAMES,
         "w2c": [[camera.world_to_camera.tolist() for camera in cameras]] * FRAMES,
         "fn": [[f"{camera.name}/{frame:06d}.png" for camera in cameras] for frame in range(FRAMES)],
         "cam_id": [[camera.name for camera in cameras]] * FRAMES,
-    }  # fmt: skip
+    }
     (root / "train_meta.json").write_text(json.dumps(meta))
 
 

@@ -29,8 +29,11 @@ def test_sound_without_pictures_is_known(tmp_path: Path) -> None:
     PICTURES["videos"](tmp_path)
     (tmp_path / "torn.mp4").write_bytes(b"torn")
     assert [is_sound_only(tmp_path / name) for name in ("boom.mp4", "cam01.mp4", "torn.mp4", "gone.mp4")] == [
-        True, False, False, False,
-    ]  # fmt: skip
+        True,
+        False,
+        False,
+        False,
+    ]
 
 
 def test_it_is_left_aside_and_no_finding(tmp_path: Path) -> None:

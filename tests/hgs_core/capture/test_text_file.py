@@ -111,8 +111,11 @@ def test_lines_are_cut_and_counted_without_the_whole_file_in_memory(
     file.write_text("a" * 5_000_000 + "\nb\n" + "c" * LONGEST_LINE + "\nd")
     tracemalloc.start()
     assert [(len(line), line[0]) for line in text_lines(file, "")] == [
-        (LONGEST_LINE, "a"), (1, "b"), (LONGEST_LINE, "c"), (1, "d"),
-    ]  # fmt: skip
+        (LONGEST_LINE, "a"),
+        (1, "b"),
+        (LONGEST_LINE, "c"),
+        (1, "d"),
+    ]
     assert tracemalloc.get_traced_memory()[1] < 2 << 20
     tracemalloc.stop()
     monkeypatch.setattr(text_file, "_MOST_BYTES_BY_LINE", 1000)

@@ -139,6 +139,9 @@ def swinging(count: int) -> DynamicSplats:
     base = dynamics(count, 3, coefficients=6)
     motion = np.where(np.arange(6)[:, None] == 0, base.motion, swing).astype(np.float32)
     return dataclasses.replace(
-        base, motion=motion, opacity_logits=np.full(count, 3, np.float32), time_centers=np.full(count, 0.5, np.float32),
+        base,
+        motion=motion,
+        opacity_logits=np.full(count, 3, np.float32),
+        time_centers=np.full(count, 0.5, np.float32),
         time_log_precisions=np.full(count, -3, np.float32),
-    )  # fmt: skip
+    )

@@ -72,9 +72,14 @@ def dynamics(count: int, seed: int) -> DynamicSplats[np.ndarray]:
     motion[:, 1] += [0.8, 0.1, -0.3]
     rotation = np.stack([ball.quats, rng.normal(0, 0.5, (count, 4))], axis=1)
     arrays = (
-        motion, rotation, ball.log_scales - 0.7, ball.opacity_logits + 1, rng.uniform(0, 1, count),
-        rng.normal(3, 1.5, count), ball.rgb,
-    )  # fmt: skip
+        motion,
+        rotation,
+        ball.log_scales - 0.7,
+        ball.opacity_logits + 1,
+        rng.uniform(0, 1, count),
+        rng.normal(3, 1.5, count),
+        ball.rgb,
+    )
     return DynamicSplats(*(array.astype(np.float32) for array in arrays))
 
 

@@ -19,9 +19,12 @@ CAMERAS = tuple(ring_of_cameras(3, 64, 48))
 
 def statics(rng: np.random.Generator, count: int = 120) -> StaticSplats[np.ndarray]:
     arrays = (
-        rng.uniform(-1, 1, (count, 3)), np.log(rng.uniform(0.03, 0.25, (count, 3))), rng.normal(size=(count, 4)),
-        rng.normal(1, 2, count), rng.uniform(0, 1, (count, 3)),
-    )  # fmt: skip
+        rng.uniform(-1, 1, (count, 3)),
+        np.log(rng.uniform(0.03, 0.25, (count, 3))),
+        rng.normal(size=(count, 4)),
+        rng.normal(1, 2, count),
+        rng.uniform(0, 1, (count, 3)),
+    )
     return StaticSplats(*(array.astype(np.float32) for array in arrays))
 
 
@@ -31,9 +34,14 @@ def dynamics(rng: np.random.Generator, count: int = 60, coefficients: int = 4) -
     rotation = np.stack([still.quats, rng.normal(size=(count, 4)).astype(np.float32)], axis=1)
     centers, precisions = rng.uniform(-0.1, 1.1, count), rng.uniform(-4, 9, count)
     return DynamicSplats(
-        motion, rotation, still.log_scales, still.opacity_logits, centers.astype(np.float32),
-        precisions.astype(np.float32), still.rgb,
-    )  # fmt: skip
+        motion,
+        rotation,
+        still.log_scales,
+        still.opacity_logits,
+        centers.astype(np.float32),
+        precisions.astype(np.float32),
+        still.rgb,
+    )
 
 
 def moving(seed: int = 0, coefficients: int = 4, antialiased: bool = False) -> ViewedScene:
@@ -57,9 +65,15 @@ def picture(viewed: ViewedScene, camera: Camera, seconds: float) -> np.ndarray:
     scene = viewed.scene.map(lambda array: torch.from_numpy(np.asarray(array, np.float64)))
     segment = scene.segment_at(seconds)
     drawn = rasterize(
-        scene.static, segment.dynamic, camera, segment.normalised(seconds), backend="reference", gradients="none",
-        background=scene.background, antialiased=scene.antialiased,
-    )  # fmt: skip
+        scene.static,
+        segment.dynamic,
+        camera,
+        segment.normalised(seconds),
+        backend="reference",
+        gradients="none",
+        background=scene.background,
+        antialiased=scene.antialiased,
+    )
     return drawn.rgb.numpy()
 
 

@@ -31,9 +31,7 @@ def union(a: ViewedScene, b: ViewedScene, seconds: float, other: float) -> np.nd
         return scene_at(scene, moment) if scene.start <= moment < scene.end else scene.static
 
     both = joined([then(a, seconds), then(b, other)]).map(lambda array: torch.from_numpy(np.float64(array)))
-    drawn = rasterize(
-        both, None, CAMERAS[1], backend="reference", gradients="none", background=a.scene.background
-    )  # fmt: skip
+    drawn = rasterize(both, None, CAMERAS[1], backend="reference", gradients="none", background=a.scene.background)
     return drawn.rgb.numpy()
 
 
@@ -74,9 +72,7 @@ def take(viewed: ViewedScene, seed: int = 0) -> ViewedScene:
 
 
 def same(merged: ViewedScene, seconds: float, alone: ViewedScene, at: float) -> None:
-    np.testing.assert_allclose(
-        picture(merged, CAMERAS[1], seconds), picture(alone, CAMERAS[1], at), RTOL, 5 * ATOL
-    )  # fmt: skip
+    np.testing.assert_allclose(picture(merged, CAMERAS[1], seconds), picture(alone, CAMERAS[1], at), RTOL, 5 * ATOL)
 
 
 @pytest.mark.parametrize("at", [6.0, 5.3, 4.0])

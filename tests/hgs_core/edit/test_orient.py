@@ -21,9 +21,11 @@ number = st.floats(-3, 3)
 
 @settings(max_examples=8, deadline=None)
 @given(
-    st.tuples(number, number, number).filter(lambda axis: np.linalg.norm(axis) > 0.1), st.floats(-180, 180),
-    st.floats(0.1, 10), st.tuples(number, number, number),
-)  # fmt: skip
+    st.tuples(number, number, number).filter(lambda axis: np.linalg.norm(axis) > 0.1),
+    st.floats(-180, 180),
+    st.floats(0.1, 10),
+    st.tuples(number, number, number),
+)
 def test_an_oriented_scene_is_the_same_from_its_moved_cameras(
     axis: tuple[float, ...], degrees: float, scale: float, shift: tuple[float, ...]
 ) -> None:

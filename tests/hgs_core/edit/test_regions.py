@@ -12,8 +12,12 @@ EIGHTH = [np.cos(np.pi / 8), 0.0, 0.0, np.sin(np.pi / 8)]  # 45 degrees about z
 def test_a_box_holds_what_lies_between_its_faces() -> None:
     box = box_of([1, 0, 0, 2, 4, 6])
     assert box.contains(np.array([[1, 0, 0], [2, 2, 3], [2.01, 0, 0], [1, -2.01, 0], [1, 0, 3.01]])).tolist() == [
-        True, True, False, False, False,
-    ]  # fmt: skip
+        True,
+        True,
+        False,
+        False,
+        False,
+    ]
 
 
 def test_a_turned_box_reaches_along_its_own_axes() -> None:

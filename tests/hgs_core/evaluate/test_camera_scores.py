@@ -64,8 +64,12 @@ def test_every_moving_pixel_counts_once_in_the_scores_of_what_moves() -> None:
 def test_frames_have_the_metrics_that_were_measured() -> None:
     frames = clip(0)
     assert {name: len(values) for name, values in scored(*frames).per_frame().items()} == {
-        "psnr": 4, "ssim": 4, "psnr_dynamic": 4, "psnr_static": 4, "ssim_dynamic": 4,
-    }  # fmt: skip
+        "psnr": 4,
+        "ssim": 4,
+        "psnr_dynamic": 4,
+        "psnr_static": 4,
+        "ssim_dynamic": 4,
+    }
     without_masks = scored(*frames[:2], None)
     assert list(without_masks.per_frame()) == ["psnr", "ssim"]
     nothing = combine([without_masks])

@@ -50,9 +50,12 @@ def test_settings_keep_the_training_views_within_the_budget(tmp_path: Path) -> N
     cameras = write_capture(tmp_path)
     given, capture = scene(), open_capture(tmp_path)
     views = EncodeViews(
-        "", tuple(cameras), dict(enumerate(cameras)), capture.times,
+        "",
+        tuple(cameras),
+        dict(enumerate(cameras)),
+        capture.times,
         lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
-    )  # fmt: skip
+    )
     utility = measure_utility(given, cameras, capture.times)
     found = fit(given, views, utility, "default", TrainConfig(antialiased=False))
     assert found.scene is given

@@ -40,9 +40,13 @@ def given(tmp_path_factory: pytest.TempPathFactory) -> Given:
     scene = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
     trained = {i: camera for i, camera in enumerate(cameras) if camera.name != "2"}
     views = EncodeViews(
-        "", tuple(cameras), trained, capture.times,
-        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]), capture,
-    )  # fmt: skip
+        "",
+        tuple(cameras),
+        trained,
+        capture.times,
+        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
+        capture,
+    )
     return scene, views, measure_utility(scene, list(trained.values()), capture.times)
 
 

@@ -71,9 +71,13 @@ def test_views_are_drawn_at_the_moments_when_their_pictures_were_taken(tmp_path:
     segment = Segment(0.0, 2 / 30, static_and_dynamic[1])
     given = HybridScene(static_and_dynamic[0], (segment,)).map(lambda tensor: tensor.numpy())
     views = EncodeViews(
-        "", tuple(cameras), dict(enumerate(cameras)), capture.times,
-        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]), capture,
-    )  # fmt: skip
+        "",
+        tuple(cameras),
+        dict(enumerate(cameras)),
+        capture.times,
+        lambda camera, frame: target_picture(capture, camera, frame, cameras[camera]),
+        capture,
+    )
     assert Loss(given, views, {1: cameras[1]})._psnr.min() > 41
 
 

@@ -48,11 +48,13 @@ def test_what_is_missed_is_the_squared_error_of_the_pictures_without_the_splat()
     def pictures(static_rows: np.ndarray, dynamic_rows: np.ndarray) -> list[torch.Tensor]:
         return [
             rasterize_reference(
-                static.take(static_rows), dynamic.take(dynamic_rows),
+                static.take(static_rows),
+                dynamic.take(dynamic_rows),
                 View(camera, float(moment), antialiased=True, gradients="none"),
             ).rgb
-            for camera in cameras for moment in moments
-        ]  # fmt: skip
+            for camera in cameras
+            for moment in moments
+        ]
 
     everyone = np.arange(len(static)), np.arange(len(dynamic))
     whole = pictures(*everyone)

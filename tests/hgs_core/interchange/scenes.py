@@ -36,10 +36,14 @@ def dynamics(count: int = 30, seed: int = 1) -> DynamicSplats[np.ndarray]:
     still = statics(count, seed)
     motion = rng.normal(0, 0.5, (count, 4, 3)).astype(np.float32)
     return DynamicSplats(
-        motion, np.stack([still.quats, rng.normal(size=(count, 4)).astype(np.float32)], axis=1), still.log_scales,
-        np.abs(still.opacity_logits), rng.uniform(0, 1, count).astype(np.float32),
-        rng.normal(2, 1, count).astype(np.float32), still.rgb,
-    )  # fmt: skip
+        motion,
+        np.stack([still.quats, rng.normal(size=(count, 4)).astype(np.float32)], axis=1),
+        still.log_scales,
+        np.abs(still.opacity_logits),
+        rng.uniform(0, 1, count).astype(np.float32),
+        rng.normal(2, 1, count).astype(np.float32),
+        still.rgb,
+    )
 
 
 def plain(count: int = 20) -> StaticSplats[np.ndarray]:

@@ -20,9 +20,15 @@ from hgs_core.scene.camera import Camera, looking_at
 from tests.hgs_core.interchange.scenes import CAMERA, Write, dynamics, statics
 
 LEAST = {  # dB that come back
-    "x.ply": 90, "x.splat": 45, "x.spz": 45, "x.glb": 90, "x.4dgs": 40, "moving.ply": 90, "moving.4dgs": 35,
+    "x.ply": 90,
+    "x.splat": 45,
+    "x.spz": 45,
+    "x.glb": 90,
+    "x.4dgs": 40,
+    "moving.ply": 90,
+    "moving.4dgs": 35,
     "frames": 90,
-}  # fmt: skip
+}
 
 
 def thin_scene(name: str, antialiased: bool) -> HybridScene[np.ndarray]:

@@ -21,9 +21,11 @@ def one(**more: np.ndarray) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray
     """A splat at the lower end of x, the upper one of y, in the middle of z; its largest component is y's."""
     word = lambda value: np.array([value], np.uint32)  # noqa: E731
     vertices = {
-        "packed_position": word(0 << 21 | 1023 << 11 | 1024), "packed_scale": word(2047 << 21 | 0 << 11 | 2047),
-        "packed_rotation": word(2 << 30 | 512 << 20 | 1023 << 10 | 512), "packed_color": word(255 << 24 | 51),
-    }  # fmt: skip
+        "packed_position": word(0 << 21 | 1023 << 11 | 1024),
+        "packed_scale": word(2047 << 21 | 0 << 11 | 2047),
+        "packed_rotation": word(2 << 30 | 512 << 20 | 1023 << 10 | 512),
+        "packed_color": word(255 << 24 | 51),
+    }
     chunks = {
         f"{end}_{name}": np.float32([ends[i]]) for name, ends in ENDS.items() for i, end in ((0, "min"), (1, "max"))
     }

@@ -24,15 +24,24 @@ HARD = {
 LOST = {
     ".ply": {("limited", "opacity"): 1, ("limited", "colour"): 1},
     ".splat": {
-        ("limited", "scale"): 2, ("limited", "colour"): 2, ("rounded", "colour"): 20, ("rounded", "opacity"): 1,
-        ("replaced", "opacity"): 1, ("rounded", "rotation"): 20,
+        ("limited", "scale"): 2,
+        ("limited", "colour"): 2,
+        ("rounded", "colour"): 20,
+        ("rounded", "opacity"): 1,
+        ("replaced", "opacity"): 1,
+        ("rounded", "rotation"): 20,
     },
     ".spz": {
-        ("rounded", "position"): 1, ("limited", "scale"): 2, ("rounded", "scale"): 1, ("limited", "colour"): 1,
-        ("rounded", "colour"): 20, ("rounded", "opacity"): 1, ("replaced", "opacity"): 1,
+        ("rounded", "position"): 1,
+        ("limited", "scale"): 2,
+        ("rounded", "scale"): 1,
+        ("limited", "colour"): 1,
+        ("rounded", "colour"): 20,
+        ("rounded", "opacity"): 1,
+        ("replaced", "opacity"): 1,
     },
     ".glb": {("limited", "scale"): 2, ("limited", "colour"): 1},
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("suffix", list(LOST))

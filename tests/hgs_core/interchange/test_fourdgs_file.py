@@ -86,11 +86,16 @@ def test_what_is_written_is_read_back_at_any_time(moving: HybridScene[np.ndarray
 def set_of(count: int = 6, **changed: object) -> Any:
     rng = np.random.default_rng(0)
     columns = {
-        "positions": rng.normal(size=(count, 3)), "scales": np.full((count, 3), 0.1),
-        "rotations": np.tile([0, 0, 0, 1.0], (count, 1)), "colors": np.full((count, 4), 0.5),
-        "motions": rng.normal(size=(count, 3)), "mu_t": np.full(count, 0.8), "sigma_t": np.full(count, 0.4),
-        "win_lo": np.zeros(count), "win_hi": np.full(count, 2.0),
-    }  # fmt: skip
+        "positions": rng.normal(size=(count, 3)),
+        "scales": np.full((count, 3), 0.1),
+        "rotations": np.tile([0, 0, 0, 1.0], (count, 1)),
+        "colors": np.full((count, 4), 0.5),
+        "motions": rng.normal(size=(count, 3)),
+        "mu_t": np.full(count, 0.8),
+        "sigma_t": np.full(count, 0.4),
+        "win_lo": np.zeros(count),
+        "win_hi": np.full(count, 2.0),
+    }
     return fourdgs.GaussianSet(**columns | changed)
 
 
@@ -105,9 +110,11 @@ def file_of(gaussians: Any, **options: object) -> bytes:
 def test_a_file_of_the_makers_moves_and_fades_as_their_library_says(written: Write) -> None:
     """The first one is gone after 0.5 s, of its own; the second never fades."""
     given = set_of(
-        mu_t=np.float64([0.2, *[0.8] * 5]), sigma_t=np.float64([0.05, np.inf, *[0.4] * 4]),
-        win_lo=np.float64([0, 0, 0, 0.5, 0.5, 0]), win_hi=np.float64([2, 2, 2, 2, 1.5, 1.0]),
-    )  # fmt: skip
+        mu_t=np.float64([0.2, *[0.8] * 5]),
+        sigma_t=np.float64([0.05, np.inf, *[0.4] * 4]),
+        win_lo=np.float64([0, 0, 0, 0.5, 0.5, 0]),
+        win_hi=np.float64([2, 2, 2, 2, 1.5, 1.0]),
+    )
     data = file_of(given)
     found = read_fourdgs(written("x.4dgs", data))
     assert found.ends == (0.5, 1.0, 1.5, 2.0)
@@ -128,9 +135,12 @@ def test_what_is_beside_the_splats_is_told(written: Write) -> None:
     data = file_of(gaussians, provenance=None, cutoff=0.05, metadata={"color_space": "linear-rec709-display"})
     found = read_fourdgs(written("x.4dgs", data))
     assert counted(found.changes) == {
-        ("replaced", "axes"): None, ("replaced", "ends of lives"): None, ("replaced", "colour"): 6,
-        ("left out", "view-dependent colour"): 2, ("replaced", "windows"): None,
-    }  # fmt: skip
+        ("replaced", "axes"): None,
+        ("replaced", "ends of lives"): None,
+        ("replaced", "colour"): 6,
+        ("left out", "view-dependent colour"): 2,
+        ("replaced", "windows"): None,
+    }
     np.testing.assert_allclose(found.dynamic[0].rgb, 0.735, atol=0.003)  # light of a half
 
 
@@ -151,10 +161,16 @@ TRACK = fourdgs.ObjectTrack(
         ({"temporal_model": "deformation-field"}, "is no .4dgs file that is read here"),
         ({"objects": fourdgs.ObjectLayer(tracks=[TRACK])}, "moves splats by tracks of objects; bake them"),
         ({"metadata": {"color_space": "aces"}}, "has colours in aces; export it in srgb-rec709-display"),
-        ({"provenance": fourdgs.Provenance(frames=[fourdgs.CoordinateFrame(handedness=1, up_axis=1, forward_axis=5)])},
-         "has up along +y and forward along -z; turn it"),
+        (
+            {
+                "provenance": fourdgs.Provenance(
+                    frames=[fourdgs.CoordinateFrame(handedness=1, up_axis=1, forward_axis=5)]
+                )
+            },
+            "has up along +y and forward along -z; turn it",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_would_have_to_be_guessed_is_refused(written: Write, options: dict[str, Any], problem: str) -> None:
     path = written("x.4dgs", file_of(set_of(), **options))
     with pytest.raises(InputError) as caught:

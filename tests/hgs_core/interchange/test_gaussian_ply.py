@@ -14,8 +14,25 @@ from hgs_core.interchange.ply_table import read_ply
 from hgs_core.interchange.splat_properties import SH_0
 from tests.hgs_core.interchange.scenes import Write, counted, plain, plain_but, statics
 
-FIELDS = ("x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
-          "rot_0", "rot_1", "rot_2", "rot_3")  # fmt: skip
+FIELDS = (
+    "x",
+    "y",
+    "z",
+    "nx",
+    "ny",
+    "nz",
+    "f_dc_0",
+    "f_dc_1",
+    "f_dc_2",
+    "opacity",
+    "scale_0",
+    "scale_1",
+    "scale_2",
+    "rot_0",
+    "rot_1",
+    "rot_2",
+    "rot_3",
+)
 
 
 def table(**more: np.ndarray) -> dict[str, np.ndarray]:

@@ -30,9 +30,14 @@ def test_floats_are_read_at_their_offsets_and_strides() -> None:
 
 @pytest.mark.parametrize(
     ("component", "code", "stored", "value"),
-    [(5120, "b", -128, -1.0), (5120, "b", 127, 1.0), (5121, "B", 51, 0.2), (5122, "<h", -32767, -1.0),
-     (5123, "<H", 13107, 0.2)],
-)  # fmt: skip
+    [
+        (5120, "b", -128, -1.0),
+        (5120, "b", 127, 1.0),
+        (5121, "B", 51, 0.2),
+        (5122, "<h", -32767, -1.0),
+        (5123, "<H", 13107, 0.2),
+    ],
+)
 def test_normalised_integers_are_shares_and_others_are_themselves(
     component: int, code: str, stored: int, value: float
 ) -> None:

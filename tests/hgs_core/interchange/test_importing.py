@@ -41,9 +41,12 @@ def test_the_scene_is_drawn_as_the_file_says(written: Write, antialiased: bool) 
 
 def test_splats_that_are_no_numbers_are_left_out_and_others_limited_attribute_by_attribute(written: Write) -> None:
     given = plain_but(
-        means={0: np.nan, 1: np.inf}, quats={2: np.nan}, opacity_logits={3: np.inf, 4: -np.inf},
-        log_scales={5: -np.inf, 6: 99.0}, rgb={7: -0.5, 8: np.nan},
-    ).static  # fmt: skip
+        means={0: np.nan, 1: np.inf},
+        quats={2: np.nan},
+        opacity_logits={3: np.inf, 4: -np.inf},
+        log_scales={5: -np.inf, 6: 99.0},
+        rgb={7: -0.5, 8: np.nan},
+    ).static
     found = import_scene(written("x.ply", gaussian_ply_of(given)), 1.0)
     assert (found.splats, len(found.scene.static)) == (20, 16)
     assert [str(change) for change in found.changes] == [

@@ -28,8 +28,9 @@ def test_elements_properties_and_comments_are_read_with_any_line_ends(newline: s
     found = read_header(Path("x.ply"), data + b"rows")
     assert (found.format, found.comments) == (NumberFormat.BIG, ("Vertical Axis: z", "made by hand"))
     assert [(element.name, element.count, element.has_lists) for element in found.elements] == [
-        ("face", 2, True), ("vertex", 3, False),
-    ]  # fmt: skip
+        ("face", 2, True),
+        ("vertex", 3, False),
+    ]
     assert found.elements[0].properties == (PlyProperty("vertex_indices", "i4", "u1"),)
     assert found.elements[1].properties == (PlyProperty("x", "f8"),)
     assert data[found.size :] == b""

@@ -16,8 +16,22 @@ from hgs_core.interchange.ply_table import read_ply
 from tests.hgs_core.interchange.scenes import Write, statics
 
 TYPES = {"float": "f4", "float32": "f4", "double": "f8", "float64": "f8"}
-NAMES = ("x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "opacity", "f_dc_0",
-         "f_dc_1", "f_dc_2")  # fmt: skip
+NAMES = (
+    "x",
+    "y",
+    "z",
+    "scale_0",
+    "scale_1",
+    "scale_2",
+    "rot_0",
+    "rot_1",
+    "rot_2",
+    "rot_3",
+    "opacity",
+    "f_dc_0",
+    "f_dc_1",
+    "f_dc_2",
+)
 FORMATS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 

@@ -50,9 +50,13 @@ def test_frames_are_the_scene_at_each_of_their_times(scene: HybridScene[np.ndarr
 def brief(count: int) -> DynamicSplats[np.ndarray]:
     """Splats that live for a hundredth of the time around 0.25, where no frame is."""
     found = dynamics(count)
-    return DynamicSplats(**dict(found.items()) | {
-        "time_centers": np.full(count, 0.25, np.float32), "time_log_precisions": np.full(count, 14.0, np.float32),
-    })  # fmt: skip
+    return DynamicSplats(
+        **dict(found.items())
+        | {
+            "time_centers": np.full(count, 0.25, np.float32),
+            "time_log_precisions": np.full(count, 14.0, np.float32),
+        }
+    )
 
 
 def test_splats_that_no_frame_shows_and_what_stands_still_are_counted(tmp_path: Path) -> None:

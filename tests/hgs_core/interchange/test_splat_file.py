@@ -19,8 +19,12 @@ ROW = struct.Struct("<3f3f4B4B")
 
 def test_a_splat_is_32_bytes_of_place_deviations_colour_and_rotation() -> None:
     """Our axes are the format's, so that a mirrored one would be seen here."""
-    given = StaticSplats(*(np.float32([value]) for value in (
-        [1, 2, 3], np.log([0.5, 0.25, 0.125]), [2.0, 0, -2.0, 0], np.log(51 / 204), [0, 0.2, 1.0])))  # fmt: skip
+    given = StaticSplats(
+        *(
+            np.float32([value])
+            for value in ([1, 2, 3], np.log([0.5, 0.25, 0.125]), [2.0, 0, -2.0, 0], np.log(51 / 204), [0, 0.2, 1.0])
+        )
+    )
     (row,) = ROW.iter_unpack(splat_file(given).data)
     assert row[:3] == (1, 2, 3)
     assert row[3:6] == pytest.approx((0.5, 0.25, 0.125))

@@ -21,8 +21,18 @@ from tests.conftest import REPOSITORY
 from tests.hgs_core.interchange.scenes import Write, axes_of, counted, plain_but, statics
 
 HALF = 2**-0.5
-ONE = StaticSplats(*(np.float32([value]) for value in (
-    [1, 2, 3], [-2.0, -3.0, -4.0], [0.8, 0.4, -0.4, 0.2], np.log(51 / 204), [0.5, 0.5 + 0.28209479, 0.5])))  # fmt: skip
+ONE = StaticSplats(
+    *(
+        np.float32([value])
+        for value in (
+            [1, 2, 3],
+            [-2.0, -3.0, -4.0],
+            [0.8, 0.4, -0.4, 0.2],
+            np.log(51 / 204),
+            [0.5, 0.5 + 0.28209479, 0.5],
+        )
+    )
+)
 
 
 def gzipped(data: bytes) -> bytes:
@@ -176,14 +186,21 @@ def test_harmonics_are_left_out_and_those_that_are_not_zero_counted(written: Wri
 
 def test_what_steps_and_ranges_change_is_counted_by_kind() -> None:
     given = plain_but(
-        means={0: 1e-5}, rgb={1: -3.0, 2: 3.0, 3: 0.3333}, opacity_logits={4: -9.0, 5: 0.77},
+        means={0: 1e-5},
+        rgb={1: -3.0, 2: 3.0, 3: 0.3333},
+        opacity_logits={4: -9.0, 5: 0.77},
         log_scales={7: -100.0, 8: 90.0, 9: -2.01},
-    ).static  # fmt: skip
+    ).static
     found = {what: count for what, count in counted(spz_file(given).changes).items() if count}
     assert found == {
-        ("rounded", "position"): 1, ("limited", "scale"): 2, ("rounded", "scale"): 1, ("limited", "colour"): 2,
-        ("rounded", "colour"): 20, ("rounded", "opacity"): 1, ("replaced", "opacity"): 1,
-    }  # fmt: skip
+        ("rounded", "position"): 1,
+        ("limited", "scale"): 2,
+        ("rounded", "scale"): 1,
+        ("limited", "colour"): 2,
+        ("rounded", "colour"): 20,
+        ("rounded", "opacity"): 1,
+        ("replaced", "opacity"): 1,
+    }
 
 
 def test_a_quaternion_of_the_opposite_sign_is_no_change_of_rotation() -> None:

@@ -9,9 +9,14 @@ from hgs_core.scene import HybridScene
 from tests.hgs_core.interchange.scenes import counted, plain_but
 
 
-@pytest.mark.parametrize(("version", "degree", "each"), [
-    (2, 0, (9, 1, 3, 3, 3, 0)), (3, 1, (9, 1, 3, 3, 4, 9)), (4, 4, (9, 1, 3, 3, 4, 72)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("version", "degree", "each"),
+    [
+        (2, 0, (9, 1, 3, 3, 3, 0)),
+        (3, 1, (9, 1, 3, 3, 4, 9)),
+        (4, 4, (9, 1, 3, 3, 4, 72)),
+    ],
+)
 def test_planes_have_the_widths_of_version_and_degree(version: int, degree: int, each: tuple[int, ...]) -> None:
     assert widths(version, degree) == each
 

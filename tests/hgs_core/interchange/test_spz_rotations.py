@@ -29,9 +29,13 @@ def test_smallest_three_are_signs_and_nine_bits_after_two_that_name_the_largest(
     assert pack_smallest_three(-UNIT).tolist() == [list(word.to_bytes(4, "little"))]
 
 
-@pytest.mark.parametrize(("pack", "unpack", "most"), [
-    (pack_first_three, unpack_first_three, 0.12), (pack_smallest_three, unpack_smallest_three, 0.003),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("pack", "unpack", "most"),
+    [
+        (pack_first_three, unpack_first_three, 0.12),
+        (pack_smallest_three, unpack_smallest_three, 0.003),
+    ],
+)
 def test_any_rotation_comes_back_within_the_steps(pack: object, unpack: object, most: float) -> None:
     """Of x, y, z alone w is the least exact where it is near 0."""
     xyzw = np.random.default_rng(0).normal(size=(2000, 4))

@@ -14,9 +14,14 @@ from tests.hgs_core.interchange.scenes import axes_of, dynamics
 def one(**changed: object) -> DynamicSplats[np.ndarray]:
     """A large opaque splat that stands still for all time, but for what is changed."""
     plain = {
-        "motion": np.zeros((1, 4, 3)), "rotation": [[[1, 0, 0, 0], [0, 0, 0, 0]]], "log_scales": np.zeros((1, 3)),
-        "opacity_logits": [4.0], "time_centers": [0.5], "time_log_precisions": [-20.0], "rgb": [[0.5] * 3],
-    } | changed  # fmt: skip
+        "motion": np.zeros((1, 4, 3)),
+        "rotation": [[[1, 0, 0, 0], [0, 0, 0, 0]]],
+        "log_scales": np.zeros((1, 3)),
+        "opacity_logits": [4.0],
+        "time_centers": [0.5],
+        "time_log_precisions": [-20.0],
+        "rgb": [[0.5] * 3],
+    } | changed
     return DynamicSplats(**{name: np.array(value, np.float32) for name, value in plain.items()})
 
 

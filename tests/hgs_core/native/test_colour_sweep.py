@@ -29,6 +29,12 @@ def test_a_picture_of_another_size_than_its_camera_is_refused(wrong: str) -> Non
     mask = np.ones((6, 7 if wrong == "mask" else 8), bool)
     with pytest.raises(ValueError, match=f"{wrong} must be"):
         colour_sweep(
-            np.zeros(3), RAYS, OWN, np.ones(5), [(CAMERA, np.zeros((rows, 6), np.int16))], [(CAMERA, mask)],
-            hull_share=0.5, blind=60,
-        )  # fmt: skip
+            np.zeros(3),
+            RAYS,
+            OWN,
+            np.ones(5),
+            [(CAMERA, np.zeros((rows, 6), np.int16))],
+            [(CAMERA, mask)],
+            hull_share=0.5,
+            blind=60,
+        )

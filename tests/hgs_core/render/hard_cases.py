@@ -506,9 +506,20 @@ def half_precision_values() -> HardCase:
 @case
 def everything_at_once() -> HardCase:
     kinds = (
-        needles, pancakes, sub_pixel, screen_filling, all_scales_vanish, scales_that_overflow_harm_no_other,
-        centres_behind_the_camera, directions_beyond_the_clamp, means_that_overflow_harm_no_other, opacity_towards_zero,
-        opacity_one, zero_quaternions, huge_quaternions, tiny_quaternions,
-    )  # fmt: skip
+        needles,
+        pancakes,
+        sub_pixel,
+        screen_filling,
+        all_scales_vanish,
+        scales_that_overflow_harm_no_other,
+        centres_behind_the_camera,
+        directions_beyond_the_clamp,
+        means_that_overflow_harm_no_other,
+        opacity_towards_zero,
+        opacity_one,
+        zero_quaternions,
+        huge_quaternions,
+        tiny_quaternions,
+    )
     still = joined(*(kind().static.take(slice(12)) for kind in kinds))  # type: ignore[union-attr]
     return HardCase(still, cancelling_motion(1.0, 0.4), view(), gradient=5e-5)

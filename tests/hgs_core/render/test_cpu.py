@@ -69,13 +69,21 @@ def test_equal_depths_are_drawn_in_order_of_index_statics_first() -> None:
     mean, log_scale, quat, logit, red = disc((1, 0, 0))
     green, blue = torch.tensor([[0.0, 1, 0]]), torch.tensor([[0.0, 0, 1]])
     static = StaticSplats(
-        torch.cat([mean, mean]), torch.cat([log_scale] * 2), torch.cat([quat] * 2), torch.cat([logit] * 2),
+        torch.cat([mean, mean]),
+        torch.cat([log_scale] * 2),
+        torch.cat([quat] * 2),
+        torch.cat([logit] * 2),
         torch.cat([red, green]),
-    )  # fmt: skip
+    )
     dynamic = DynamicSplats(
-        torch.cat([mean[:, None], torch.zeros(1, 3, 3)], 1), torch.stack([quat, torch.zeros(1, 4)], 1), log_scale,
-        logit, torch.zeros(1), torch.zeros(1), blue,
-    )  # fmt: skip
+        torch.cat([mean[:, None], torch.zeros(1, 3, 3)], 1),
+        torch.stack([quat, torch.zeros(1, 4)], 1),
+        log_scale,
+        logit,
+        torch.zeros(1),
+        torch.zeros(1),
+        blue,
+    )
     front = Camera("front", 17, 17, 20.0, 20.0, 8.5, 8.5, np.eye(4))
     centre = rasterize_cpu(static, dynamic, View(front)).rgb[:, 8, 8]
     torch.testing.assert_close(centre, torch.tensor([0.5, 0.25, 0.125]), rtol=1e-5, atol=1e-6)

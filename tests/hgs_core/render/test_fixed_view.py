@@ -25,9 +25,16 @@ def test_frames_are_the_pictures_of_their_times(backend: str, antialiased: bool)
     frames = [fixed.frame(dynamic_splats(count, dtype=torch.float32), time, depth) for time, count, depth in moments]
     for (time, count, depth), frame in zip(moments, frames, strict=True):
         expected = rasterize(
-            static, dynamic_splats(count, dtype=torch.float32), camera(75, 41), time,
-            background=BACKGROUND, backend=backend, gradients="none", antialiased=antialiased, depth=depth,
-        )  # fmt: skip
+            static,
+            dynamic_splats(count, dtype=torch.float32),
+            camera(75, 41),
+            time,
+            background=BACKGROUND,
+            backend=backend,
+            gradients="none",
+            antialiased=antialiased,
+            depth=depth,
+        )
         assert torch.equal(frame.rgb, expected.rgb)
         assert torch.equal(frame.alpha, expected.alpha)
         assert not frame.rgb.requires_grad
@@ -63,9 +70,16 @@ def test_differentiable_frames_have_the_gradients_of_single_pictures(backend: st
             seen = ScreenStatistics.zeros(270)
             if alone:
                 picture = rasterize(
-                    static, moving, camera(75, 41), time, backend=backend, gradients="dynamic", tile_mask=mask,
-                    statistics=seen, antialiased=True,
-                ).rgb  # fmt: skip
+                    static,
+                    moving,
+                    camera(75, 41),
+                    time,
+                    backend=backend,
+                    gradients="dynamic",
+                    tile_mask=mask,
+                    statistics=seen,
+                    antialiased=True,
+                ).rgb
             else:
                 picture = fixed.differentiable_frame(moving, time, tile_mask=mask, statistics=seen).rgb
             (picture * torch.linspace(-1, 1, 75)).sum().backward()

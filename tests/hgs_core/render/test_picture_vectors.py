@@ -30,9 +30,15 @@ def test_a_picture_is_the_renderers(backend: str, case: dict[str, Any]) -> None:
     scene = decode_scene(OUT).map(torch.from_numpy)
     segment = scene.segment_at(case["time"])
     render = rasterize(
-        scene.static, segment.dynamic, camera, segment.normalised(case["time"]),
-        background=BACKGROUND, backend=backend, gradients="none", antialiased=case["antialiased"],
-    )  # fmt: skip
+        scene.static,
+        segment.dynamic,
+        camera,
+        segment.normalised(case["time"]),
+        background=BACKGROUND,
+        backend=backend,
+        gradients="none",
+        antialiased=case["antialiased"],
+    )
     expected = np.asarray(Image.open(OUT / case["picture"])) / 255.0
     shown = render.rgb.permute(1, 2, 0).numpy().clip(0, 1)
     assert np.abs(shown - expected).max() <= 0.5 / 255 + 1e-5

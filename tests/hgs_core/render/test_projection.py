@@ -52,11 +52,13 @@ def test_needles_keep_the_digits_of_their_determinant() -> None:
     x, y, z = pose[:3, :3] @ rows.means.numpy().astype(wide).T + pose[:3, 3:]
     q = rows.quats.numpy().astype(wide)
     w, i, j, k = (q / np.sqrt((q * q).sum(1, keepdims=True))).T
-    R = np.array([
-        [1 - 2 * (j * j + k * k), 2 * (i * j - w * k), 2 * (i * k + w * j)],
-        [2 * (i * j + w * k), 1 - 2 * (i * i + k * k), 2 * (j * k - w * i)],
-        [2 * (i * k - w * j), 2 * (j * k + w * i), 1 - 2 * (i * i + j * j)],
-    ])  # fmt: skip
+    R = np.array(
+        [
+            [1 - 2 * (j * j + k * k), 2 * (i * j - w * k), 2 * (i * k + w * j)],
+            [2 * (i * j + w * k), 1 - 2 * (i * i + k * k), 2 * (j * k - w * i)],
+            [2 * (i * k - w * j), 2 * (j * k + w * i), 1 - 2 * (i * i + j * j)],
+        ]
+    )
     u = np.clip(x / z, -(view.cx + 0.15 * view.width) / view.fx, (1.15 * view.width - view.cx) / view.fx)
     v = np.clip(y / z, -(view.cy + 0.15 * view.height) / view.fy, (1.15 * view.height - view.cy) / view.fy)
     zero = np.zeros_like(z)

@@ -42,11 +42,13 @@ def draw_pixel_by_pixel(
         if z < view.near or opacity < 1 / 255:
             continue
         w, i, j, k = quat / np.linalg.norm(quat)
-        R = np.array([
-            [1 - 2 * (j * j + k * k), 2 * (i * j - w * k), 2 * (i * k + w * j)],
-            [2 * (i * j + w * k), 1 - 2 * (i * i + k * k), 2 * (j * k - w * i)],
-            [2 * (i * k - w * j), 2 * (j * k + w * i), 1 - 2 * (i * i + j * j)],
-        ])  # fmt: skip
+        R = np.array(
+            [
+                [1 - 2 * (j * j + k * k), 2 * (i * j - w * k), 2 * (i * k + w * j)],
+                [2 * (i * j + w * k), 1 - 2 * (i * i + k * k), 2 * (j * k - w * i)],
+                [2 * (i * k - w * j), 2 * (j * k + w * i), 1 - 2 * (i * i + j * j)],
+            ]
+        )
         covariance = R @ np.diag(np.exp(2 * log_scale)) @ R.T
         mx, my = 0.15 * view.width / view.fx, 0.15 * view.height / view.fy
         u = min(max(x / z, -view.cx / view.fx - mx), (view.width - view.cx) / view.fx + mx)

@@ -31,9 +31,15 @@ def decoded(jpeg: bytes) -> np.ndarray:
 
 def truth(scene: HybridScene[np.ndarray], time: float) -> np.ndarray:
     picture = rasterize(
-        scene.static.map(torch.tensor), scene.segments[0].dynamic.map(torch.tensor), VIEW, time,
-        background=scene.background, antialiased=scene.antialiased, backend="reference", gradients="none",
-    )  # fmt: skip
+        scene.static.map(torch.tensor),
+        scene.segments[0].dynamic.map(torch.tensor),
+        VIEW,
+        time,
+        background=scene.background,
+        antialiased=scene.antialiased,
+        backend="reference",
+        gradients="none",
+    )
     return picture.rgb.clamp(0, 1).permute(1, 2, 0).numpy()
 
 
@@ -51,9 +57,12 @@ def test_thin_splats_fade_where_the_scene_is_antialiased(antialiased: bool) -> N
     needles.opacity_logits[:] = 6
     needles.rgb[:] = 1
     scene = replace(
-        SCENE, static=needles.map(torch.Tensor.numpy), background=(0.0, 0.0, 0.0), antialiased=antialiased,
+        SCENE,
+        static=needles.map(torch.Tensor.numpy),
+        background=(0.0, 0.0, 0.0),
+        antialiased=antialiased,
         segments=(Segment(2.0, 4.0, dynamic_splats(0, dtype=torch.float32).map(torch.Tensor.numpy)),),
-    )  # fmt: skip
+    )
     assert decoded(thumbnail(scene, VIEW)).mean() == pytest.approx(truth(scene, 0.5).mean(), abs=0.01)
 
 

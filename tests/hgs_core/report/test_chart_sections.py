@@ -93,8 +93,9 @@ def test_shares_of_what_moves_are_those_of_the_manifest(finished: FinishedRun) -
     totals = finished.manifest.totals
     html = decomposition_section(finished, [])
     for name, dynamic, static in (
-        ("splats", totals.splats_dynamic, totals.splats_static), ("bytes", totals.bytes_dynamic, totals.bytes_static),
-    ):  # fmt: skip
+        ("splats", totals.splats_dynamic, totals.splats_static),
+        ("bytes", totals.bytes_dynamic, totals.bytes_static),
+    ):
         assert f"{name}, dynamic: {dynamic / (dynamic + static):.1%}" in html
     assert "pixels" not in html  # there are no pictures to count them in
 

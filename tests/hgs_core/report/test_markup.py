@@ -12,10 +12,13 @@ NASTY = "<b> & \"quoted\" 'words'"
 @pytest.mark.parametrize(
     "made",
     [
-        note(NASTY), section("a", NASTY, []), chart(NASTY, "", NASTY), pairs({NASTY: NASTY}),
+        note(NASTY),
+        section("a", NASTY, []),
+        chart(NASTY, "", NASTY),
+        pairs({NASTY: NASTY}),
         table(NASTY, [NASTY], [[NASTY, NASTY]]),
     ],
-)  # fmt: skip
+)
 def test_words_are_never_markup(made: str) -> None:
     parsed = ElementTree.fromstring(made)
     assert "".join(parsed.itertext()).replace(NASTY, "") == ""

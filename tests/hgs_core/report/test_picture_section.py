@@ -44,8 +44,9 @@ def test_a_camera_that_was_held_out_is_called_so_and_the_first_is_open(
     seen = replace(cameras[0], camera="0")
     html = picture_section(finished, [*cameras, seen], "")
     assert re.findall(r"<details( open)?><summary>([^<]*)<", html) == [
-        (" open", "Camera 2 (held out)"), ("", "Camera 0 (training saw it)"),
-    ]  # fmt: skip
+        (" open", "Camera 2 (held out)"),
+        ("", "Camera 0 (training saw it)"),
+    ]
 
 
 def test_without_held_out_cameras_they_are_called_training_cameras(

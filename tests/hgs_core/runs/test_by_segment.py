@@ -20,15 +20,19 @@ from hgs_core.runs.stages import initialise, train
 from hgs_core.scene.files import load_scene
 from tests.synthetic import write_capture
 
-CONFIG = RunConfig.from_json({
-    "capture": {"hold_out": ["2"]},
-    "points": {"static": 200, "dynamic": 40, "interval": 0.1},
-    "train": {
-        "iterations": 20, "checkpoint_every": 10, "segment_frames": 2,
-        "density": {"every": 40, "max_static": 250, "max_dynamic": 60},
-    },
-    "encode": {"by_segment": True},
-})  # fmt: skip
+CONFIG = RunConfig.from_json(
+    {
+        "capture": {"hold_out": ["2"]},
+        "points": {"static": 200, "dynamic": 40, "interval": 0.1},
+        "train": {
+            "iterations": 20,
+            "checkpoint_every": 10,
+            "segment_frames": 2,
+            "density": {"every": 40, "max_static": 250, "max_dynamic": 60},
+        },
+        "encode": {"by_segment": True},
+    }
+)
 
 
 @pytest.fixture(scope="module")

@@ -39,9 +39,12 @@ def run(tmp_path: Path) -> RunFolder:
     static, dynamic = (splats.map(lambda array: array.numpy()) for splats in synthetic_scene())
     folder.write_spec(RunSpec(tmp_path / "capture", "", RunConfig(), without_capture=True))
     encode_scene(
-        HybridScene(static, (Segment(0.0, 1.0, dynamic),)), folder.scene,
-        cameras=ring_of_cameras(2, 64, 48), times=np.arange(30) / 30, title="Figure",
-    )  # fmt: skip
+        HybridScene(static, (Segment(0.0, 1.0, dynamic),)),
+        folder.scene,
+        cameras=ring_of_cameras(2, 64, 48),
+        times=np.arange(30) / 30,
+        title="Figure",
+    )
     return folder
 
 

@@ -25,13 +25,17 @@ from hgs_core.scene.files import load_scene
 from tests.conftest import REPOSITORY
 from tests.synthetic import write_capture
 
-CONFIG = RunConfig.from_json({
-    "capture": {"hold_out": ["2"]},
-    "points": {"static": 300, "dynamic": 60, "interval": 0.1},
-    "train": {
-        "iterations": 60, "checkpoint_every": 20, "density": {"every": 20, "max_static": 400, "max_dynamic": 100},
-    },
-})  # fmt: skip
+CONFIG = RunConfig.from_json(
+    {
+        "capture": {"hold_out": ["2"]},
+        "points": {"static": 300, "dynamic": 60, "interval": 0.1},
+        "train": {
+            "iterations": 60,
+            "checkpoint_every": 20,
+            "density": {"every": 20, "max_static": 400, "max_dynamic": 100},
+        },
+    }
+)
 
 
 @pytest.fixture(scope="module")
@@ -108,13 +112,35 @@ def test_finished_stages_do_nothing(finished: Path) -> None:
 def test_evaluation_has_exactly_its_fields_and_counts_every_byte(finished: Path) -> None:
     result = evaluate_run(finished, silent)
     assert set(result) == {
-        "psnr", "ssim", "ms_ssim", "lpips", "flip", "flicker", "flicker_steady", "psnr_dynamic", "psnr_static",
-            "ssim_dynamic", "lpips_dynamic", "psnr_dynamic_colour_corrected",
-        "psnr_colour_corrected", "psnr_lens_corrected", "psnr_dynamic_lens_corrected",
-        "bytes_total", "bytes_static", "bytes_dynamic", "splats_static", "splats_dynamic",
-        "train_seconds", "frames", "cameras",
-        "cameras_trained_on", "truth", "masks", "per_camera", "per_frame",
-    }  # fmt: skip
+        "psnr",
+        "ssim",
+        "ms_ssim",
+        "lpips",
+        "flip",
+        "flicker",
+        "flicker_steady",
+        "psnr_dynamic",
+        "psnr_static",
+        "ssim_dynamic",
+        "lpips_dynamic",
+        "psnr_dynamic_colour_corrected",
+        "psnr_colour_corrected",
+        "psnr_lens_corrected",
+        "psnr_dynamic_lens_corrected",
+        "bytes_total",
+        "bytes_static",
+        "bytes_dynamic",
+        "splats_static",
+        "splats_dynamic",
+        "train_seconds",
+        "frames",
+        "cameras",
+        "cameras_trained_on",
+        "truth",
+        "masks",
+        "per_camera",
+        "per_frame",
+    }
     chunks = sum(path.stat().st_size for path in (finished / "scene" / "chunks").iterdir())
     assert result["bytes_static"] + result["bytes_dynamic"] == chunks
     assert result["bytes_total"] == chunks + (finished / "scene" / "manifest.json").stat().st_size

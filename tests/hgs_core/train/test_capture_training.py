@@ -18,9 +18,11 @@ from tests.hgs_core.train.test_trainer import points
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig(
-    iterations=30, checkpoint_every=10, segment_frames=3,
+    iterations=30,
+    checkpoint_every=10,
+    segment_frames=3,
     density=DensityConfig(every=10, max_static=400, max_dynamic=100, birth_rounds=0),
-)  # fmt: skip
+)
 
 
 @pytest.fixture(scope="module")
@@ -36,8 +38,9 @@ def test_segments_share_the_statics_and_follow_each_other(capture: Capture, tmp_
         capture, dict(enumerate(capture.cameras)), CONFIG, 0, points(), 1, lambda i: tmp_path / f"{i}.pt", heard.append
     )
     assert [(s.start, s.end) for s in scene.segments] == [
-        (capture.times[0], capture.times[3]), (capture.times[3], capture.times[5])
-    ]  # fmt: skip
+        (capture.times[0], capture.times[3]),
+        (capture.times[3], capture.times[5]),
+    ]
     assert summary["iterations"] == 60
     assert summary["dynamic"] == sum(len(segment.dynamic) for segment in scene.segments)
     assert [p.done for p in heard] == list(range(10, 61, 10))
@@ -63,9 +66,15 @@ def test_a_training_stopped_in_its_second_segment_resumes_to_the_same_bits(captu
     def run(name: str, progress: object = silent) -> object:
         (tmp_path / name).mkdir(exist_ok=True)
         return train_capture(
-            capture, dict(enumerate(capture.cameras)), CONFIG, 0, points(), 1, lambda i: tmp_path / name / f"{i}.pt",
+            capture,
+            dict(enumerate(capture.cameras)),
+            CONFIG,
+            0,
+            points(),
+            1,
+            lambda i: tmp_path / name / f"{i}.pt",
             progress,  # type: ignore[arg-type]
-        )[0]  # fmt: skip
+        )[0]
 
     def stop(step: Progress) -> None:
         if step.done == 40:

@@ -30,10 +30,11 @@ def test_a_state_comes_back_as_it_was(state: TrainState, tmp_path: Path) -> None
     back = load_state(tmp_path / "a.pt")
     assert (back.iteration, back.seconds, back.correction) == (12, 3.5, None)
     for mine, theirs in (
-        (state.static, back.static), (state.dynamic, back.dynamic),
+        (state.static, back.static),
+        (state.dynamic, back.dynamic),
         (state.static_optimiser.moments, back.static_optimiser.moments),
         (state.dynamic_optimiser.moments, back.dynamic_optimiser.moments),
-    ):  # fmt: skip
+    ):
         for (name, one), (_, two) in zip(mine.items(), theirs.items(), strict=True):
             assert torch.equal(one, two), name
     np.testing.assert_array_equal(back.statistics.count, state.statistics.count)

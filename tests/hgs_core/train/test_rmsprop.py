@@ -14,8 +14,12 @@ from hgs_core.train.rmsprop import RmsProp, rmsprop_update
 from tests.hgs_core.render.scenes import static_splats
 
 RATES: dict[str, float | Tensor] = {
-    "means": 0.01, "log_scales": 0.02, "quats": 0.03, "opacity_logits": 0.04, "rgb": 0.05,
-}  # fmt: skip
+    "means": 0.01,
+    "log_scales": 0.02,
+    "quats": 0.03,
+    "opacity_logits": 0.04,
+    "rgb": 0.05,
+}
 
 
 @pytest.fixture(params=["compiled", "torch"])

@@ -31,9 +31,14 @@ def lives(*precisions: float, coefficients: int = 4) -> DynamicSplats[torch.Tens
     """Dynamic splats of the given temporal precisions s."""
     count = len(precisions)
     return DynamicSplats(
-        torch.zeros(count, coefficients, 3), torch.zeros(count, 2, 4), torch.zeros(count, 3), torch.zeros(count),
-        torch.zeros(count), torch.tensor(precisions).log(), torch.zeros(count, 3),
-    )  # fmt: skip
+        torch.zeros(count, coefficients, 3),
+        torch.zeros(count, 2, 4),
+        torch.zeros(count, 3),
+        torch.zeros(count),
+        torch.zeros(count),
+        torch.tensor(precisions).log(),
+        torch.zeros(count, 3),
+    )
 
 
 def test_a_step_of_any_motion_coefficient_moves_a_splat_as_far_at_the_ends_of_its_life() -> None:

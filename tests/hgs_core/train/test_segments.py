@@ -45,9 +45,12 @@ def test_a_single_moment_is_a_segment_of_no_length() -> None:
 
 def test_dynamic_points_belong_to_their_moments_and_static_ones_to_all() -> None:
     cloud = PointCloud.at_rest(
-        np.zeros((4, 3), np.float32), np.zeros((4, 3), np.float32), np.array([0.0, 0.1, 0.8, 0.0], np.float32),
-        np.array([1, 1, 1, 0], np.float32), np.ones(4, np.float32),
-    )  # fmt: skip
+        np.zeros((4, 3), np.float32),
+        np.zeros((4, 3), np.float32),
+        np.array([0.0, 0.1, 0.8, 0.0], np.float32),
+        np.array([1, 1, 1, 0], np.float32),
+        np.ones(4, np.float32),
+    )
     first, second = cut_into_segments(np.arange(10) / 10, 5)
     assert first.points(cloud).times.tolist() == pytest.approx([0.0, 0.1, 0.0])
     assert second.points(cloud).times.tolist() == pytest.approx([0.8, 0.0])

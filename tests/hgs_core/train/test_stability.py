@@ -188,9 +188,12 @@ def loss_of(splats: tuple[StaticSplats[Tensor], DynamicSplats[Tensor]], capture:
 def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions: list[str]) -> None:
     start = scene(random, kinds, motions)
     config = TrainConfig(
-        iterations=STEPS, coarse_until=0.0, checkpoint_every=STEPS + 1, labels=LabelConfig(adaptive=False),
+        iterations=STEPS,
+        coarse_until=0.0,
+        checkpoint_every=STEPS + 1,
+        labels=LabelConfig(adaptive=False),
         density=DensityConfig(every=STEPS + 1, prune_contribution=0.0),
-    )  # fmt: skip
+    )
     (segment,) = cut_into_segments(capture.times, config.segment_frames)
     training = Trainer(
         capture, dict(enumerate(capture.cameras)), config, random, segment, start, folder / "checkpoint.pt"

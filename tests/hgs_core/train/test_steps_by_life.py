@@ -31,10 +31,14 @@ def lives(centers: Doubles, widths: Doubles) -> DynamicSplats[torch.Tensor]:
     """Dynamic splats that fade as exp(-(t - centre)^2 / (2 width^2))."""
     count = len(centers)
     return DynamicSplats(
-        torch.zeros(count, 4, 3), torch.tensor([[[1.0, 0, 0, 0], [0, 0, 0, 0]]]).repeat(count, 1, 1),
-        torch.zeros(count, 3), torch.zeros(count), torch.tensor(centers, dtype=torch.float32),
-        torch.tensor(-np.log(2 * widths**2), dtype=torch.float32), torch.full((count, 3), 0.5),
-    )  # fmt: skip
+        torch.zeros(count, 4, 3),
+        torch.tensor([[[1.0, 0, 0, 0], [0, 0, 0, 0]]]).repeat(count, 1, 1),
+        torch.zeros(count, 3),
+        torch.zeros(count),
+        torch.tensor(centers, dtype=torch.float32),
+        torch.tensor(-np.log(2 * widths**2), dtype=torch.float32),
+        torch.full((count, 3), 0.5),
+    )
 
 
 def fade(times: Doubles, centers: Doubles, widths: Doubles) -> Doubles:
@@ -117,9 +121,12 @@ def test_the_trainer_takes_steps_by_life_of_dynamic_splats_and_whole_ones_of_sta
     dynamic.motion[:, 0] = torch.tensor(r.uniform(-0.5, 0.5, (12, 3)))
     dynamic.log_scales[:] = -1.5
     static = StaticSplats(
-        torch.tensor(r.uniform(-0.5, 0.5, (8, 3)), dtype=torch.float32), torch.full((8, 3), -1.5),
-        torch.tensor([[1.0, 0, 0, 0]]).repeat(8, 1), torch.zeros(8), torch.full((8, 3), 0.5),
-    )  # fmt: skip
+        torch.tensor(r.uniform(-0.5, 0.5, (8, 3)), dtype=torch.float32),
+        torch.full((8, 3), -1.5),
+        torch.tensor([[1.0, 0, 0, 0]]).repeat(8, 1),
+        torch.zeros(8),
+        torch.full((8, 3), 0.5),
+    )
     density = DensityConfig(prune_contribution=0.0, static_opacity_penalty=0.0, dynamic_opacity_penalty=0.0)
     config = TrainConfig(iterations=1, coarse_until=0.0, steps_by_life=by_life, density=density)
     (segment,) = cut_into_segments(capture.times, config.segment_frames)

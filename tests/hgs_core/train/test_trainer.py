@@ -133,10 +133,16 @@ def test_equal_configs_give_equal_bits(capture_folder: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("stop_at", "changes"),
     [
-        (10, {}), (30, {}), (50, {}), (30, {"stages": "interleaved"}), (30, {"density": {"method": "relocation"}}),
-        (30, {"motion_order": 5}), (50, AVERAGED), (60, AVERAGED),
+        (10, {}),
+        (30, {}),
+        (50, {}),
+        (30, {"stages": "interleaved"}),
+        (30, {"density": {"method": "relocation"}}),
+        (30, {"motion_order": 5}),
+        (50, AVERAGED),
+        (60, AVERAGED),
     ],
-)  # fmt: skip
+)
 def test_a_stopped_training_resumes_to_the_same_bits(
     capture_folder: Path, tmp_path: Path, stop_at: int, changes: dict[str, object]
 ) -> None:

@@ -15,9 +15,16 @@ from server.cli import main
 from tests.synthetic import write_capture
 
 TINY = [
-    "--hold-out", "1", "--set", "iterations=2", "static_points=60", "dynamic_points=20", "init_interval=0.05",
-    "max_static=80", "max_dynamic=40",
-]  # fmt: skip
+    "--hold-out",
+    "1",
+    "--set",
+    "iterations=2",
+    "static_points=60",
+    "dynamic_points=20",
+    "init_interval=0.05",
+    "max_static=80",
+    "max_dynamic=40",
+]
 
 
 @pytest.fixture(scope="module")

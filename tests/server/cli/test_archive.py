@@ -53,13 +53,17 @@ def test_files_come_out_but_for_hidden_ones(tmp_path: Path, out: Path, ending: s
 @pytest.mark.parametrize(
     ("files", "words"),
     [
-        ({"../x": b""}, "'..'"), ({"a/../../x": b""}, "'..'"), ({"/etc/x": b""}, "absolute"),
-        ({"a": b"", "A": b""}, "one file or folder"), ({"con": b""}, "device"), ({"a\\b": b""}, "backslash"),
+        ({"../x": b""}, "'..'"),
+        ({"a/../../x": b""}, "'..'"),
+        ({"/etc/x": b""}, "absolute"),
+        ({"a": b"", "A": b""}, "one file or folder"),
+        ({"con": b""}, "device"),
+        ({"a\\b": b""}, "backslash"),
         ({"bomb": bytes(50_001)}, "one file may have 50.0 kB"),
         ({"a": bytes(41_000), "b": bytes(41_000)}, "one upload may have 80.0 kB"),
         ({str(number): b"" for number in range(6)}, "one upload may have 5"),
     ],
-)  # fmt: skip
+)
 def test_what_no_upload_may_have_is_refused(
     tmp_path: Path, out: Path, files: dict[str, bytes], words: str, ending: str
 ) -> None:

@@ -40,8 +40,13 @@ def test_server_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     monkeypatch.setattr(serve_bench, "serve_text", str)
     assert main(["bench", "serve", "--viewers", "3", "--seconds", "2", "--processes", "2", "--json"]) == 0
     assert json.loads(capsys.readouterr().out) == {
-        "viewers": 3, "seconds": 2.0, "folder": None, "minutes": 1.0, "processes": 2, "bad_clients": False,
-    }  # fmt: skip
+        "viewers": 3,
+        "seconds": 2.0,
+        "folder": None,
+        "minutes": 1.0,
+        "processes": 2,
+        "bad_clients": False,
+    }
 
 
 @pytest.mark.parametrize(

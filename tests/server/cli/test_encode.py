@@ -60,9 +60,12 @@ def test_encode_says_that_the_views_are_made_up_where_there_is_no_capture(
     [([], "run: is not a run"), (["--fine-tune", "-1"], "--fine-tune: -1 is below 0")],
 )
 def test_bad_input_is_one_line_and_status_2(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], arguments: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
     problem: str,
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["encode", "run", *arguments]) == 2
     assert f"hgs: {problem}" in capsys.readouterr().err

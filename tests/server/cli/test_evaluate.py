@@ -85,18 +85,28 @@ def test_by_default_the_cheap_metrics_of_the_held_out_cameras_are_asked_for(
 ) -> None:
     assert main(["eval", str(tmp_path)]) == 0
     assert wishes == {
-        "cameras": None, "all_cameras": False, "truth": None, "masks": None, "lpips": None, "flip": False,
+        "cameras": None,
+        "all_cameras": False,
+        "truth": None,
+        "masks": None,
+        "lpips": None,
+        "flip": False,
         "backend": "auto",
-    }  # fmt: skip
+    }
 
 
 def test_the_options_reach_the_evaluation(tmp_path: Path, wishes: dict[str, Any]) -> None:
     options = ["--truth", "t", "--masks", "m", "--lpips", "w.npz", "--flip", "--cameras", "a, b,", "--backend", "cpu"]
     assert main(["eval", str(tmp_path), *options]) == 0
     assert wishes == {
-        "cameras": ["a", "b"], "all_cameras": False, "truth": Path("t"), "masks": Path("m"), "lpips": Path("w.npz"),
-        "flip": True, "backend": "cpu",
-    }  # fmt: skip
+        "cameras": ["a", "b"],
+        "all_cameras": False,
+        "truth": Path("t"),
+        "masks": Path("m"),
+        "lpips": Path("w.npz"),
+        "flip": True,
+        "backend": "cpu",
+    }
     assert main(["eval", str(tmp_path), "--all-cameras"]) == 0
     assert wishes["all_cameras"]
 

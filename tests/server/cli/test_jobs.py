@@ -95,11 +95,15 @@ def test_workers_and_slots(client: JobClient, capsys: pytest.CaptureFixture[str]
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["show", "nobody"], "no such job"), (["logs", "nobody"], "no such job"), (["cancel", "nobody"], "no such job"),
-        (["ls", "--limit", "0"], "--limit"), (["ls", "--since", "soon"], "--since"),
-        (["ls", "--label", "a b"], "label"), (["ls", "--to", "nowhere"], "nowhere"),
+        (["show", "nobody"], "no such job"),
+        (["logs", "nobody"], "no such job"),
+        (["cancel", "nobody"], "no such job"),
+        (["ls", "--limit", "0"], "--limit"),
+        (["ls", "--since", "soon"], "--since"),
+        (["ls", "--label", "a b"], "label"),
+        (["ls", "--to", "nowhere"], "nowhere"),
     ],
-)  # fmt: skip
+)
 def test_what_is_wrong_is_told_in_one_line(arguments: list[str], word: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["jobs", *arguments]) == 2
     told = capsys.readouterr().err

@@ -19,8 +19,11 @@ HGS = [sys.executable, "-m", "server.cli"]
 def run(command: str, home: Path, **environment: str) -> subprocess.CompletedProcess[bytes]:
     return subprocess.run(
         ["bash", "-o", "pipefail", "-c", command, "bash", *HGS],
-        cwd=REPOSITORY, env={**os.environ, "HGS_HOME": str(home), **environment}, capture_output=True, check=False,
-    )  # fmt: skip
+        cwd=REPOSITORY,
+        env={**os.environ, "HGS_HOME": str(home), **environment},
+        capture_output=True,
+        check=False,
+    )
 
 
 def test_a_reader_that_leaves_early_is_no_fault(home: Path) -> None:

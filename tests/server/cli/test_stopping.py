@@ -50,8 +50,11 @@ def test_every_stage_can_be_stopped_and_goes_on(capture: Path, tmp_path: Path) -
     out = tmp_path / "run"
     ended = subprocess.run(
         [sys.executable, "-c", STOPS_ITSELF, *arguments(capture, out)],
-        cwd=REPOSITORY, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        cwd=REPOSITORY,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert ended.returncode == 0, ended.stderr
     told = [json.loads(line) for line in ended.stdout.splitlines() if line.startswith("{")]
     assert [one["stage"] for one in told] == [stage for stage in STAGES for _ in range(2)] + [""]

@@ -73,9 +73,17 @@ def test_bad_overrides_are_refused(assignment: str, word: str) -> None:
 
 def test_overrides_are_read_as_json_and_nest() -> None:
     config = config_of(
-        "--preset", "preview", "--hold-out", "a, b", "--set", "train.iterations=9", "encode.budget=low",
-        "--set", "train.learning_rates.opacity=0.5", 'points={"static": 7}',
-    )  # fmt: skip
+        "--preset",
+        "preview",
+        "--hold-out",
+        "a, b",
+        "--set",
+        "train.iterations=9",
+        "encode.budget=low",
+        "--set",
+        "train.learning_rates.opacity=0.5",
+        'points={"static": 7}',
+    )
     assert (config.preset, config.capture.hold_out, config.points.static) == ("preview", ("a", "b"), 7)
     assert (config.train.iterations, config.encode.budget, config.train.learning_rates.opacity) == (9, "low", 0.5)
 
@@ -83,9 +91,12 @@ def test_overrides_are_read_as_json_and_nest() -> None:
 def test_overrides_may_have_their_old_names() -> None:
     old = config_of("--set", "cycles=9", "backend=cpu", "learning_rates.opacity=0.5", "labels=static")
     new = config_of(
-        "--set", "train.iterations=9", "train.backend=cpu", "train.learning_rates.opacity=0.5",
+        "--set",
+        "train.iterations=9",
+        "train.backend=cpu",
+        "train.learning_rates.opacity=0.5",
         "train.labels.initial=static",
-    )  # fmt: skip
+    )
     assert old == new
 
 

@@ -79,13 +79,20 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(hgs_core.runs.stages, "train_scene", work)
     for name in (
-        "hgs_core.decompose.masks.motion_masks", "hgs_core.calibrate.find_cameras.find_cameras",
-        "hgs_core.check.capture_check.check_capture", "hgs_core.evaluate.run.evaluate_run",
-        "hgs_core.runs.encoding.encode_again", "hgs_core.ablate.ablation.ablate", "hgs_core.runs.edited.edit_run",
-        "hgs_core.runs.imported.import_run", "hgs_core.report.write.write_report", "hgs_core.bench.raster.bench_raster",
-        "hgs_core.bench.codec.bench_codec", "hgs_core.bench.viewers.bench_viewers",
+        "hgs_core.decompose.masks.motion_masks",
+        "hgs_core.calibrate.find_cameras.find_cameras",
+        "hgs_core.check.capture_check.check_capture",
+        "hgs_core.evaluate.run.evaluate_run",
+        "hgs_core.runs.encoding.encode_again",
+        "hgs_core.ablate.ablation.ablate",
+        "hgs_core.runs.edited.edit_run",
+        "hgs_core.runs.imported.import_run",
+        "hgs_core.report.write.write_report",
+        "hgs_core.bench.raster.bench_raster",
+        "hgs_core.bench.codec.bench_codec",
+        "hgs_core.bench.viewers.bench_viewers",
         "hgs_core.bench.training.bench_training",
-    ):  # fmt: skip
+    ):
         monkeypatch.setattr(name, work)
 
 

@@ -109,7 +109,7 @@ def test_no_bad_value_in_any_place_is_queued_or_breaks_the_server(queue: Queue) 
         (r'{"capture": "studio", "config": {"\ud800": 1}}', "config"),
         ('{"capture": "studio", "preset": "imported"}', "preset"),
     ],
-)  # fmt: skip
+)
 def test_the_field_is_named(queue: Queue, body: str, field: str) -> None:
     answer = queue.post(body.encode())
     assert (answer.status_code, answer.json()["field"]) == (422, field)

@@ -27,8 +27,12 @@ def assert_problem(response: httpx.Response, status: int, code: str, *words: str
 
 def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
     body = {
-        "capture": "studio", "title": "Studio", "preset": "preview", "hold_out": ["cam00"], "config": {"iterations": 7},
-    }  # fmt: skip
+        "capture": "studio",
+        "title": "Studio",
+        "preset": "preview",
+        "hold_out": ["cam00"],
+        "config": {"iterations": 7},
+    }
     response = server.request("POST", "/v1/jobs", json=body)
     assert response.status_code == 201
     assert response.headers["location"] == "jobs/job-0"

@@ -192,10 +192,17 @@ def test_stream_ends_with_a_bad_message_that_comes_together_with_a_good_one(
         sent.append(message)
 
     scope = {
-        "type": "websocket", "path": PATH, "raw_path": PATH.encode(), "root_path": "", "scheme": "ws",
-        "query_string": b"", "headers": [(b"host", b"localhost")], "client": ("127.0.0.1", 1),
-        "server": ("127.0.0.1", 80), "subprotocols": [],
-    }  # fmt: skip
+        "type": "websocket",
+        "path": PATH,
+        "raw_path": PATH.encode(),
+        "root_path": "",
+        "scheme": "ws",
+        "query_string": b"",
+        "headers": [(b"host", b"localhost")],
+        "client": ("127.0.0.1", 1),
+        "server": ("127.0.0.1", 80),
+        "subprotocols": [],
+    }
 
     async def scenario() -> None:
         async with asyncio.timeout(30):

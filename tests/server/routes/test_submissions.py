@@ -71,8 +71,10 @@ def test_a_submission_is_answered_at_once_and_the_job_can_be_asked_for(server: A
             told = answer.json()
             assert answer.headers["location"] == f"submissions/{told['id']}"
             assert (told["capture"], told["state"], set(told)) == (
-                "studio", "looking", {"id", "capture", "state", "seconds"},
-            )  # fmt: skip
+                "studio",
+                "looking",
+                {"id", "capture", "state", "seconds"},
+            )
             readers.go.set()
             made = await looked_at(client, answer)
             assert (made.status_code, made.headers["content-location"]) == (200, "../jobs/job-0")
@@ -119,9 +121,12 @@ def test_each_key_has_a_turn_of_its_own(server: Any, readers: Readers) -> None:
     texts = [keys.add(name, Scope.SUBMIT) for name in ("anna", "ben")]
     folders = CaptureFolders((server.captures.resolve(),))
     app = create_app(
-        server.home, captures=folders, job_client=server.jobs, artifacts=server.artifacts,
+        server.home,
+        captures=folders,
+        job_client=server.jobs,
+        artifacts=server.artifacts,
         access=Access(keys, Asking.ALWAYS),
-    )  # fmt: skip
+    )
 
     async def scenario() -> None:
         transport = httpx.ASGITransport(app)

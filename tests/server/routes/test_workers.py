@@ -14,11 +14,23 @@ def test_the_workers_and_their_slots(server: Any) -> None:
     assert (answer["slots"], answer["busy"]) == (2, 1)
     assert answer["workers"] == [
         {
-            "id": "node-1-7-ab", "host": "node-1", "pid": 7, "device": "0", "job": "studio-1", "idle_because": None,
-            "started": 1.0, "seen": 2.0,
+            "id": "node-1-7-ab",
+            "host": "node-1",
+            "pid": 7,
+            "device": "0",
+            "job": "studio-1",
+            "idle_because": None,
+            "started": 1.0,
+            "seen": 2.0,
         },
         {
-            "id": "node-2-8-cd", "host": "node-2", "pid": 8, "device": None, "job": None,
-            "idle_because": "the home is away", "started": 1.0, "seen": 2.0,
+            "id": "node-2-8-cd",
+            "host": "node-2",
+            "pid": 8,
+            "device": None,
+            "job": None,
+            "idle_because": "the home is away",
+            "started": 1.0,
+            "seen": 2.0,
         },
-    ]  # fmt: skip
+    ]

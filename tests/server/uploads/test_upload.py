@@ -56,8 +56,9 @@ def test_a_killed_server_finds_everything_again(upload: Upload, torn: bytes) -> 
     again = Upload.load(upload.folder)
     assert again.announced == ANNOUNCED
     assert [(f["path"], f["offset"], f["verified"]) for f in again.describe_files()] == [
-        ("sparse/0/cameras.txt", 5, True), ("cam00.mp4", 123, False),
-    ]  # fmt: skip
+        ("sparse/0/cameras.txt", 5, True),
+        ("cam00.mp4", 123, False),
+    ]
     for path, content in FILES.items():
         send(again, path, content)
     assert Upload.load(again.folder).assemble().is_dir()  # the line that was torn harms no later one
@@ -86,11 +87,12 @@ def test_announcing_again_is_the_same_file_and_new_content_another(upload: Uploa
 @pytest.mark.parametrize(
     ("path", "content", "words"),
     [
-        ("../x", b"", "'..'"), ("CAM00.mp4", b"", "one file or folder"),
+        ("../x", b"", "'..'"),
+        ("CAM00.mp4", b"", "one file or folder"),
         ("big", b"x" * 1001, "one file may have 1.0 kB"),
         ("more", b"x" * 600, "makes 1.1 kB of the 505 bytes announced"),
     ],
-)  # fmt: skip
+)
 def test_what_was_not_announced_so_is_refused(upload: Upload, path: str, content: bytes, words: str) -> None:
     announce(upload, "cam00.mp4", FILES["cam00.mp4"])
     with pytest.raises(ProblemError, match=words):

@@ -19,9 +19,28 @@ __all__ = ["composite_backward"]
 
 @triton.jit
 def composite_backward(
-    drawn_tiles, ranges, ends, listed_splats, listed_t, listed_e, order, slot_shifts, splats, rgb, alpha, depth,
-    grad_rgb, grad_alpha, grad_depth, slots, first_wanted, last_wanted, across, width, height,
-):  # fmt: skip
+    drawn_tiles,
+    ranges,
+    ends,
+    listed_splats,
+    listed_t,
+    listed_e,
+    order,
+    slot_shifts,
+    splats,
+    rgb,
+    alpha,
+    depth,
+    grad_rgb,
+    grad_alpha,
+    grad_depth,
+    slots,
+    first_wanted,
+    last_wanted,
+    across,
+    width,
+    height,
+):
     """Write, for every entry of a tile whose splat is wanted, what the tile adds to the splat's gradient.
 
     Splats from `first_wanted` to before `last_wanted` are wanted; entry `order[i] + slot_shifts[splat]` of `slots` is

@@ -11,9 +11,22 @@ __all__ = ["composite"]
 
 @triton.jit
 def composite(
-    drawn_tiles, ranges, listed_splats, listed_t, listed_e, splats, background, rgb, alpha, depth, ends,
-    across, width, height, CHUNK: tl.constexpr,
-):  # fmt: skip
+    drawn_tiles,
+    ranges,
+    listed_splats,
+    listed_t,
+    listed_e,
+    splats,
+    background,
+    rgb,
+    alpha,
+    depth,
+    ends,
+    across,
+    width,
+    height,
+    CHUNK: tl.constexpr,
+):
     """Draw one tile. `ends` [tiles] is where its list was left: every pixel had finished, or there was no more.
 
     `drawn_tiles` None: all. `depth` None: it was not asked for. CHUNK: splats between two looks at whether the tile is

@@ -10,8 +10,19 @@ __all__ = ["weigh"]
 
 @triton.jit
 def weigh(
-    drawn_tiles, ranges, ends, listed_splats, listed_t, listed_e, order, splats, slots, across, width, height,
-):  # fmt: skip
+    drawn_tiles,
+    ranges,
+    ends,
+    listed_splats,
+    listed_t,
+    listed_e,
+    order,
+    splats,
+    slots,
+    across,
+    width,
+    height,
+):
     """Write (sum, largest) for every entry that compositing came to; the other slots [entries, 2] stay as they are."""
     tile = tl.program_id(0)
     if drawn_tiles is not None:

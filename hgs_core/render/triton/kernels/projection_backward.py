@@ -150,9 +150,23 @@ def shape_gradient(
 
 @triton.jit
 def differentiate_statics(
-    means, log_scales, quats, opacity_logits, count, camera, depths, sums, norms,
-    d_means, d_log_scales, d_quats, d_opacity_logits, d_rgb, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    means,
+    log_scales,
+    quats,
+    opacity_logits,
+    count,
+    camera,
+    depths,
+    sums,
+    norms,
+    d_means,
+    d_log_scales,
+    d_quats,
+    d_opacity_logits,
+    d_rgb,
+    ANTIALIASED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """Gradients of `count` static splats from the first row of `depths` and `sums`; None: not wanted."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
     mask = row < count
@@ -175,10 +189,28 @@ def differentiate_statics(
 
 @triton.jit
 def differentiate_dynamics(
-    motion, rotation, log_scales, opacity_logits, time_centers, time_log_precisions, count, camera, depths, sums, norms,
-    d_motion, d_rotation, d_log_scales, d_opacity_logits, d_time_centers, d_time_log_precisions, d_rgb,
-    COEFFICIENTS: tl.constexpr, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    motion,
+    rotation,
+    log_scales,
+    opacity_logits,
+    time_centers,
+    time_log_precisions,
+    count,
+    camera,
+    depths,
+    sums,
+    norms,
+    d_motion,
+    d_rotation,
+    d_log_scales,
+    d_opacity_logits,
+    d_time_centers,
+    d_time_log_precisions,
+    d_rgb,
+    COEFFICIENTS: tl.constexpr,
+    ANTIALIASED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """The same of dynamic splats: o = sigma exp(-s d^2), so d ln o / d d = -2 s d and d ln o / d ln s = -s d^2."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
     mask = row < count
@@ -193,9 +225,24 @@ def differentiate_dynamics(
     qw, qx, qy, qz = load4(rotation, row * 8, drawn)
     rw, rx, ry, rz = load4(rotation, row * 8 + 4, drawn)
     gmx, gmy, gmz, d0, d1, d2, dw, dx, dy, dz, g_log_opacity = shape_gradient(
-        camera, sums, norms, row, mask, drawn, X, Y, Z, s0, s1, s2, qw + d * rw, qx + d * rx, qy + d * ry, qz + d * rz,
+        camera,
+        sums,
+        norms,
+        row,
+        mask,
+        drawn,
+        X,
+        Y,
+        Z,
+        s0,
+        s1,
+        s2,
+        qw + d * rw,
+        qx + d * rx,
+        qy + d * ry,
+        qz + d * rz,
         ANTIALIASED,
-    )  # fmt: skip
+    )
     d_offset = -2.0 * g_log_opacity * precision * d
     d_offset += gmx * velocity(motion, at, d, drawn, COEFFICIENTS)
     d_offset += gmy * velocity(motion, at + 1, d, drawn, COEFFICIENTS)

@@ -41,9 +41,30 @@ def all_finite(array, rows, mask, WIDTH: tl.constexpr, WIDEST: tl.constexpr, LIM
 
 @triton.jit
 def project_and_store(
-    row, wanted, X, Y, Z, log_scale_0, log_scale_1, log_scale_2, qw, qx, qy, qz, opacity, red, green, blue,
-    camera, splats, places, ellipses, boxes, depths, ANTIALIASED: tl.constexpr,
-):  # fmt: skip
+    row,
+    wanted,
+    X,
+    Y,
+    Z,
+    log_scale_0,
+    log_scale_1,
+    log_scale_2,
+    qw,
+    qx,
+    qy,
+    qz,
+    opacity,
+    red,
+    green,
+    blue,
+    camera,
+    splats,
+    places,
+    ellipses,
+    boxes,
+    depths,
+    ANTIALIASED: tl.constexpr,
+):
     """Project splats at (X, Y, Z) in the camera and write those that are seen; the others get a depth of infinity."""
     z = tl.where(wanted, Z, 1.0)
     u, v = X / z, Y / z
@@ -101,9 +122,22 @@ def project_and_store(
 
 @triton.jit
 def project_statics(
-    means, log_scales, quats, opacity_logits, rgb, count, camera, splats, places, ellipses, boxes, depths, tally,
-    ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    means,
+    log_scales,
+    quats,
+    opacity_logits,
+    rgb,
+    count,
+    camera,
+    splats,
+    places,
+    ellipses,
+    boxes,
+    depths,
+    tally,
+    ANTIALIASED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """Rows 0 to `count` of the outputs; the first number of `tally` counts blocks with a parameter that is refused."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
     mask = row < count
@@ -122,17 +156,54 @@ def project_statics(
     green = tl.load(rgb + row * 3 + 1, mask=wanted, other=0.0)
     blue = tl.load(rgb + row * 3 + 2, mask=wanted, other=0.0)
     project_and_store(
-        row, wanted, X, Y, Z, s0, s1, s2, qw, qx, qy, qz, opacity, red, green, blue,
-        camera, splats, places, ellipses, boxes, depths, ANTIALIASED,
-    )  # fmt: skip
+        row,
+        wanted,
+        X,
+        Y,
+        Z,
+        s0,
+        s1,
+        s2,
+        qw,
+        qx,
+        qy,
+        qz,
+        opacity,
+        red,
+        green,
+        blue,
+        camera,
+        splats,
+        places,
+        ellipses,
+        boxes,
+        depths,
+        ANTIALIASED,
+    )
 
 
 @triton.jit
 def project_dynamics(
-    motion, rotation, log_scales, opacity_logits, time_centers, time_log_precisions, rgb, count, first,
-    camera, splats, places, ellipses, boxes, depths, tally,
-    COEFFICIENTS: tl.constexpr, ANTIALIASED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    motion,
+    rotation,
+    log_scales,
+    opacity_logits,
+    time_centers,
+    time_log_precisions,
+    rgb,
+    count,
+    first,
+    camera,
+    splats,
+    places,
+    ellipses,
+    boxes,
+    depths,
+    tally,
+    COEFFICIENTS: tl.constexpr,
+    ANTIALIASED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """Rows `first` to `first + count` of the outputs; of dead splats nothing but their lives is looked at."""
     row = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
     mask = row < count
@@ -160,6 +231,27 @@ def project_dynamics(
     green = tl.load(rgb + row * 3 + 1, mask=wanted, other=0.0)
     blue = tl.load(rgb + row * 3 + 2, mask=wanted, other=0.0)
     project_and_store(
-        row + first, wanted, X, Y, Z, s0, s1, s2, qw + d * rw, qx + d * rx, qy + d * ry, qz + d * rz, opacity,
-        red, green, blue, camera, splats, places, ellipses, boxes, depths, ANTIALIASED,
-    )  # fmt: skip
+        row + first,
+        wanted,
+        X,
+        Y,
+        Z,
+        s0,
+        s1,
+        s2,
+        qw + d * rw,
+        qx + d * rx,
+        qy + d * ry,
+        qz + d * rz,
+        opacity,
+        red,
+        green,
+        blue,
+        camera,
+        splats,
+        places,
+        ellipses,
+        boxes,
+        depths,
+        ANTIALIASED,
+    )

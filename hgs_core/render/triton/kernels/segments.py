@@ -8,9 +8,17 @@ __all__ = ["reduce_slots"]
 
 @triton.jit
 def reduce_slots(
-    slots, first_slots, counts, totals, rows, WIDTH: tl.constexpr, MAXIMA: tl.constexpr,
-    ROWS: tl.constexpr, LANES: tl.constexpr, COLUMNS: tl.constexpr,
-):  # fmt: skip
+    slots,
+    first_slots,
+    counts,
+    totals,
+    rows,
+    WIDTH: tl.constexpr,
+    MAXIMA: tl.constexpr,
+    ROWS: tl.constexpr,
+    LANES: tl.constexpr,
+    COLUMNS: tl.constexpr,
+):
     """The sums, or of the last MAXIMA columns the maxima, of every row's `counts` consecutive slots [.., WIDTH].
 
     A program has ROWS rows and reads LANES slots of each at a time. COLUMNS: a power of two from WIDTH. No value whose

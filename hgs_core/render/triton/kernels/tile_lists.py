@@ -57,9 +57,18 @@ def covered_tiles(splat, tile_y, mask, ellipses, boxes, tiles_before, across, MA
 
 @triton.jit
 def count_tiles(
-    depths, ellipses, boxes, tiles_before, counts, tally, count, statics, across,
-    MASKED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    depths,
+    ellipses,
+    boxes,
+    tiles_before,
+    counts,
+    tally,
+    count,
+    statics,
+    across,
+    MASKED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """In how many drawn tiles each splat is; adds the sums over statics and dynamics to the second and third tally."""
     splat = tl.program_id(0) * BLOCK + tl.arange(0, BLOCK)
     mask = splat < count
@@ -79,9 +88,18 @@ def count_tiles(
 
 @triton.jit
 def emit_tiles(
-    entry_splats, first_entries, ellipses, boxes, tiles_before, drawn_tiles, entry_tiles, count, across,
-    MASKED: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    entry_splats,
+    first_entries,
+    ellipses,
+    boxes,
+    tiles_before,
+    drawn_tiles,
+    entry_tiles,
+    count,
+    across,
+    MASKED: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """The tile of every entry: entry `first_entries[splat] + k` is the splat's k-th tile."""
     entry = tl.program_id(0).to(tl.int64) * BLOCK + tl.arange(0, BLOCK)
     mask = entry < count
@@ -106,9 +124,19 @@ def emit_tiles(
 
 @triton.jit
 def place_entries(
-    tiles, order, entry_splats, splats, places, listed_splats, listed_t, listed_e, ranges, count, across,
+    tiles,
+    order,
+    entry_splats,
+    splats,
+    places,
+    listed_splats,
+    listed_t,
+    listed_e,
+    ranges,
+    count,
+    across,
     BLOCK: tl.constexpr,
-):  # fmt: skip
+):
     """The sorted lists: splat, and (t, e) of the middle of the tile, of every entry; where each tile's list lies.
 
     `tiles` and `order` are the sorted tiles and the entries they came from; `ranges` [tiles, 2] starts as zeros. In

@@ -8,9 +8,21 @@ __all__ = ["rmsprop"]
 
 @triton.jit
 def rmsprop(
-    parameters, gradients, moments, factors, rows, decays, rate, inverse_root, count,
-    SPAN: tl.constexpr, WIDTH: tl.constexpr, BETA: tl.constexpr, EPSILON: tl.constexpr, BLOCK: tl.constexpr,
-):  # fmt: skip
+    parameters,
+    gradients,
+    moments,
+    factors,
+    rows,
+    decays,
+    rate,
+    inverse_root,
+    count,
+    SPAN: tl.constexpr,
+    WIDTH: tl.constexpr,
+    BETA: tl.constexpr,
+    EPSILON: tl.constexpr,
+    BLOCK: tl.constexpr,
+):
     """p -= rate g / (inverse_root sqrt(v) + eps): the bias correction lies in `inverse_root`.
 
     Gradients are of rows of WIDTH values: of all, or of those that `rows` names. Factors of the rate, if any, are for

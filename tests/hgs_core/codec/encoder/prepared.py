@@ -15,10 +15,22 @@ def prepared(count: int, **given: object) -> Prepared:
     width = dict.fromkeys(("position", "log_scale", "rgb", "strength_by_scale", "strength_by_turn", *MOTION_ORDERS), 3)
     width |= {"rotation": 4, "turning": 4}
     plain = {
-        "position": 0.0, "log_scale": 0.0, "rotation": (1.0, 0.0, 0.0, 0.0), "opacity": 0.5, "rgb": 0.5, "utility": 1.0,
-        "scale": 100.0, "strength_by_scale": 0.0, "strength_by_turn": 0.0, "velocity": 0.0, "acceleration": 0.0,
-        "jerk": 0.0, "turning": 0.0, "time_center": 0.5, "time_log_precision": -9.0,
-    }  # fmt: skip
+        "position": 0.0,
+        "log_scale": 0.0,
+        "rotation": (1.0, 0.0, 0.0, 0.0),
+        "opacity": 0.5,
+        "rgb": 0.5,
+        "utility": 1.0,
+        "scale": 100.0,
+        "strength_by_scale": 0.0,
+        "strength_by_turn": 0.0,
+        "velocity": 0.0,
+        "acceleration": 0.0,
+        "jerk": 0.0,
+        "turning": 0.0,
+        "time_center": 0.5,
+        "time_log_precision": -9.0,
+    }
     arrays = {}
     for name, value in (plain | given).items():
         array = np.asarray(value, np.float64)

@@ -53,9 +53,16 @@ def test_every_splat_decodes_within_the_bounds_of_its_chunk(
     scale=st.sampled_from([-np.inf, -50.0, -4.0, 2.0]),
 )
 def test_extreme_scenes_decode_within_their_bounds(
-    tmp_path: Path, cameras: list[Camera], count: int, seed: int, logits: list[float], precisions: list[float],
-    still: bool, coefficients: int, scale: float,
-) -> None:  # fmt: skip
+    tmp_path: Path,
+    cameras: list[Camera],
+    count: int,
+    seed: int,
+    logits: list[float],
+    precisions: list[float],
+    still: bool,
+    coefficients: int,
+    scale: float,
+) -> None:
     static, dynamic = statics(count, seed), dynamics(count, seed + 1, coefficients)
     opacities = np.array(logits[:count], np.float32)
     static.log_scales[: count // 2] = scale

@@ -35,10 +35,12 @@ def test_motion_of_the_fifth_order_makes_version_3_and_only_where_it_is_needed(
 def test_a_path_far_from_its_centre_in_time_is_kept(tmp_path: Path, cameras: list[Camera]) -> None:
     count, base = 40, scene(dynamic=20)
     far = dataclasses.replace(
-        dynamics(count, 4), opacity_logits=np.full(count, 6, np.float32),
-        time_centers=np.linspace(-4, -2, count, dtype=np.float32), time_log_precisions=np.full(count, -3.2, np.float32),
+        dynamics(count, 4),
+        opacity_logits=np.full(count, 6, np.float32),
+        time_centers=np.linspace(-4, -2, count, dtype=np.float32),
+        time_log_precisions=np.full(count, -3.2, np.float32),
         rotation=np.tile(np.eye(4, dtype=np.float32)[:1], (count, 1, 1)).repeat(2, 1) * (np.arange(2) == 0)[:, None],
-    )  # fmt: skip
+    )
     from_first = np.polynomial.polynomial.polyfromroots([3.2, 3.7, 4.3])[:, None] * (
         20.0,
         -3.0,

@@ -168,8 +168,13 @@ def test_any_damage_is_a_chunk_error_or_finite_numbers(
     data = (VECTORS / f"{name}.chunk").read_bytes()
     for at, how, value in changes:
         at %= len(data)
-        replaced = {"bit": bytes([data[at] ^ 1 << len(value) % 8]), "byte": value[:1], "word": value[:4], "cut": b"",
-                    "grow": value + data[at : at + 1]}[how]  # fmt: skip
+        replaced = {
+            "bit": bytes([data[at] ^ 1 << len(value) % 8]),
+            "byte": value[:1],
+            "word": value[:4],
+            "cut": b"",
+            "grow": value + data[at : at + 1],
+        }[how]
         taken = {"word": len(replaced), "cut": len(value)}.get(how, 1)
         data = data[:at] + replaced + data[at + taken :]
     try_decoder(sealed(data) if seal else data)

@@ -49,7 +49,11 @@ def test_a_chunk_that_is_not_the_manifests_is_named(tmp_path: Path, cameras: lis
         for name in ("splats", "bytes"):
             document["totals"][f"{name}_{kind}"] = sum(chunk[name] for chunk in listed)
     (tmp_path / "manifest.json").write_text(json.dumps(document))
-    problem = {"missing": "cannot be read", "short": "bytes, the manifest says", "of the other kind": "is a dynamic",
-               "of another count": "splats, the manifest says"}[damage]  # fmt: skip
+    problem = {
+        "missing": "cannot be read",
+        "short": "bytes, the manifest says",
+        "of the other kind": "is a dynamic",
+        "of another count": "splats, the manifest says",
+    }[damage]
     with pytest.raises(InputError, match=problem):
         decode_scene(tmp_path)

@@ -17,10 +17,16 @@ COUNTS = (3, 0, 40, 1, 17, 0)  # slots of each row: none, fewer and more than a 
 def test_slots_are_summed_by_row(width: int, maxima: int) -> None:
     slots = np.random.default_rng(0).uniform(size=(sum(COUNTS), width)).astype(np.float32)
     first = np.cumsum((0, *COUNTS[:-1]))
-    totals = reduced(
-        torch.from_numpy(slots).to(DEVICE), torch.from_numpy(first).to(DEVICE),
-        torch.tensor(COUNTS, dtype=torch.int32, device=DEVICE), maxima,
-    ).cpu().numpy()  # fmt: skip
+    totals = (
+        reduced(
+            torch.from_numpy(slots).to(DEVICE),
+            torch.from_numpy(first).to(DEVICE),
+            torch.tensor(COUNTS, dtype=torch.int32, device=DEVICE),
+            maxima,
+        )
+        .cpu()
+        .numpy()
+    )
     rows = [slots[start : start + count].astype(np.float64) for start, count in zip(first, COUNTS, strict=True)]
     sums = np.array([row.sum(0) for row in rows])
     assert_close(totals[:, : width - maxima], sums[:, : width - maxima])

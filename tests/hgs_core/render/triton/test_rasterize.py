@@ -83,12 +83,26 @@ def test_every_bit_is_the_same_each_time() -> None:
 
 # The ones that other code than the pixels' decides, and those that ask most of float32.
 HARD = (
-    "needles", "needles_antialiased", "needles_across_the_picture", "screen_filling", "two_scales_vanish",
-    "scales_that_overflow_harm_no_other", "centres_at_the_near_plane", "directions_beyond_the_clamp",
-    "a_million_units_from_the_origin", "means_that_overflow_harm_no_other", "equal_depths", "opacity_one",
-    "colours_at_the_limit", "zero_quaternions", "largest_quaternions", "time_precision_infinite", "everything_dead",
-    "one_pixel", "no_splats",
-)  # fmt: skip
+    "needles",
+    "needles_antialiased",
+    "needles_across_the_picture",
+    "screen_filling",
+    "two_scales_vanish",
+    "scales_that_overflow_harm_no_other",
+    "centres_at_the_near_plane",
+    "directions_beyond_the_clamp",
+    "a_million_units_from_the_origin",
+    "means_that_overflow_harm_no_other",
+    "equal_depths",
+    "opacity_one",
+    "colours_at_the_limit",
+    "zero_quaternions",
+    "largest_quaternions",
+    "time_precision_infinite",
+    "everything_dead",
+    "one_pixel",
+    "no_splats",
+)
 
 
 @pytest.mark.parametrize("name", HARD)

@@ -19,9 +19,10 @@ def test_heights_are_proportional_and_pieces_stand_on_each_other() -> None:
     chart = column_chart("Layers", GROUPS, "kB")
     found = {tip(box): box for box in elements(chart, "rect") if tip(box)}
     position, colour, other = (
-        found["layer 1 (9 splats), position: 4 kB"], found["layer 1 (9 splats), colour: 2 kB"],
+        found["layer 1 (9 splats), position: 4 kB"],
+        found["layer 1 (9 splats), colour: 2 kB"],
         found["layer 1 (3 splats), position: 1 kB"],
-    )  # fmt: skip
+    )
     assert number(position, "height") == pytest.approx(2 * number(colour, "height"), abs=0.2)
     assert number(position, "height") == pytest.approx(4 * number(other, "height"), abs=0.3)
     assert number(colour, "y") + number(colour, "height") == pytest.approx(number(position, "y"), abs=0.2)

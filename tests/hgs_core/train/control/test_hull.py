@@ -23,9 +23,14 @@ def splat(place: np.ndarray, velocity: float = 0.0, centre: float = 0.5, log_pre
     motion = torch.zeros(1, 4, 3)
     motion[0, 0], motion[0, 1, 1] = torch.tensor(place), velocity
     one = DynamicSplats(
-        motion, torch.zeros(1, 2, 4), torch.zeros(1, 3), torch.zeros(1), torch.tensor([centre]),
-        torch.tensor([log_precision]), torch.zeros(1, 3),
-    )  # fmt: skip
+        motion,
+        torch.zeros(1, 2, 4),
+        torch.zeros(1, 3),
+        torch.zeros(1),
+        torch.tensor([centre]),
+        torch.tensor([log_precision]),
+        torch.zeros(1, 3),
+    )
     return bool(outside_moving_hull(one, CAMERAS, FRAMES, lambda frame: moving)[0])
 
 

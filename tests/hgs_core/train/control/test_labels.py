@@ -26,10 +26,14 @@ def resting(count: int = 1, precision: float = 1e-3) -> DynamicSplats[Tensor]:
     rotation = torch.zeros(count, 2, 4)
     rotation[:, 0, 0] = 1
     return DynamicSplats(
-        torch.zeros(count, 4, 3), rotation, torch.log(torch.tensor([0.2, 0.1, 0.05])).repeat(count, 1),
-        torch.ones(count), torch.full((count,), 0.5), torch.full((count,), math.log(precision)),
+        torch.zeros(count, 4, 3),
+        rotation,
+        torch.log(torch.tensor([0.2, 0.1, 0.05])).repeat(count, 1),
+        torch.ones(count),
+        torch.full((count,), 0.5),
+        torch.full((count,), math.log(precision)),
         torch.full((count, 3), 0.6),
-    )  # fmt: skip
+    )
 
 
 def test_a_splat_that_does_nothing_stands_still() -> None:

@@ -60,9 +60,12 @@ def test_a_line_through_the_copies_keeps_its_integral() -> None:
 def test_a_picture_of_copies_in_one_place_is_that_of_their_parent(copies: int) -> None:
     camera = Camera("c", 97, 97, 100, 100, 48.5, 48.5, np.eye(4))
     splats = StaticSplats(
-        torch.tensor([[0.0, 0.0, 2.0]]), torch.full((1, 3), math.log(0.2)), torch.tensor([[1.0, 0, 0, 0]]),
-        torch.logit(torch.tensor([0.8])), torch.ones(1, 3),
-    )  # fmt: skip
+        torch.tensor([[0.0, 0.0, 2.0]]),
+        torch.full((1, 3), math.log(0.2)),
+        torch.tensor([[1.0, 0, 0, 0]]),
+        torch.logit(torch.tensor([0.8])),
+        torch.ones(1, 3),
+    )
     moved = relocate(splats, RmsProp.of(splats), copies, DEAD, generator())
     assert len(moved) == copies
     before, after = (rasterize(s, None, camera, gradients="none").alpha for s in (splats, moved))
@@ -131,9 +134,12 @@ def test_noise_moves_transparent_splats_within_their_own_shape() -> None:
     """Reference: equation 8's variance, the square of the covariance, along the axes of an unturned splat."""
     count, sizes = 4000, torch.tensor([0.1, 0.01, 0.001])
     still = StaticSplats(
-        torch.zeros(count, 3), sizes.log().repeat(count, 1), torch.tensor([[1.0, 0, 0, 0]]).repeat(count, 1),
-        torch.logit(torch.full((count,), 0.005)), torch.zeros(count, 3),
-    )  # fmt: skip
+        torch.zeros(count, 3),
+        sizes.log().repeat(count, 1),
+        torch.tensor([[1.0, 0, 0, 0]]).repeat(count, 1),
+        torch.logit(torch.full((count,), 0.005)),
+        torch.zeros(count, 3),
+    )
     disturb(still, 1e-5, 2.0, generator())
     expected = 5e5 * 1e-5 / 2.0**2 * 0.5 * sizes**2  # the sigmoid is a half there
     torch.testing.assert_close(still.means.std(0), expected, rtol=0.05, atol=0)

@@ -18,9 +18,12 @@ NOTHING = DynamicSplats.empty().map(torch.from_numpy)
 
 def two_splats() -> StaticSplats[Tensor]:
     return StaticSplats(
-        torch.tensor([[-0.6, 0.0, 0.0], [0.6, 0.0, 0.0]]), torch.full((2, 3), -1.6), torch.tensor([[1.0, 0, 0, 0]] * 2),
-        torch.full((2,), 3.0), torch.full((2, 3), 0.5),
-    )  # fmt: skip
+        torch.tensor([[-0.6, 0.0, 0.0], [0.6, 0.0, 0.0]]),
+        torch.full((2, 3), -1.6),
+        torch.tensor([[1.0, 0, 0, 0]] * 2),
+        torch.full((2,), 3.0),
+        torch.full((2, 3), 0.5),
+    )
 
 
 def views(static: StaticSplats[Tensor], colours: list[float]) -> list[list[TrainingView]]:
