@@ -17,21 +17,21 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hgs_core.base.errors import InputError
     from hgs_core.capture.capture import Capture
-    from hgs_core.capture.config import CaptureConfig
+    from hgs_core.capture.capture_config import CaptureConfig
     from hgs_core.capture.open import open_capture
     from hgs_core.check.capture_check import check_capture
     from hgs_core.check.findings import CaptureCheck
     from hgs_core.codec import EncodeSettings, Manifest, decode_scene, encode_scene, load_manifest
     from hgs_core.evaluate.run import evaluate_run
-    from hgs_core.fit.config import EncodeConfig
-    from hgs_core.points.config import PointsConfig
+    from hgs_core.fit.fit_config import EncodeConfig
+    from hgs_core.points.points_config import PointsConfig
     from hgs_core.render import Render
     from hgs_core.render.rasterize import rasterize
-    from hgs_core.runs.config import RunConfig
+    from hgs_core.runs.run_config import RunConfig
     from hgs_core.runs.stages import train_scene
     from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, load_scene, save_scene
     from hgs_core.scene.camera import Camera
-    from hgs_core.train.config import TrainConfig
+    from hgs_core.train.train_config import TrainConfig
 
 __all__ = [
     "Camera",
@@ -66,19 +66,19 @@ _HOMES = {
     "Camera": "hgs_core.scene.camera",
     "Capture": "hgs_core.capture.capture",
     "CaptureCheck": "hgs_core.check.findings",
-    "CaptureConfig": "hgs_core.capture.config",
+    "CaptureConfig": "hgs_core.capture.capture_config",
     "DynamicSplats": "hgs_core.scene",
-    "EncodeConfig": "hgs_core.fit.config",
+    "EncodeConfig": "hgs_core.fit.fit_config",
     "EncodeSettings": "hgs_core.codec",
     "HybridScene": "hgs_core.scene",
     "InputError": "hgs_core.base.errors",
     "Manifest": "hgs_core.codec",
-    "PointsConfig": "hgs_core.points.config",
+    "PointsConfig": "hgs_core.points.points_config",
     "Render": "hgs_core.render",
-    "RunConfig": "hgs_core.runs.config",
+    "RunConfig": "hgs_core.runs.run_config",
     "Segment": "hgs_core.scene",
     "StaticSplats": "hgs_core.scene",
-    "TrainConfig": "hgs_core.train.config",
+    "TrainConfig": "hgs_core.train.train_config",
     "check_capture": "hgs_core.check.capture_check",
     "decode_scene": "hgs_core.codec",
     "encode_scene": "hgs_core.codec",

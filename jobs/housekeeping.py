@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from jobs.artifacts import open_store
-from jobs.chunk_collection import YOUNGEST, Collection, collect_chunks
-from jobs.client import JobClient, JobConflictError
-from jobs.job import Job, JobState, Place
-from jobs.retention import FinishedRun, Retention
-from jobs.run_places import run_place
+from jobs.artifacts.artifact_store import open_store
+from jobs.artifacts.chunk_collection import YOUNGEST, Collection, collect_chunks
+from jobs.queue.client import JobClient, JobConflictError
+from jobs.records.job import Job, JobState, Place
+from jobs.runs.retention import FinishedRun, Retention
+from jobs.runs.run_places import run_place
 
 __all__ = ["Tidied", "tidy"]
 

@@ -36,17 +36,17 @@ from typing import IO, Any, NoReturn
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped, stop_if_interruptible
-from hgs_core.runs.folder import RunFolder
-from jobs.file_limits import met_file_limit
-from jobs.home import Home
-from jobs.limited import limit_stage
-from jobs.out_of_memory import out_of_memory
-from jobs.parent_process import when_parent_is_gone
-from jobs.process_tree import ProcessTree
-from jobs.segments import Exchange, help_with_segment, make_segments
-from jobs.stage_environment import keep_secrets
-from jobs.stages import HELP, SHOW, STAGES
-from jobs.transient_faults import reason_to_wait
+from hgs_core.runs.run_folder import RunFolder
+from jobs.home.home import Home
+from jobs.home.passing_faults import reason_to_wait
+from jobs.home.stage_settings import HELP, SHOW, STAGES
+from jobs.process.file_limits import met_file_limit
+from jobs.process.limited import limit_stage
+from jobs.process.memory_limit import out_of_memory
+from jobs.process.parent_process import when_parent_is_gone
+from jobs.process.process_tree import ProcessTree
+from jobs.process.stage_environment import keep_secrets
+from jobs.runs.shared_segments import Exchange, help_with_segment, make_segments
 
 __all__ = ["main"]
 
@@ -149,7 +149,7 @@ def _run(
     on_lost: Callable[[], object],
 ) -> None:
     if stage in ("publish", SHOW):
-        from jobs.artifacts import open_store
+        from jobs.artifacts.artifact_store import open_store
 
         keep_secrets()
         open_store(home).put_scene(run / "scene", run.name, progress)
@@ -158,12 +158,12 @@ def _run(
     exchange: Exchange | None = None
     with contextlib.ExitStack() as held:
         if home.runs_in_store and stage == HELP:
-            from jobs.stored_segments import fetch_for_help
+            from jobs.runs.stored_segments import fetch_for_help
 
             held.enter_context(fetch_for_help(home, run))
         segments = getattr(pipeline, "segments_of", lambda run: None)(run) if stage in ("train", HELP) else None
         if home.runs_in_store and segments is not None:
-            from jobs.stored_segments import StoredSegments
+            from jobs.runs.stored_segments import StoredSegments
 
             exchange = StoredSegments.of(home, run, segments, on_lost)
         if stage == HELP:

@@ -18,23 +18,23 @@ from dbos import DBOS, DBOSPortableJSONSerializer
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.own_modules import guard_imports, module_command
-from jobs.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
-from jobs.helper_workflow import HelperWorkflow
-from jobs.home import Home
-from jobs.liveness import open_liveness
-from jobs.parent_process import when_parent_is_gone
-from jobs.recovery import Recovery
-from jobs.run_copies import remove_copies
-from jobs.stage_environment import keep_secrets
-from jobs.store import JobTable, metadata
-from jobs.subprocesses import GRACE, StageRunner
-from jobs.surroundings import Surroundings
-from jobs.training_queue import TRAINING_QUEUE, job_of
-from jobs.webhook_delivery import WebhookDelivery
-from jobs.webhook_rules import WebhookRules
-from jobs.webhook_table import WebhookTable
-from jobs.worker_register import WorkerRegister
-from jobs.workflows import TrainingWorkflow
+from jobs.home.database import APPLICATION, create_engine, dbos_url, open_client, prepare_database
+from jobs.home.home import Home
+from jobs.process.parent_process import when_parent_is_gone
+from jobs.process.stage_environment import keep_secrets
+from jobs.process.stage_runner import GRACE, StageRunner
+from jobs.queue.enqueue import TRAINING_QUEUE, job_of
+from jobs.queue.helper_workflow import HelperWorkflow
+from jobs.queue.job_workflow import TrainingWorkflow
+from jobs.queue.liveness import open_liveness
+from jobs.queue.recovery import Recovery
+from jobs.records.announcements import WebhookTable
+from jobs.records.job_table import JobTable, metadata
+from jobs.records.worker_register import WorkerRegister
+from jobs.runs.readiness import Surroundings
+from jobs.runs.run_removal import remove_copies
+from jobs.webhooks.webhook_delivery import WebhookDelivery
+from jobs.webhooks.webhook_rules import WebhookRules
 
 __all__ = ["main", "run_worker", "start_worker"]
 

@@ -26,12 +26,12 @@ from urllib.parse import unquote
 
 from fastapi import FastAPI
 
-from jobs.home import Home
+from jobs.home.home import Home
 from scripts.fuzz_inputs import packed, random_frame, random_requests
 from server.app import create_app
-from server.bench_scene import made_up_scene
-from server.capture_folders import CaptureFolders
-from server.one_scene_server import application
+from server.bench.bench_scene import made_up_scene
+from server.bench.one_scene_server import application
+from server.captures.capture_folders import CaptureFolders
 
 CLOSES = {1003, 1009, 4000, 4001, 4004, 4008, 4009}  # that a client's message may cause
 LONGEST = 30.0  # seconds that a stream may take to end

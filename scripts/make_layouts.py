@@ -28,9 +28,9 @@ import numpy.typing as npt
 from PIL import Image
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.lens import Polynomial
+from hgs_core.capture.lenses.lens import Polynomial
+from hgs_core.capture.lenses.straighten import StraightView, ray_of
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.straighten import StraightView, ray_of
 from hgs_core.scene.camera import Camera
 
 __all__ = ["LAYOUTS", "write_layouts"]

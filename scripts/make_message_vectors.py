@@ -13,7 +13,7 @@ from typing import Any
 
 import msgpack
 
-from server.protocol import chunk_header
+from server.protocol.messages import chunk_header
 
 OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors" / "messages.json"
 

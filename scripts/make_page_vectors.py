@@ -17,7 +17,7 @@ from hgs_core.codec.format.audio import AudioEntry, AudioPiece
 from hgs_core.codec.format.growth import first_segments
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.paging import paged
-from server.bench_scene import made_up_scene
+from server.bench.bench_scene import made_up_scene
 
 OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors" / "pages.json"
 

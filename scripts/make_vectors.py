@@ -28,11 +28,11 @@ from numpy.typing import NDArray
 
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
 from hgs_core.codec.encoder.encode_dynamic import SegmentTime, encode_dynamic_chunk
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
-from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.format.chunk import ENTRY, HEADER, Stream, pack, unpack, varint
 from hgs_core.codec.format.decode import decode_chunk
-from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.quantise import Grid
 from hgs_core.codec.format.streams import compress
 from hgs_core.scene.camera import Camera

@@ -16,9 +16,9 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.progress import silent
+from hgs_core.calibrate.calibration_views import Pinhole, look
 from hgs_core.calibrate.find_cameras import cameras_of_views
 from hgs_core.calibrate.structure import Solution
-from hgs_core.calibrate.views import Pinhole, look
 from hgs_core.capture.open import open_capture
 from hgs_core.scene.camera import Camera
 

@@ -15,12 +15,12 @@ from pathlib import Path
 
 import sqlalchemy as sa
 
-from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import Job, JobState, Place
-from jobs.job_filter import JobFilter
-from jobs.job_schema import job_labels, job_rows
+from hgs_core.runs.run_config import RunConfig
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.records.job import Job, JobState, Place
+from jobs.records.job_filter import JobFilter
+from jobs.records.job_schema import job_labels, job_rows
 
 TIMES = 15
 

@@ -24,15 +24,15 @@ import numpy as np
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.codec.encoder.encode import encode_scene
-from hgs_core.codec.format.folder import MANIFEST
 from hgs_core.codec.format.growth import first_segments
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.scene_folder import MANIFEST
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
-from jobs.artifacts import open_store
-from jobs.home import Home
-from server.shaped_line import ShapedLine
-from server.viewing import Viewer
+from jobs.artifacts.artifact_store import open_store
+from jobs.home.home import Home
+from server.bench.shaped_line import ShapedLine
+from server.client.viewing import Viewer
 
 SECONDS = 2.0  # of a segment
 EVERY = 2.7  # seconds between two publications

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.capture.open import open_capture
-from hgs_core.decompose.temporal import estimate_background, moving_pixels, sample_frames
+from hgs_core.decompose.background import estimate_background, moving_pixels, sample_frames
 
 __all__ = ["DEGRADATIONS", "flickering", "noisy", "recompressed", "scores", "shadowed"]
 

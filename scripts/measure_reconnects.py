@@ -12,10 +12,10 @@ import json
 from collections.abc import Iterable
 
 from hgs_core.codec.format.growth import first_segments
-from server.bench_scene import made_up_scene
-from server.protocol import MAX_HAVE, Hello, encode
-from server.scene_index import SceneIndex, read_scene
-from server.stream_session import ChunkPart, StreamSession
+from server.bench.bench_scene import made_up_scene
+from server.protocol.messages import MAX_HAVE, Hello, encode
+from server.scenes.scene_index import SceneIndex, read_scene
+from server.stream.stream_session import ChunkPart, StreamSession
 
 __all__: list[str] = []
 

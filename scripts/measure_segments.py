@@ -18,11 +18,11 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from hgs_core.runs.config import RunConfig
-from jobs.artifacts import open_store
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job_request import JobRequest
+from hgs_core.runs.run_config import RunConfig
+from jobs.artifacts.artifact_store import open_store
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 MODULES = REPOSITORY / "tests" / "jobs" / "modules"

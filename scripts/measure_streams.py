@@ -21,7 +21,7 @@ from pathlib import Path
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from server.protocol import Hello, encode
+from server.protocol.messages import Hello, encode
 
 TOGETHER = 50  # viewers that connect at once
 WINDOW = 1 << 20  # bytes of credit

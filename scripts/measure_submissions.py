@@ -24,7 +24,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from server.bench_scene import made_up_scene
+from server.bench.bench_scene import made_up_scene
 
 CAMERAS, LINES = 4, 54
 ADDRESSES = ("/healthz", "/readyz", "/v1/scenes/bench/index.hgs", "/view/bench")

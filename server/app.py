@@ -13,21 +13,23 @@ from pathlib import Path
 from fastapi import FastAPI
 from starlette.middleware.cors import CORSMiddleware
 
-from jobs.artifacts import open_store
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.stored_captures import StoredCaptures
-from server.access import Access, Asking
-from server.access_control import AccessControl
-from server.allowed_hosts import AllowedHosts, HostCheck
-from server.api_description import describe_api
-from server.capture_folders import CaptureFolders
-from server.capture_readers import CaptureReaders
-from server.chunk_cache import ChunkCache
-from server.metrics import Metrics
-from server.open_streams import OpenStreams, StreamAdmission
-from server.problems import install_problem_handlers
-from server.request_log import RequestLog
+from jobs.artifacts.artifact_store import open_store
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.runs.stored_captures import StoredCaptures
+from server.access.allowed_hosts import AllowedHosts, HostCheck
+from server.access.door import AccessControl
+from server.access.origins import OriginPolicy
+from server.access.visitors import Access, Asking
+from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_readers import CaptureReaders
+from server.captures.run_creation import LimitedCreation
+from server.http.metrics import Metrics
+from server.http.problems import install_problem_handlers
+from server.http.request_log import RequestLog
+from server.http.security_headers import SecurityHeaders
+from server.http.site_root import SiteRoot
+from server.parts import Artifacts, Jobs
 from server.routes import (
     capture_checks,
     chunks,
@@ -45,13 +47,13 @@ from server.routes import (
 )
 from server.routes import captures as capture_routes
 from server.routes import uploads as upload_routes
-from server.run_creation import LimitedCreation
-from server.security_headers import SecurityHeaders
-from server.service import Artifacts, Jobs, Service
-from server.site_root import SiteRoot
-from server.uploads.limits import UploadLimits
+from server.routes.api_description import describe_api
+from server.routes.viewer_pages import VIEWER, viewer_router
+from server.scenes.chunk_cache import ChunkCache
+from server.service import Service
+from server.stream.admission import OpenStreams, StreamAdmission
+from server.uploads.upload_limits import UploadLimits
 from server.uploads.uploads import Uploads
-from server.viewer import VIEWER, viewer_router
 
 __all__ = ["create_app"]
 
@@ -99,7 +101,7 @@ def create_app(
         readers=readers,
         metrics=metrics,
         streams=OpenStreams(max_streams, lambda: metrics.lag),
-        origins=frozenset(origins),
+        origins=OriginPolicy(frozenset(origins)),
     )
 
     @asynccontextmanager
@@ -123,10 +125,10 @@ def create_app(
     install_problem_handlers(app)
     app.add_middleware(StreamAdmission, streams=service.streams, refused=metrics.refused.inc)
     app.add_middleware(AccessControl, access=service.access, chunks_of=service.catalogue.chunk_ids)
-    if service.origins:
+    if service.origins.readers:
         app.add_middleware(
             CORSMiddleware,
-            allow_origins=sorted(service.origins),
+            allow_origins=sorted(service.origins.readers),
             allow_methods=["GET", "HEAD"],
             allow_headers=["Authorization", "If-None-Match", "If-Range", "Range"],
             expose_headers=["Content-Range", "ETag"],

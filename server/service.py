@@ -3,76 +3,36 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Protocol, cast
+from typing import Annotated, cast
 
 from fastapi import Depends
 from starlette.requests import HTTPConnection
 
-from jobs.artifacts import SCENE_ID, SceneEntry
-from jobs.home import Home
-from jobs.job import Job, JobState, Place
-from jobs.job_filter import JobFilter
-from jobs.job_request import JobRequest
-from jobs.run_reading import RunReader, run_reader
-from jobs.webhook_table import Announcement
-from jobs.worker_register import Worker
-from server.access import Access, Visitor
-from server.capture_checks import CaptureChecks
-from server.capture_folders import CaptureFolders
-from server.capture_list import CaptureList
-from server.capture_readers import CaptureReaders
-from server.chunk_cache import ChunkCache
-from server.job_events import JobFollowers
-from server.live_scenes import LiveScenes
-from server.metrics import Metrics
-from server.open_streams import OpenStreams
-from server.problems import ProblemError
-from server.scene_catalogue import SceneCatalogue
-from server.scene_watchers import SceneWatchers
-from server.slow_work import SlowWork
-from server.submissions import Submissions
+from jobs.artifacts.artifact_store import SCENE_ID
+from jobs.home.home import Home
+from jobs.records.job import Job
+from jobs.runs.run_reading import RunReader, run_reader
+from server.access.origins import OriginPolicy
+from server.access.visitors import Access, Visitor
+from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_list import CaptureList
+from server.captures.capture_readers import CaptureReaders
+from server.captures.check_requests import CaptureChecks
+from server.captures.pending_submissions import Submissions
+from server.http.metrics import Metrics
+from server.http.problems import ProblemError
+from server.http.slow_work import SlowWork
+from server.job_views.job_followers import JobFollowers
+from server.parts import Artifacts, Jobs
+from server.scenes.chunk_cache import ChunkCache
+from server.scenes.live_scenes import LiveScenes
+from server.scenes.scene_catalogue import SceneCatalogue
+from server.scenes.scene_watchers import SceneWatchers
+from server.stream.admission import OpenStreams
 from server.uploads.uploads import Uploads
 
-__all__ = ["Artifacts", "Jobs", "Service", "ServiceDep"]
-
-
-class Jobs(Protocol):
-    """The part of `jobs.client.JobClient` that the API uses."""
-
-    def submit(self, request: JobRequest) -> str: ...  # noqa: D102
-    def get(self, job_id: str) -> Job | None: ...  # noqa: D102
-    def many(self, job_ids: Collection[str]) -> dict[str, Job]: ...  # noqa: D102
-    def list(  # noqa: D102
-        self,
-        limit: int = 100,
-        state: JobState | None = None,
-        after: Place | None = None,
-        wanted: JobFilter | None = None,
-    ) -> list[Job]: ...
-    def announcement(self, job_id: str) -> Announcement | None: ...  # noqa: D102
-    def workers(self) -> Sequence[Worker]: ...  # noqa: D102
-    def delete(self, job_id: str) -> None: ...  # noqa: D102
-    def ahead_of(self, job: Job) -> int: ...  # noqa: D102
-    def counts(self) -> dict[str, int]: ...  # noqa: D102
-    def cancel(self, job_id: str) -> Job: ...  # noqa: D102
-    def retry(self, job_id: str) -> Job: ...  # noqa: D102
-    def close(self) -> None: ...  # noqa: D102
-
-
-class Artifacts(Protocol):
-    """The part of `jobs.artifacts.ArtifactStore` that the API uses."""
-
-    def list_scenes(self) -> Sequence[SceneEntry]: ...  # noqa: D102
-    def scene_entry(self, scene_id: str) -> SceneEntry | None: ...  # noqa: D102
-    def manifest(self, scene_id: str) -> bytes | None: ...  # noqa: D102
-    def pages(self, scene_id: str) -> bytes | None: ...  # noqa: D102
-    def thumbnail(self, scene_id: str) -> bytes | None: ...  # noqa: D102
-    def title(self, scene_id: str) -> str | None: ...  # noqa: D102
-    def rename_scene(self, scene_id: str, title: str) -> None: ...  # noqa: D102
-    def remove_scene(self, scene_id: str) -> None: ...  # noqa: D102
-    def chunk(self, chunk_id: str) -> bytes | None: ...  # noqa: D102
+__all__ = ["Service", "ServiceDep"]
 
 
 @dataclass
@@ -87,7 +47,7 @@ class Service:
     uploads: Uploads
     access: Access
     readers: CaptureReaders
-    origins: frozenset[str] = frozenset()  # of pages of other hosts that may read scenes, e.g. https://example.org
+    origins: OriginPolicy = field(default_factory=OriginPolicy)
     metrics: Metrics = field(default_factory=Metrics)
     streams: OpenStreams = field(default_factory=OpenStreams)
     stopping: asyncio.Event = field(default_factory=asyncio.Event)
@@ -126,25 +86,6 @@ class Service:
         """Return the id of the key that a request came with; "" of all that need none, who count as one."""
         visitor: Visitor | None = connection.scope.get("state", {}).get("visitor")
         return visitor.key.id if visitor is not None and visitor.key is not None else ""
-
-    def same_site(self, connection: HTTPConnection) -> bool:
-        """Return whether the request comes from no page, or from a page of this server."""
-        origin = connection.headers.get("Origin")
-        return origin is None or origin.partition("://")[2] == connection.headers.get("Host")
-
-    def require_same_site(self, connection: HTTPConnection) -> None:
-        """Refuse what would change something on behalf of a page of another site.
-
-        Raises:
-            ProblemError: 403.
-        """
-        if not self.same_site(connection):
-            detail = f"a page of {connection.headers['Origin']} may not change anything on this server"
-            raise ProblemError(403, "origin-not-allowed", detail)
-
-    def may_read(self, connection: HTTPConnection) -> bool:
-        """Return whether the page that asks, if any, may read scenes: browsers do not guard WebSockets themselves."""
-        return self.same_site(connection) or connection.headers["Origin"] in self.origins or "*" in self.origins
 
 
 def _service(connection: HTTPConnection) -> Service:

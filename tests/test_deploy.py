@@ -21,14 +21,14 @@ import httpx
 import pytest
 import websockets
 
-from jobs.home import Home
-from jobs.keys import KeyTable, Scope
+from jobs.home.home import Home
+from jobs.records.keys import KeyTable, Scope
 from server.cli import main, serve, worker
-from server.protocol import Hello, encode
+from server.protocol.messages import Hello, encode
 from tests.conftest import REPOSITORY
 from tests.nginx import free_ports, running_nginx
 from tests.server.conftest import chunks, manifest, scene_folder  # noqa: F401  (fixtures)
-from tests.server.test_serving import receive
+from tests.server.listener.test_http_server import receive
 
 DEPLOY = REPOSITORY / "deploy"
 NAME = "scenes.example.org"

@@ -15,8 +15,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from jobs.home import Home
-from jobs.keys import KeyTable, Scope
+from jobs.home.home import Home
+from jobs.records.keys import KeyTable, Scope
 from tests.conftest import REPOSITORY
 from tests.nginx import free_ports
 

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from hgs_core.ablate.at_rest import with_statics_at_rest
+from hgs_core.ablate.ablation_rows import FULL, ROWS, Row
 from hgs_core.ablate.first_points import initialise_run, moving_share
 from hgs_core.ablate.plan import Ablation, RowRun
-from hgs_core.ablate.rows import FULL, ROWS, Row
 from hgs_core.ablate.summary import summarise
+from hgs_core.ablate.unshared_statics import with_statics_at_rest
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.config_fields import flat_fields
 from hgs_core.base.errors import InputError

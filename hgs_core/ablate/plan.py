@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from hgs_core.ablate.rows import Row
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder
+from hgs_core.ablate.ablation_rows import Row
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 
 __all__ = ["Ablation", "RowRun"]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from hgs_core.ablate.rows import FULL
+from hgs_core.ablate.ablation_rows import FULL
 
 __all__ = ["ENOUGH_SEEDS", "FIGURES", "NEAR_DECIBELS", "RowSummary", "summarise"]
 

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.bench.settings import BenchSettings
-from hgs_core.bench.sizes import Size
-from hgs_core.bench.stages import TrainingTimes
+from hgs_core.bench.raster.raster_settings import BenchSettings
+from hgs_core.bench.raster.raster_sizes import Size
+from hgs_core.bench.raster.stage_times import TrainingTimes
 
 __all__ = ["ROUNDS", "Comparison", "compare", "interpreter_of"]
 

@@ -15,9 +15,9 @@ from torch import Tensor
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.bench.accuracy import errors
-from hgs_core.bench.sizes import Size
-from hgs_core.bench.workload import BACKGROUND, Workload
+from hgs_core.bench.raster.accuracy import errors
+from hgs_core.bench.raster.raster_sizes import Size
+from hgs_core.bench.raster.workload import BACKGROUND, Workload
 from hgs_core.native.machine import machine_facts
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.triton.device import require_device

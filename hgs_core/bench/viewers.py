@@ -30,13 +30,13 @@ from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser, p
 from hgs_core.bench.process_time import descendants_cpu_seconds
 from hgs_core.bench.viewer_pages import build_pages, served
 from hgs_core.codec import decode_scene, load_manifest
-from hgs_core.interchange.exporting import export_scene
-from hgs_core.interchange.moment import scene_at
+from hgs_core.interchange.export_scene import export_scene
+from hgs_core.interchange.still_moment import scene_at
 from hgs_core.native.machine import machine_facts
 from hgs_core.render import rasterize
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder
 from hgs_core.runs.imported import import_run
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 

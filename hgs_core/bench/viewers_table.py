@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from hgs_core.bench.table import aligned
+from hgs_core.bench.raster.raster_table import aligned
 from hgs_core.bench.viewers import DEGREES, ViewerPoint, ViewerReport
 
 __all__ = ["viewer_line", "viewers_text"]

@@ -12,14 +12,14 @@ from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.base.wording import counted
 from hgs_core.calibrate.board import Board, find_board
 from hgs_core.calibrate.board_rig import cameras_of_board
+from hgs_core.calibrate.calibration_views import Pinhole, View, look
 from hgs_core.calibrate.colmap_text import write_colmap_text
 from hgs_core.calibrate.structure import Solution, solve
 from hgs_core.calibrate.uncalibrated import find_videos
 from hgs_core.calibrate.upright import Distance, placed
-from hgs_core.calibrate.views import Pinhole, View, look
 from hgs_core.capture.footage import FEWEST_VIDEOS
-from hgs_core.capture.layout import clock_of_videos
-from hgs_core.capture.video import VideoReader
+from hgs_core.capture.load import clock_of_videos
+from hgs_core.capture.pictures.video import VideoReader
 
 __all__ = ["COLMAP_FOLDER", "cameras_of_views", "find_cameras"]
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.calibrate.views import View
+from hgs_core.calibrate.calibration_views import View
 from hgs_core.points.features import mutual_matches
 from hgs_core.points.matching import likely_pairs
 
@@ -58,7 +58,7 @@ def solve(views: Sequence[View], progress: ProgressCallback) -> Solution | None:
     Views without known intrinsics share one focal length and one radial coefficient per size of pictures, unless each
     its own fits better. Equal input gives equal results.
     """
-    from hgs_core.points.colmap import pycolmap
+    from hgs_core.points.colmap_points import pycolmap
 
     pycolmap.logging.minloglevel = 3  # nothing: what the mappers warn of, later steps repair
     matches = _match(views, progress)

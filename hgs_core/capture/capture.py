@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cache import FrameCache, Neighbour
+from hgs_core.capture.pictures.picture_cache import FrameCache, Neighbour
 from hgs_core.scene.camera import Camera
 
 __all__ = ["CameraVideo", "Capture", "FrameSource", "files_fingerprint"]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from hgs_core.capture.picture import list_folder, list_folders
+from hgs_core.capture.pictures.picture import list_folder, list_folders
 
 __all__ = ["FEWEST_VIDEOS", "Footage", "Kind", "Place", "find_places", "is_picture", "is_video", "natural_order"]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from hgs_core.capture.config import CaptureConfig
+from hgs_core.capture.capture_config import CaptureConfig
 from hgs_core.scene.camera import Camera
 
 __all__ = ["AUTO", "with_held_out"]

@@ -12,13 +12,13 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.cache import Neighbour
 from hgs_core.capture.capture import CameraVideo, Capture, files_fingerprint
-from hgs_core.capture.clock import Clock
-from hgs_core.capture.mask_files import MaskFiles
-from hgs_core.capture.picture import reduced_mask, reduced_picture
-from hgs_core.capture.straighten import WIDEST, StraightView
-from hgs_core.capture.video import VideoReader
+from hgs_core.capture.lenses.straighten import WIDEST, StraightView
+from hgs_core.capture.pictures.mask_files import MaskFiles
+from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
+from hgs_core.capture.pictures.picture_cache import Neighbour
+from hgs_core.capture.pictures.video import VideoReader
+from hgs_core.capture.time.clock import Clock
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FrameReader", "Recording"]

@@ -18,12 +18,12 @@ from hgs_core.check.findings import CameraResult, CaptureCheck, Finding
 from hgs_core.check.given_masks import judge_masks
 from hgs_core.check.interlacing import judge_interlacing
 from hgs_core.check.left_out import judge_left_out
-from hgs_core.check.motion_energy import energy_offsets
-from hgs_core.check.moving_features import feature_offsets, match_leads
 from hgs_core.check.picture_changes import watched_frames
 from hgs_core.check.poses import judge_poses
 from hgs_core.check.recordings import judge_pictures, judge_rates
 from hgs_core.check.shown_pairs import shown_pairs
+from hgs_core.check.starts_by_features import feature_offsets, match_leads
+from hgs_core.check.starts_by_motion import energy_offsets
 from hgs_core.check.suspects import WRONG
 from hgs_core.check.synchronise import FEWEST_FRAMES
 from hgs_core.check.watched_cameras import Death, WatchedCamera, watch_cameras

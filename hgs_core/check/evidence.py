@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import reduced_picture
+from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.check.given_masks import MaskEvidence, mask_evidence
 from hgs_core.points.features import Features, extract_features
 from hgs_core.points.matching import LONGEST_SIDE, PairMatches, likely_pairs, match_moments, moving_pixels

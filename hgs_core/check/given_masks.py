@@ -11,7 +11,7 @@ import numpy.typing as npt
 from PIL import Image
 
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import mask_levels
+from hgs_core.capture.pictures.picture import mask_levels
 from hgs_core.check.findings import Finding
 
 __all__ = ["MaskEvidence", "judge_masks", "mask_evidence"]

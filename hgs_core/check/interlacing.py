@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.encoding_again import encode_again
+from hgs_core.capture.files.encoding_again import encode_again
 from hgs_core.check.findings import Finding
 
 __all__ = ["judge_interlacing"]

@@ -16,10 +16,10 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.sound_track import read_sound
-from hgs_core.capture.sync import SYNC_FILE
-from hgs_core.check.motion_energy import energy_offsets
-from hgs_core.check.sound import sound_starts
+from hgs_core.capture.sound.sound_track import read_sound
+from hgs_core.capture.time.sync import SYNC_FILE
+from hgs_core.check.starts_by_motion import energy_offsets
+from hgs_core.check.starts_by_sound import sound_starts
 from hgs_core.check.synchronise import FARTHEST, FEWEST_FRAMES, LEAST_AGREEMENT, find_offsets
 from hgs_core.check.watched_cameras import watch_cameras
 

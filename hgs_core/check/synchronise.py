@@ -12,12 +12,12 @@ import numpy.typing as npt
 
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import reduced_picture
+from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.check.dead_cameras import require_alive
 from hgs_core.check.epipolar import Rig
 from hgs_core.check.evidence import CameraEvidence
-from hgs_core.check.motion_energy import energy_offsets
-from hgs_core.check.moving_features import feature_offsets, match_leads
+from hgs_core.check.starts_by_features import feature_offsets, match_leads
+from hgs_core.check.starts_by_motion import energy_offsets
 from hgs_core.check.watched_cameras import watch_cameras
 from hgs_core.points.features import extract_features
 from hgs_core.points.matching import LONGEST_SIDE, moving_pixels

@@ -17,7 +17,7 @@ from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.capture import Capture
-from hgs_core.decompose.temporal import estimate_background, moving_pixels, sample_frames
+from hgs_core.decompose.background import estimate_background, moving_pixels, sample_frames
 
 __all__ = ["MotionMasks", "motion_masks"]
 

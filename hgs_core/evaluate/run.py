@@ -21,7 +21,7 @@ from hgs_core.evaluate.truth import Truth
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.lens_falloff import falloff_gain
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["evaluate_run"]

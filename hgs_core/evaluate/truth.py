@@ -14,7 +14,7 @@ from torch import Tensor
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import (
+from hgs_core.capture.pictures.picture import (
     check_size,
     numbered_pictures,
     picture_size,
@@ -23,7 +23,7 @@ from hgs_core.capture.picture import (
     reduced_mask,
     reduced_picture,
 )
-from hgs_core.decompose.temporal import Background, estimate_background, moving_pixels
+from hgs_core.decompose.background import Background, estimate_background, moving_pixels
 from hgs_core.scene.camera import Camera
 from hgs_core.train.targets import as_target, target_picture
 

@@ -8,17 +8,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from hgs_core.base.arrays import Floats
-from hgs_core.codec.encoder.preview import quantised_scene
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.decoded_preview import quantised_scene
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
-from hgs_core.fit.config import BUDGETS
 from hgs_core.fit.dynamic_share import dynamic_share
+from hgs_core.fit.encoding_loss import Decibels, Loss
+from hgs_core.fit.encoding_views import EncodeViews
 from hgs_core.fit.fine_tune import FineTune
-from hgs_core.fit.loss import Decibels, Loss
-from hgs_core.fit.views import EncodeViews
+from hgs_core.fit.fit_config import BUDGETS
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["Fitted", "fine_tune_iterations", "fit"]
 

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 
 from hgs_core.base.arrays import Doubles, Floats
-from hgs_core.fit.loss import Decibels, Loss
+from hgs_core.fit.encoding_loss import Decibels, Loss
 from hgs_core.scene.splats import HybridScene
 
 __all__ = ["dynamic_share"]

@@ -17,20 +17,20 @@ import torch
 from torch import Tensor
 
 from hgs_core.base.arrays import Floats
-from hgs_core.codec.encoder.preview import Quantised, quantised_scene
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.decoded_preview import Quantised, quantised_scene
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
-from hgs_core.fit.views import EncodeViews
+from hgs_core.fit.encoding_views import EncodeViews
 from hgs_core.render.backends import training_device
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.initialise import scene_extent
+from hgs_core.train.initial_splats import scene_extent
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segment_cuts import cut_into_segments
 from hgs_core.train.step import take_step
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 
 __all__ = ["FineTune"]

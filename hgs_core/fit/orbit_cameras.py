@@ -19,7 +19,7 @@ from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.codec.format import morton
 from hgs_core.fit.detail_cameras import DIRECTIONS, best_directions, detail_distances
 from hgs_core.fit.standpoints import standpoints
-from hgs_core.render.contribution import contributions
+from hgs_core.render.contributions import contributions
 from hgs_core.render.threads import one_torch_thread
 from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.opacities import opacities_of

@@ -11,8 +11,8 @@ import numpy as np
 
 from hgs_core.base.arrays import Floats, Mask
 from hgs_core.interchange.changes import Action, Change
-from hgs_core.scene.limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARGEST_LOG_SCALE
 from hgs_core.scene.rotations import unit_quaternions
+from hgs_core.scene.splat_limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARGEST_LOG_SCALE
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["drawable"]

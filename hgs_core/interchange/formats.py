@@ -8,12 +8,12 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.file_format import FileFormat, Reading, ReadSplats
 from hgs_core.interchange.fourdgs_file import FOURDGS
-from hgs_core.interchange.gaussian_glb import GLB
-from hgs_core.interchange.ply_file import PLY
+from hgs_core.interchange.gltf.gaussian_glb import GLB
+from hgs_core.interchange.ply.ply_file import PLY
 from hgs_core.interchange.sog_file import META, SOG
 from hgs_core.interchange.splat_file import SPLAT
 from hgs_core.interchange.splatv_file import SPLATV
-from hgs_core.interchange.spz_file import SPZ
+from hgs_core.interchange.spz.spz_file import SPZ
 
 __all__ = ["FORMATS", "IMPORTED", "format_of", "read_splats"]
 

@@ -23,8 +23,8 @@ from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.deviations import deviations_limited, deviations_of, log_scales_of
 from hgs_core.interchange.file_bytes import file_bytes
 from hgs_core.interchange.file_format import FileFormat, ReadSplats
-from hgs_core.interchange.gaussian_ply import harmonics
 from hgs_core.interchange.light import srgb_replaced, to_srgb
+from hgs_core.interchange.ply.gaussian_ply import harmonics
 from hgs_core.interchange.straight_pieces import straight_pieces
 from hgs_core.scene.at_rest import STEADY
 from hgs_core.scene.opacities import logits_of_any, opacities_of

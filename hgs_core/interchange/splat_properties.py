@@ -14,7 +14,7 @@ from hgs_core.interchange.activated_values import as_stored
 from hgs_core.interchange.changes import Action, Change
 from hgs_core.interchange.far_places import middle_if_far, moved
 from hgs_core.interchange.file_format import Reading
-from hgs_core.interchange.ply_table import Table, columns, exact_columns, rounded
+from hgs_core.interchange.ply.ply_table import Table, columns, exact_columns, rounded
 from hgs_core.interchange.smoothing_filter import FILTER, fused
 
 __all__ = ["DC", "PLACE", "ROT", "SCALE", "SH_0", "Properties", "read_properties"]

@@ -17,7 +17,7 @@ from hgs_core.base.arrays import Floats
 from hgs_core.interchange.antialiasing_note import NOTE, noted_for_us
 from hgs_core.interchange.changes import Action, Change, Written
 from hgs_core.interchange.file_format import FileFormat
-from hgs_core.interchange.spacetime_ply import BRIEFEST, STEADIEST, life_limited
+from hgs_core.interchange.ply.spacetime_ply import BRIEFEST, STEADIEST, life_limited
 from hgs_core.interchange.splat_file import rgba_bytes, rgba_changes
 from hgs_core.scene.at_rest import at_rest
 from hgs_core.scene.camera import Camera

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hgs_core.native.arrays import Floats, address, planes_size
+from hgs_core.native.kernel_arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["ColourGradients", "LensAxis", "camera_shown", "camera_shown_backward"]

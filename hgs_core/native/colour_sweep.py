@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.native.arrays import Floats, address
+from hgs_core.native.kernel_arrays import Floats, address
 from hgs_core.native.library import check, load
 from hgs_core.scene.camera import Camera
 

@@ -6,7 +6,7 @@ import ctypes
 
 import numpy as np
 
-from hgs_core.native.arrays import Floats, address, planes_size
+from hgs_core.native.kernel_arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["l1_dssim"]

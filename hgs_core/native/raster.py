@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.native.arrays import Floats, address
+from hgs_core.native.kernel_arrays import Floats, address
 from hgs_core.native.library import check, load, thread_count
 from hgs_core.native.structs import (
     STATIC_SHAPES,

@@ -7,7 +7,7 @@ import ctypes
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.native.arrays import Floats, address
+from hgs_core.native.kernel_arrays import Floats, address
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["rmsprop_step"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 
-from hgs_core.native.arrays import Floats, address, planes_size
+from hgs_core.native.kernel_arrays import Floats, address, planes_size
 from hgs_core.native.library import check, load, thread_count
 
 __all__ = ["mean_ssim"]

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hgs_core.native.arrays import Floats, address, pointers
+from hgs_core.native.kernel_arrays import Floats, address, pointers
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import COEFFICIENTS
 from hgs_core.scene.splats import DynamicSplats, StaticSplats

@@ -41,7 +41,7 @@ def extract_features(
 
     A small picture is searched at twice its size, a larger one only where `fine` asks for it.
     """
-    from hgs_core.points.colmap import pycolmap
+    from hgs_core.points.colmap_points import pycolmap
 
     empty = Features(np.zeros((0, 2)), np.zeros((0, 128), np.float32))
     left = top = 0

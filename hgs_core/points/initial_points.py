@@ -19,14 +19,14 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.base.wording import counted
 from hgs_core.capture.capture import Capture
+from hgs_core.decompose.background import median_picture, sample_frames
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.decompose.temporal import median_picture, sample_frames
 from hgs_core.native import library
 from hgs_core.points.depth_map import SweptPoints
-from hgs_core.points.labels import label_points
 from hgs_core.points.multi_view_stereo import multi_view_stereo
 from hgs_core.points.neighbours import mean_neighbour_distance, thin
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.point_labels import label_points
 from hgs_core.points.same_moment import SameMoment, same_moments
 from hgs_core.points.scene_flow import point_velocities
 from hgs_core.points.sfm import triangulate

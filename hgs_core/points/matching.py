@@ -72,7 +72,7 @@ def match_moments(first: Sequence[Features], second: Sequence[Features]) -> Pair
 
     Both sequences have one entry per moment, in the same order. Equal input gives equal matches.
     """
-    from hgs_core.points.colmap import pycolmap
+    from hgs_core.points.colmap_points import pycolmap
 
     rows, moments, start = [], [], np.zeros(2, np.uint32)
     for moment, (one, other) in enumerate(zip(first, second, strict=True)):

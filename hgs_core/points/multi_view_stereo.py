@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.capture.picture import reduced_mask, reduced_picture
+from hgs_core.capture.pictures.picture import reduced_mask, reduced_picture
 from hgs_core.native.library import thread_count
 from hgs_core.native.plane_sweep import plane_sweep
 from hgs_core.points.depth_completion import completed

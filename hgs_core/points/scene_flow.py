@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import reduced_picture
+from hgs_core.capture.pictures.picture import reduced_picture
 from hgs_core.decompose.masks import MotionMasks
 from hgs_core.decompose.morphology import box_sum
 from hgs_core.points.colour_difference import colour_difference

@@ -68,7 +68,7 @@ def _reconstruct(
     matches: dict[tuple[int, int], npt.NDArray[np.uint32]],
 ) -> SparsePoints:
     """Let COLMAP's triangulator join the matches into tracks and points; ids are 1 + the index of the camera."""
-    from hgs_core.points.colmap import pycolmap
+    from hgs_core.points.colmap_points import pycolmap
 
     model = pycolmap.Reconstruction()
     graph = pycolmap.CorrespondenceGraph()

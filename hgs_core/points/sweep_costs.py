@@ -11,7 +11,7 @@ from hgs_core.decompose.morphology import box_sum
 from hgs_core.native import colour_sweep as native
 from hgs_core.native.library import available
 from hgs_core.points.colour_difference import colour_difference
-from hgs_core.points.labels import label_points
+from hgs_core.points.point_labels import label_points
 from hgs_core.points.visibility import pixels_inside
 from hgs_core.scene.camera import Camera
 

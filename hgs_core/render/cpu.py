@@ -12,7 +12,7 @@ import numpy.typing as npt
 import torch
 from torch import Tensor
 
-from hgs_core.native.arrays import Floats
+from hgs_core.native.kernel_arrays import Floats
 from hgs_core.native.raster import Raster
 from hgs_core.render.finite import refuse_non_finite
 from hgs_core.render.types import Contributions, Render, ScreenStatistics, View

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from hgs_core.base.errors import InputError
 from hgs_core.render.constants import COLOUR_MAX
-from hgs_core.render.temporal import alive
+from hgs_core.render.moment import alive
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["refuse_non_finite"]

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.render.backends import Backend, choose_backend
-from hgs_core.render.contribution import weigher
+from hgs_core.render.contributions import weigher
 from hgs_core.render.cpu import FixedViewCpu
 from hgs_core.render.rasterize import rasterizer
 from hgs_core.render.types import Contributions, Render, ScreenStatistics, View

@@ -17,7 +17,7 @@ from hgs_core.render.constants import (
     LOW_PASS,
     QUATERNION_MIN,
 )
-from hgs_core.render.temporal import Moment
+from hgs_core.render.moment import Moment
 from hgs_core.scene.camera import Camera
 
 __all__ = ["Ellipses", "project", "rotation_matrices"]

@@ -14,8 +14,8 @@ from torch import Tensor
 from hgs_core.render.compositing import blend, composite
 from hgs_core.render.constants import TILE
 from hgs_core.render.finite import refuse_non_finite
+from hgs_core.render.moment import Moment, alive, moment_of_dynamic, moment_of_static
 from hgs_core.render.projection import Ellipses, project
-from hgs_core.render.temporal import Moment, alive, moment_of_dynamic, moment_of_static
 from hgs_core.render.types import Contributions, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from hgs_core.base.config_fields import flat_fields
 from hgs_core.report.sources import FinishedRun
-from hgs_core.runs.config import PRESETS, RunConfig
+from hgs_core.runs.run_config import PRESETS, RunConfig
 
 __all__ = ["Figure", "config_changes", "key_figures", "megabytes", "per_frames"]
 

@@ -21,8 +21,8 @@ from hgs_core.report.key_figures import config_changes, key_figures
 from hgs_core.report.markup import note, pairs, section, table
 from hgs_core.report.picture_section import picture_section
 from hgs_core.report.pictures import CameraPictures
+from hgs_core.report.scene_sizes import ChunkSize
 from hgs_core.report.size_section import size_section
-from hgs_core.report.sizes import ChunkSize
 from hgs_core.report.sources import FinishedRun
 
 __all__ = ["PageContent", "report_page"]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.report.charts import Bar, Part, bar_chart, column_chart
 from hgs_core.report.markup import chart, note, section, table
-from hgs_core.report.sizes import CONTAINER, ChunkSize
+from hgs_core.report.scene_sizes import CONTAINER, ChunkSize
 from hgs_core.report.sources import FinishedRun
 
 __all__ = ["size_section"]

@@ -15,7 +15,7 @@ from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, load_manifest
 from hgs_core.evaluate.run import evaluate_run
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 
 __all__ = ["FinishedRun", "History", "finite_number", "read_run"]
 

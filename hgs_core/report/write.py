@@ -13,7 +13,7 @@ from hgs_core.native.machine import machine_facts
 from hgs_core.report.check_section import PairPictures
 from hgs_core.report.page import PageContent, report_page
 from hgs_core.report.pictures import CameraPictures, draw_pictures, picture_of
-from hgs_core.report.sizes import chunk_sizes
+from hgs_core.report.scene_sizes import chunk_sizes
 from hgs_core.report.sources import read_run
 
 __all__ = ["write_report"]

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.progress import ProgressCallback, interruptible
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest, stored_sizes
 from hgs_core.codec.format.manifest import Manifest
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, THUMBNAIL, load_manifest, stored_sizes
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 
 if TYPE_CHECKING:
     from hgs_core.scene.splats import HybridScene
-    from hgs_core.train.segments import CaptureSegment
+    from hgs_core.train.segment_cuts import CaptureSegment
 
 __all__ = ["assemble", "finish", "made", "make_segment", "part_of_all", "segment_count", "train_by_segment"]
 
@@ -133,7 +133,7 @@ def part_of_all(progress: ProgressCallback, before: int, count: int) -> Progress
 
 
 def _segments(spec: RunSpec) -> tuple[list[CaptureSegment], Any]:
-    from hgs_core.train.segments import cut_into_segments
+    from hgs_core.train.segment_cuts import cut_into_segments
 
     capture = spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
     return list(cut_into_segments(capture.times, spec.config.train.segment_frames)), capture
@@ -146,7 +146,7 @@ def _encode(
     """Encode a segment by itself; the first one has the statics and the sound, and finds the settings."""
     from hgs_core.codec import EncodeSettings, SetUtility, Utility, encode_scene
     from hgs_core.fit.coarseness import fit
-    from hgs_core.fit.utility import measure_utility
+    from hgs_core.fit.measured_utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import views_of_run
     from hgs_core.runs.sound import scene_sound

@@ -16,9 +16,9 @@ from hgs_core.calibrate.uncalibrated import are_enough_videos, find_videos, fold
 from hgs_core.capture.capture import Capture
 from hgs_core.capture.held_out import AUTO, with_held_out
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.video import VideoReader
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.capture.pictures.video import VideoReader
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 
 __all__ = ["create_run", "prepare"]
 

@@ -17,13 +17,13 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.codec import Manifest, load_manifest
-from hgs_core.codec.format.folder import MANIFEST, read_audio
+from hgs_core.codec.format.scene_folder import MANIFEST, read_audio
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
 from hgs_core.interchange.changes import Action, Change, nonzero
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.encoding import encode
-from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.kept_views import KeptViews
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.sound import write_sound
 from hgs_core.runs.source import open_source
 from hgs_core.scene.files import save_scene

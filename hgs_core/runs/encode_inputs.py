@@ -9,11 +9,11 @@ import torch
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.fit.views import EncodeViews, views_around
+from hgs_core.fit.encoding_views import EncodeViews, views_around
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.kept_views import KeptViews
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState, load_state

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, interruptible
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 
 if TYPE_CHECKING:
     from hgs_core.codec.format.manifest import Manifest
-    from hgs_core.fit.loss import Decibels
+    from hgs_core.fit.encoding_loss import Decibels
 
 __all__ = ["Encoded", "encode", "encode_again"]
 
@@ -51,7 +51,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     """
     from hgs_core.codec import encode_scene
     from hgs_core.fit.coarseness import fine_tune_iterations, fit
-    from hgs_core.fit.utility import measure_utility
+    from hgs_core.fit.measured_utility import measure_utility
     from hgs_core.render.thumbnail import thumbnail
     from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
     from hgs_core.runs.sound import scene_sound

@@ -20,15 +20,15 @@ from hgs_core.capture.open import open_capture
 from hgs_core.codec import load_manifest
 from hgs_core.interchange.antialiasing_note import UNTOLD
 from hgs_core.interchange.changes import Action, Change, nonzero
-from hgs_core.interchange.importing import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
-from hgs_core.interchange.ply_sequence import frame_files
+from hgs_core.interchange.import_scene import USUAL_DURATION, USUAL_FRAME_RATE, Imported, import_scene
+from hgs_core.interchange.ply.ply_sequence import frame_files
 from hgs_core.interchange.sog_file import META
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode
-from hgs_core.runs.folder import RunFolder, RunSpec
 from hgs_core.runs.photographed_errors import photographed_errors
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene
 

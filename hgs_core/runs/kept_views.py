@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Doubles
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
-from hgs_core.fit.views import EncodeViews, views_around
+from hgs_core.fit.encoding_views import EncodeViews, views_around
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from hgs_core.capture.capture import Capture
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.threads import one_torch_thread
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.targets import target_picture
 

@@ -14,14 +14,14 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.calibrate.find_cameras import COLMAP_FOLDER, find_cameras
 from hgs_core.calibrate.uncalibrated import find_videos, has_poses
-from hgs_core.capture.layout import clock_of_videos
+from hgs_core.capture.load import clock_of_videos
 from hgs_core.capture.open import open_capture
-from hgs_core.capture.sound_track import has_sound
-from hgs_core.capture.sync import SYNC_FILE
-from hgs_core.capture.video import VideoReader
+from hgs_core.capture.pictures.video import VideoReader
+from hgs_core.capture.sound.sound_track import has_sound
+from hgs_core.capture.time.sync import SYNC_FILE
 from hgs_core.check.starts import Starts, starts_by_energy, starts_by_motion, starts_by_sound
 from hgs_core.check.synchronise import FEWEST_FRAMES
-from hgs_core.runs.folder import RunSpec
+from hgs_core.runs.run_folder import RunSpec
 
 __all__ = ["prepared_capture"]
 

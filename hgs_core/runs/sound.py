@@ -11,11 +11,11 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.sound_pieces import CutSound, cut_sound
-from hgs_core.capture.sound_track import has_sound, sound_begin
+from hgs_core.capture.sound.sound_pieces import CutSound, cut_sound
+from hgs_core.capture.sound.sound_track import has_sound, sound_begin
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, chunk_id, load_manifest, read_audio, stored_sizes
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, chunk_id, load_manifest, read_audio, stored_sizes
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.sound_choice import CAMERA_SOUND, NO_SOUND, OWN_SOUND, camera_of_sound
 
 __all__ = ["replace_sound", "require_sound_file", "require_sounding_video", "scene_sound", "write_sound"]

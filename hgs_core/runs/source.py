@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, silent
 from hgs_core.codec import decode_scene, load_manifest
-from hgs_core.codec.format.folder import MANIFEST
+from hgs_core.codec.format.scene_folder import MANIFEST
 from hgs_core.interchange.changes import Change
-from hgs_core.interchange.exporting import export_scene, export_sequence
-from hgs_core.interchange.ply_sequence import is_sequence
+from hgs_core.interchange.export_scene import export_scene, export_sequence
+from hgs_core.interchange.ply.ply_sequence import is_sequence
 from hgs_core.runs.encode_inputs import trained_scene
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 

@@ -17,10 +17,10 @@ from hgs_core.base.heap import trim_heap
 from hgs_core.base.progress import ProgressCallback, interruptible, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.check.findings import CaptureCheck
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run, prepare
 from hgs_core.runs.encoding import encode
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 
 __all__ = ["STAGES", "check", "create_run", "encode", "initialise", "prepare", "segments_of", "train", "train_scene"]
 
@@ -37,7 +37,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
         InputError: there is one, and the config does not trust the poses.
     """
     from hgs_core.check.capture_check import check_capture
-    from hgs_core.check.stopping import require_sound
+    from hgs_core.check.require_sound_capture import require_sound
 
     folder = RunFolder(run)
     if folder.points.exists():
@@ -63,7 +63,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     """
     from hgs_core.decompose.masks import MotionMasks, motion_masks
     from hgs_core.points.initial_points import initial_points
-    from hgs_core.train.segments import cut_into_segments
+    from hgs_core.train.segment_cuts import cut_into_segments
 
     folder = RunFolder(run)
     if folder.points.exists():

@@ -13,7 +13,7 @@ from hgs_core.decompose.masks import MotionMasks
 from hgs_core.native.machine import machine_facts
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.capture_training import train_capture
 

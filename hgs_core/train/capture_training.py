@@ -18,11 +18,11 @@ from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.scene.splats import HybridScene
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.initialise import initial_splats
-from hgs_core.train.preview import Preview
-from hgs_core.train.segments import CaptureSegment, cut_into_segments
+from hgs_core.train.initial_splats import initial_splats
+from hgs_core.train.segment_cuts import CaptureSegment, cut_into_segments
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.trainer import Trainer
+from hgs_core.train.training_preview import Preview
 
 __all__ = ["segment_trainer", "train_capture"]
 

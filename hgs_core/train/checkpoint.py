@@ -18,10 +18,10 @@ from hgs_core.base.old_names import with_new_names
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import CameraColours, ColourCorrection
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.history import TrainingHistory
 from hgs_core.train.parameter_mean import ParameterMean
 from hgs_core.train.rmsprop import RmsProp
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["TrainState", "fresh_state", "load_state", "save_state"]

@@ -9,7 +9,7 @@ import torch
 from torch import Tensor
 
 from hgs_core.scene.splats import DynamicSplats
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["Schedule", "share_alive"]
 

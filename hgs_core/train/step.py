@@ -14,8 +14,8 @@ from hgs_core.render.tiles import tiles_to_pixels
 from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import CameraColours, ColourCorrection
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.loss import photometric_loss
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["Step", "take_step"]

@@ -24,13 +24,13 @@ from hgs_core.render.types import Gradients, ScreenStatistics
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.train.checkpoint import TrainState, fresh_state, load_state, save_state
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control import RoundContext, rounds
-from hgs_core.train.initialise import scene_extent
-from hgs_core.train.living import living_rows, rows_taken
+from hgs_core.train.initial_splats import scene_extent
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.segment_cuts import CaptureSegment
+from hgs_core.train.splats_alive import living_rows, rows_taken
 from hgs_core.train.step import take_step
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView, TrainingViews
 
 __all__ = ["Trainer"]

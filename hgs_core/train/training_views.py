@@ -11,17 +11,17 @@ import torch
 from torch import Tensor
 
 from hgs_core.capture.capture import Capture
-from hgs_core.capture.picture import reduced_mask
+from hgs_core.capture.pictures.picture import reduced_mask
+from hgs_core.decompose.background import sample_frames
 from hgs_core.decompose.masks import MotionMasks
-from hgs_core.decompose.temporal import sample_frames
 from hgs_core.points.same_moment import same_moments
 from hgs_core.render.types import WHOLE, Window
 from hgs_core.scene.camera import Camera
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.device_frames import DeviceFrames
 from hgs_core.train.moving_tiles import MovingTiles, tiles_of
-from hgs_core.train.segments import CaptureSegment
-from hgs_core.train.views import ViewSchedule
+from hgs_core.train.segment_cuts import CaptureSegment
+from hgs_core.train.train_config import TrainConfig
+from hgs_core.train.view_schedule import ViewSchedule
 
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 

@@ -35,13 +35,13 @@ from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.runs import stages
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.capture_training import segment_trainer
 from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segment_cuts import cut_into_segments
 from scripts.experiments.gauss_newton import Newton, NewtonSteps
 
 _AVERAGES = (0.67, 0.33)  # last shares of the finish

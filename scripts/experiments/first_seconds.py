@@ -16,9 +16,9 @@ from typing import Any
 
 from playwright.async_api import Browser, async_playwright
 
-from server.bench_scene import scene_of
-from server.one_scene_server import serving
-from server.shaped_line import ShapedLine
+from server.bench.bench_scene import scene_of
+from server.bench.one_scene_server import serving
+from server.bench.shaped_line import ShapedLine
 
 SECONDS = (1.0, 1.5, 2.0, 2.5, 3.0)
 STATE = "() => { const s = window.hgs?.state; return s ? [s.splats, s.time, s.complete, s.bytes] : null; }"

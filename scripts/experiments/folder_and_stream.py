@@ -18,10 +18,10 @@ from pathlib import Path
 from fastapi.staticfiles import StaticFiles
 from playwright.async_api import Browser, async_playwright
 
-from server.bench_scene import scene_of
-from server.one_scene_server import application
-from server.serving import HttpServer, bind
-from server.shaped_line import ShapedLine
+from server.bench.bench_scene import scene_of
+from server.bench.one_scene_server import application
+from server.bench.shaped_line import ShapedLine
+from server.listener.http_server import HttpServer, bind
 
 PAGE = """<!doctype html><title>{name}</title><script type="module" src="/player/hgs-player.js"></script>
 <hgs-player src="{src}" autoplay loop style="display: block; width: 480px; height: 360px"></hgs-player>"""

@@ -25,9 +25,9 @@ from hgs_core.train.checkpoint import TrainState
 from hgs_core.train.colour_correction import CameraColours
 from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.round import RoundContext
-from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.moving_tiles import MovingTiles
 from hgs_core.train.rmsprop import RmsProp
+from hgs_core.train.splats_alive import living_rows, rows_taken
 from hgs_core.train.trainer import Trainer
 from hgs_core.train.training_views import TrainingView
 

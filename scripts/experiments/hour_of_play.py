@@ -26,9 +26,9 @@ from fastapi.staticfiles import StaticFiles
 from websockets.asyncio.client import ClientConnection, connect
 
 from hgs_core.bench.browser import find_chromium
-from server.bench_scene import scene_of
-from server.one_scene_server import application
-from server.serving import HttpServer, bind
+from server.bench.bench_scene import scene_of
+from server.bench.one_scene_server import application
+from server.listener.http_server import HttpServer, bind
 
 PAGE = """<!doctype html><title>{name}</title><link rel="icon" href="data:,">
 <script type="module" src="/player/hgs-player.js"></script>

@@ -15,8 +15,8 @@ import struct
 import zlib
 from pathlib import Path
 
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, chunk_bytes, load_manifest
 from hgs_core.codec.format.manifest import SegmentEntry, SliceEntry
+from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, chunk_bytes, load_manifest
 
 __all__: list[str] = []
 

@@ -27,11 +27,11 @@ from pathlib import Path
 from typing import Any
 
 from scripts.experiments.packet_line import CLIENT, SERVER, Line, carry, enter_namespace, receive_device
-from server.bench_scene import BenchScene, made_up_scene, scene_of
-from server.one_scene_server import serving
-from server.scene_index import read_scene
-from server.serving import bind
-from server.viewing import Viewer
+from server.bench.bench_scene import BenchScene, made_up_scene, scene_of
+from server.bench.one_scene_server import serving
+from server.client.viewing import Viewer
+from server.listener.http_server import bind
+from server.scenes.scene_index import read_scene
 
 TRANSPORTS = ("cubic", "bbr", "quic", "quic-apart")
 STARTS, SEEKS = 5, 10

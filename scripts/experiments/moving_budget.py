@@ -19,10 +19,10 @@ from unittest.mock import patch
 
 from hgs_core.codec import decode_scene, encode_scene
 from hgs_core.fit import coarseness
-from hgs_core.fit.loss import Loss
-from hgs_core.fit.utility import measure_utility
+from hgs_core.fit.encoding_loss import Loss
+from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 
 _WAYS = ("whole pictures alone", "one coarseness", "two coarsenesses")
 

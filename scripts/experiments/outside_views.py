@@ -24,9 +24,9 @@ from PIL import Image
 
 import hgs_core as hgs
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
-from hgs_core.render.contribution import contributions
+from hgs_core.render.contributions import contributions
 from hgs_core.runs.encode_inputs import trained_scene, views_of_run
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 
 __all__ = ["Rig", "degrees_outside"]
 

@@ -25,10 +25,10 @@ from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import NameOID
 
-from server.client import StreamClient
-from server.protocol import chunk_header
-from server.scene_index import SceneIndex
-from server.stream_session import StreamSession
+from server.client.stream_client import StreamClient
+from server.protocol.messages import chunk_header
+from server.scenes.scene_index import SceneIndex
+from server.stream.stream_session import StreamSession
 
 __all__ = ["QuicStreamClient", "serving_quic"]
 

@@ -21,7 +21,7 @@ import torch
 
 from hgs_core.codec import DecodedChunk, decode_scene, load_manifest, read_chunk
 from hgs_core.render import rasterize
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene import HybridScene
 from hgs_core.scene.camera import Camera
 

@@ -18,7 +18,7 @@ import torch
 from PIL import Image
 
 import hgs_core as hgs
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 
 __all__ = ["times_seen"]
 

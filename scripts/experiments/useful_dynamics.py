@@ -22,7 +22,7 @@ from hgs_core.decompose.masks import MotionMasks
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render.fixed_view import FixedView
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.scene.temporal import evaluate
 

@@ -24,7 +24,7 @@ from hgs_core.evaluate.truth import Truth
 from hgs_core.points.near_plane import with_near_planes
 from hgs_core.points.point_cloud import PointCloud
 from hgs_core.render.colour_affine import colour_affine
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.files import load_scene
 from hgs_core.train.loss import photometric_loss
 

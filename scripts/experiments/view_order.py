@@ -24,12 +24,12 @@ import numpy.typing as npt
 import torch
 
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import prepare_static
-from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.format.decode import decode_chunk
-from hgs_core.codec.format.folder import CHUNKS, load_manifest
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.scene_folder import CHUNKS, load_manifest
 from hgs_core.render import rasterize
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats, joined

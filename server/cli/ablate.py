@@ -54,8 +54,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
+    from hgs_core.ablate.ablation_rows import rows_named
     from hgs_core.ablate.plan import Ablation
-    from hgs_core.ablate.rows import rows_named
 
     config = training_config(options)
     ablation = Ablation(
@@ -71,7 +71,7 @@ def _run(options: argparse.Namespace) -> int:
     output = JsonOutput(options.json)
     require_writable_folder(options.out)
     from hgs_core.ablate.ablation import ablate
-    from hgs_core.ablate.table import table_text
+    from hgs_core.ablate.ablation_table import table_text
 
     with Interrupts() as interrupts, ProgressBars(interrupts) as bars:
         try:

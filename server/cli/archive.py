@@ -15,9 +15,9 @@ from typing import IO
 import zstandard
 
 from hgs_core.base.errors import InputError
-from server.problems import ProblemError
-from server.uploads.limits import UploadLimits, bytes_for_people
+from server.http.problems import ProblemError
 from server.uploads.names import FolderNames, normal_path
+from server.uploads.upload_limits import UploadLimits, bytes_for_people
 
 __all__ = ["ARCHIVES", "unpack"]
 

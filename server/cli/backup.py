@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from jobs.backup import Backup
+    from jobs.backup.home_backup import Backup
 
 __all__ = ["add_parser"]
 
@@ -27,8 +27,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from jobs.backup import back_up
-    from jobs.home import Home
+    from jobs.backup.home_backup import back_up
+    from jobs.home.home import Home
 
     made = back_up(Home.from_environment(), options.folder)
     print(f"{options.folder}: {made.files} files, {made.bytes:,} bytes of {made.home}")

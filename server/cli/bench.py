@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 from tqdm import tqdm
 
 from hgs_core.base.errors import InputError
-from hgs_core.bench.settings import BenchSettings, parse_backends, parse_threads
-from hgs_core.bench.sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
+from hgs_core.bench.raster.raster_settings import BenchSettings, parse_backends, parse_threads
+from hgs_core.bench.raster.raster_sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
 from server.cli.bench_stream import add_parts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
@@ -120,8 +120,8 @@ def _run(options: argparse.Namespace) -> int:
         against=None if options.against is None else Path(options.against),
     )
     output = JsonOutput(options.json)
-    from hgs_core.bench.raster import bench_raster
-    from hgs_core.bench.table import report_text
+    from hgs_core.bench.raster.raster_bench import bench_raster
+    from hgs_core.bench.raster.raster_table import report_text
 
     with ProgressBars() as bars:
         report = bench_raster(settings, bars)
@@ -131,8 +131,8 @@ def _run(options: argparse.Namespace) -> int:
 
 def _run_codec(options: argparse.Namespace) -> int:
     output = JsonOutput(options.json)
-    from hgs_core.bench.codec import SWEEP, bench_codec
-    from hgs_core.bench.codec_table import codec_text
+    from hgs_core.bench.codec.codec_bench import SWEEP, bench_codec
+    from hgs_core.bench.codec.codec_table import codec_text
 
     sweep: tuple[float, ...] = SWEEP
     if options.sweep is not None:
@@ -160,7 +160,7 @@ def _run_on_device(options: argparse.Namespace) -> int:
 
 def _run_training(options: argparse.Namespace) -> int:
     config, output = training_config(options), JsonOutput(options.json)
-    from hgs_core.bench.training import bench_training, training_report_text
+    from hgs_core.bench.training_bench import bench_training, training_report_text
 
     with ProgressBars() as bars:
         report = bench_training(options.capture, config, options.device, bars)

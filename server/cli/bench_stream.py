@@ -56,15 +56,15 @@ def _add_scene_and_output(part: argparse.ArgumentParser) -> None:
 
 def _run_stream(options: argparse.Namespace) -> int:
     seconds, output = _seconds(options.seconds), JsonOutput(options.json)
-    from server.bench_scene import made_up_scene, scene_of
-    from server.stream_bench import bench_stream, stream_text
+    from server.bench.bench_scene import made_up_scene, scene_of
+    from server.bench.stream_bench import bench_stream, stream_text
 
     if options.run_folder is None:
         report, _ = asyncio.run(bench_stream(made_up_scene(round(60 * _minutes(options.minutes))), seconds))
     else:
         scene = scene_of(_scene_folder(options.run_folder))
         report, shown = asyncio.run(bench_stream(scene, seconds))
-        from hgs_core.bench.partial_pictures import partial_psnr
+        from hgs_core.bench.codec.partial_pictures import partial_psnr
 
         # The first time round: later all is there.
         for line, moments in zip(report["lines"], shown, strict=True):
@@ -78,7 +78,7 @@ def _run_serve(options: argparse.Namespace) -> int:
         if (number := getattr(options, name)) < 1:
             raise InputError(f"--{name}", f"{number} is too few", "give 1 or more")
     seconds, minutes, output = _seconds(options.seconds), _minutes(options.minutes), JsonOutput(options.json)
-    from server.serve_bench import bench_serve, serve_text
+    from server.bench.serve_bench import bench_serve, serve_text
 
     folder = None if options.run_folder is None else _scene_folder(options.run_folder)
     report = asyncio.run(

@@ -13,9 +13,9 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from server.cli.archive import ARCHIVES, unpack
-from server.problems import ProblemError
-from server.uploads.limits import UploadLimits
+from server.http.problems import ProblemError
 from server.uploads.names import FolderNames, normal_path
+from server.uploads.upload_limits import UploadLimits
 
 __all__ = ["CaptureFile", "archive_ending", "capture_files", "opened_capture", "upload_key"]
 

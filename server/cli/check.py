@@ -34,7 +34,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.capture.open import open_capture
     from hgs_core.check.capture_check import check_capture
-    from hgs_core.check.stopping import require_sound
+    from hgs_core.check.require_sound_capture import require_sound
 
     output = JsonOutput(options.json)
     capture = open_capture(options.capture, masks=options.masks)

@@ -19,7 +19,7 @@ from hgs_core.edit.orient import Similarity, orient, turn_about, turn_up
 from hgs_core.edit.regions import Region, ball_of, box_of
 from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
-from hgs_core.fit.config import BUDGETS
+from hgs_core.fit.fit_config import BUDGETS
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.writable import require_writable_folder
-from hgs_core.fit.config import BUDGETS
+from hgs_core.fit.fit_config import BUDGETS
 from server.cli.progress_bars import ProgressBars
 
 __all__ = ["add_parser"]
@@ -40,7 +40,7 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.encoding import encode_again
-    from hgs_core.runs.folder import RunFolder
+    from hgs_core.runs.run_folder import RunFolder
 
     if options.fine_tune is not None and options.fine_tune < 0:
         raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")

@@ -77,7 +77,7 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from hgs_core.runs.folder import RunFolder
+    from hgs_core.runs.run_folder import RunFolder
 
     cameras = None if options.cameras is None else _names(options.cameras)
     RunFolder(options.run_folder).read_spec()  # before torch is loaded: a wrong path is told at once

@@ -12,8 +12,8 @@ from hgs_core.base.errors import InputError
 from server.cli.job_words import seconds_of
 
 if TYPE_CHECKING:
+    from jobs.artifacts.store_check import StoreCheck
     from jobs.housekeeping import Tidied
-    from jobs.store_check import StoreCheck
 
 __all__ = ["add_parser"]
 
@@ -46,11 +46,11 @@ def _run(options: argparse.Namespace) -> int:
     if options.check:
         return _check(options)
     pause = None if options.every is None else seconds_of(options.every, "--every")
-    from jobs.byte_sizes import bytes_of
-    from jobs.client import JobClient
-    from jobs.home import Home
+    from jobs.home.byte_sizes import bytes_of
+    from jobs.home.home import Home
     from jobs.housekeeping import tidy
-    from jobs.retention import Retention
+    from jobs.queue.client import JobClient
+    from jobs.runs.retention import Retention
 
     retention = Retention.configured()
     for name in ("jobs", "days", "bytes"):
@@ -68,9 +68,9 @@ def _run(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     """Check the store; the status is 1 where something is wrong with it."""
-    from jobs.artifacts import open_store
-    from jobs.home import Home
-    from jobs.store_check import check_store
+    from jobs.artifacts.artifact_store import open_store
+    from jobs.artifacts.store_check import check_store
+    from jobs.home.home import Home
 
     if options.delete or options.every:
         raise InputError("--check", "changes nothing and runs once", "leave out --delete and --every")

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.writable import require_writable_folder
-from hgs_core.fit.config import BUDGETS
-from hgs_core.runs.config import RunConfig
+from hgs_core.fit.fit_config import BUDGETS
+from hgs_core.runs.run_config import RunConfig
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 

@@ -8,15 +8,15 @@ from typing import Any, Protocol, Self
 from urllib.parse import quote, urlencode
 
 from hgs_core.base.errors import InputError
-from jobs.client import JobClient, JobConflictError
-from jobs.home import Home
-from jobs.job import Job, JobState
-from jobs.run_reading import run_reader
+from jobs.home.home import Home
+from jobs.queue.client import JobClient, JobConflictError
+from jobs.records.job import Job, JobState
+from jobs.runs.run_reading import run_reader
 from server.cli.server_client import FIRST_PATIENCE, RefusedError, ServerClient
-from server.job_events import describe_job, describe_worker
-from server.job_log import log_tail
-from server.job_query import JobQuery, cursor
-from server.problems import ProblemError
+from server.http.problems import ProblemError
+from server.job_views.job_description import describe_job, describe_worker
+from server.job_views.job_log import log_tail
+from server.job_views.job_query import JobQuery, cursor
 
 __all__ = ["HomeDesk", "JobDesk", "Query", "ServerDesk"]
 
@@ -76,7 +76,7 @@ class HomeDesk:
 
     def delete(self, job_id: str, *, scene: bool) -> None:
         """Forget a finished job and remove its files, and its scene if that is asked for."""
-        from jobs.artifacts import open_store
+        from jobs.artifacts.artifact_store import open_store
 
         job = self._known(job_id)
         try:

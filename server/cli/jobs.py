@@ -74,7 +74,7 @@ def _with_jobs(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
 
 
 def _at_desk(run: Any, options: argparse.Namespace) -> int:
-    from jobs.home import Home
+    from jobs.home.home import Home
     from server.cli.job_desk import HomeDesk, ServerDesk
 
     there = options.to is not None

@@ -57,8 +57,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _add(options: argparse.Namespace) -> int:
-    from jobs.home import Home
-    from jobs.keys import KeyTable, Scope
+    from jobs.home.home import Home
+    from jobs.records.keys import KeyTable, Scope
 
     expires = None if options.duration is None else time.time() + seconds(options.duration)
     with closing(KeyTable(Home.from_environment())) as table:
@@ -67,8 +67,8 @@ def _add(options: argparse.Namespace) -> int:
 
 
 def _list(options: argparse.Namespace) -> int:
-    from jobs.home import Home
-    from jobs.keys import KeyTable
+    from jobs.home.home import Home
+    from jobs.records.keys import KeyTable
 
     with closing(KeyTable(Home.from_environment())) as table:
         keys = table.all()
@@ -87,8 +87,8 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _revoke(options: argparse.Namespace) -> int:
-    from jobs.home import Home
-    from jobs.keys import KeyTable
+    from jobs.home.home import Home
+    from jobs.records.keys import KeyTable
 
     with closing(KeyTable(Home.from_environment())) as table:
         table.revoke(options.name)
@@ -96,11 +96,11 @@ def _revoke(options: argparse.Namespace) -> int:
 
 
 def _link(options: argparse.Namespace) -> int:
-    from jobs.artifacts import ArtifactStore
-    from jobs.home import Home
-    from jobs.keys import KeyTable
-    from server.signed_tokens import SignedToken, sign_token
-    from server.site_root import configured_root
+    from jobs.artifacts.artifact_store import ArtifactStore
+    from jobs.home.home import Home
+    from jobs.records.keys import KeyTable
+    from server.access.signed_tokens import SignedToken, sign_token
+    from server.http.site_root import configured_root
 
     home = Home.from_environment()
     expires = int(time.time() + seconds(options.duration))

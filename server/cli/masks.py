@@ -41,7 +41,7 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     from hgs_core.capture.open import open_capture
-    from hgs_core.decompose.export import export_masks, require_new_folder
+    from hgs_core.decompose.mask_pictures import export_masks, require_new_folder
     from hgs_core.decompose.masks import motion_masks
 
     require_new_folder(options.out)

@@ -58,8 +58,8 @@ def _run(options: argparse.Namespace) -> int:
     if server := _server(url):
         with ServerClient(server, options.patience) as client:  # a stream would be tried for ever
             client.request("GET", "/v1/health")
-    from server.client import StreamRefusedError
-    from server.viewing import play
+    from server.client.stream_client import StreamRefusedError
+    from server.client.viewing import play
 
     try:
         watched = asyncio.run(play(url, options.seconds, os.environ.get("HGS_KEY", "")))

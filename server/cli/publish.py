@@ -45,7 +45,7 @@ def add_parser(commands: Any) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     if options.audio is not None:
-        from hgs_core.runs.folder import RunFolder
+        from hgs_core.runs.run_folder import RunFolder
         from hgs_core.runs.sound import replace_sound
 
         RunFolder(options.run_folder).read_spec()  # a wrong path is told at once
@@ -56,9 +56,9 @@ def _run(options: argparse.Namespace) -> int:
     for name, given in (("--replace", options.replace), ("--data-only", options.data_only)):
         if given:
             raise InputError(name, "needs --to", "give the folder or bucket to write, or leave it out")
-    from jobs.artifacts import open_store
-    from jobs.home import Home
-    from server.publishing import publish_run
+    from jobs.artifacts.artifact_store import open_store
+    from jobs.artifacts.publish_run import publish_run
+    from jobs.home.home import Home
 
     with ProgressBars() as bars:
         scene_id = publish_run(open_store(Home.from_environment()), options.run_folder, options.id, bars)
@@ -69,11 +69,11 @@ def _run(options: argparse.Namespace) -> int:
 def _to_files(options: argparse.Namespace) -> int:
     if options.id:
         raise InputError("--id", f"{options.id!r} names a scene in the store, --to writes files", "leave one out")
-    from server.static_publishing import PLAYER
-    from server.uploads.limits import bytes_for_people
-    from server.viewer import VIEWER
-    from server.web_bucket import publish_to_bucket
-    from server.web_folder import publish_to_folder
+    from server.publishing.static_folder import PLAYER
+    from server.publishing.web_bucket import publish_to_bucket
+    from server.publishing.web_folder import publish_to_folder
+    from server.routes.viewer_pages import VIEWER
+    from server.uploads.upload_limits import bytes_for_people
 
     run, to = options.run_folder, options.to
     if not _ADDRESS.match(to) and (Path(to).is_dir() or not Path(to).exists()):

@@ -28,7 +28,7 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from hgs_core.runs.folder import RunFolder
+    from hgs_core.runs.run_folder import RunFolder
 
     out = options.out or options.run_folder / "report.html"
     for run in map(RunFolder, (options.run_folder, *options.against)):

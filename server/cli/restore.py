@@ -23,8 +23,8 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from jobs.backup_restore import restore
-    from jobs.home import Home
+    from jobs.backup.backup_restore import restore
+    from jobs.home.home import Home
 
     home = Home.from_environment()
     backup = restore(options.folder, home)

@@ -16,7 +16,7 @@ from hgs_core.base.errors import InputError
 from server.cli.progress_bars import ProgressBars
 
 if TYPE_CHECKING:
-    from server.access import Asking
+    from server.access.visitors import Asking
 
 __all__ = ["add_parser"]
 
@@ -121,22 +121,22 @@ def _run(options: argparse.Namespace) -> int:
     for folder in filter(None, options.captures.split(os.pathsep)):
         if not Path(folder).is_dir():
             raise InputError("--captures", f"{folder} is not a folder", "make it first, or give another")
-    from jobs.artifacts import open_store
-    from jobs.home import Home
-    from jobs.keys import KeyTable
-    from jobs.stage_environment import keep_secrets
-    from server.access import Access
-    from server.allowed_hosts import AllowedHosts
+    from jobs.artifacts.artifact_store import open_store
+    from jobs.artifacts.publish_run import publish_run
+    from jobs.home.home import Home
+    from jobs.process.stage_environment import keep_secrets
+    from jobs.records.keys import KeyTable
+    from jobs.worker_processes import WorkerProcesses
+    from server.access.allowed_hosts import AllowedHosts
+    from server.access.visitors import Access
     from server.app import create_app
-    from server.capture_folders import CaptureFolders
-    from server.connection_limits import ConnectionLimits, open_file_limit, raise_open_file_limit
-    from server.log import configure_log
-    from server.publishing import publish_run
-    from server.request_log import configure_access_log
-    from server.serving import HttpServer, bind, spare_collector
-    from server.site_root import configured_root
-    from server.uploads.limits import UploadLimits
-    from server.worker_processes import WorkerProcesses
+    from server.captures.capture_folders import CaptureFolders
+    from server.http.log_lines import configure_log
+    from server.http.request_log import configure_access_log
+    from server.http.site_root import configured_root
+    from server.listener.connection_limits import ConnectionLimits, open_file_limit, raise_open_file_limit
+    from server.listener.http_server import HttpServer, bind, spare_collector
+    from server.uploads.upload_limits import UploadLimits
 
     keep_secrets()
     configure_log()
@@ -191,7 +191,7 @@ def _asking(address: str, opened: bool, any_keys: bool) -> tuple[Asking, str]:
     Raises:
         InputError: others can reach the server, and it is said neither that it is open nor who may use it.
     """
-    from server.access import Asking
+    from server.access.visitors import Asking
 
     here = ip_address(address.partition("%")[0]).is_loopback
     if opened:

@@ -54,9 +54,9 @@ def _run(options: argparse.Namespace) -> int:
 
         return submit_to_server(options)
     from hgs_core.runs.sound import require_sound_file
-    from jobs.client import JobClient
-    from jobs.home import Home
-    from jobs.job_request import JobRequest
+    from jobs.home.home import Home
+    from jobs.queue.client import JobClient
+    from jobs.queue.job_request import JobRequest
 
     request = JobRequest(
         options.capture, config, options.title, options.masks, require_sound_file(options.audio), **job_options(options)

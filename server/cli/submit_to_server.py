@@ -21,7 +21,7 @@ from server.cli.progress_bars import ProgressBars
 from server.cli.send_capture import send_capture
 from server.cli.server_client import RefusedError, ServerClient
 from server.cli.training_options import job_settings
-from server.uploads.limits import UploadLimits
+from server.uploads.upload_limits import UploadLimits
 
 if TYPE_CHECKING:
     from hgs_core.check.findings import CaptureCheck

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import ProgressCallback, StageStopped, interruptible
 from hgs_core.base.writable import require_writable_file
-from hgs_core.capture.config import SYNC_BY
+from hgs_core.capture.capture_config import SYNC_BY
 from server.cli.interrupts import Interrupts
 from server.cli.progress_bars import ProgressBars
 
@@ -43,7 +43,7 @@ def add_parser(commands: Any) -> None:
 
 
 def _run(options: argparse.Namespace) -> int:
-    from hgs_core.capture.sync import SYNC_FILE
+    from hgs_core.capture.time.sync import SYNC_FILE
 
     out = options.out or options.capture / SYNC_FILE
     if out.exists():

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.config import SYNC_BY
-from hgs_core.runs.config import PRESETS, RunConfig
+from hgs_core.capture.capture_config import SYNC_BY
+from hgs_core.runs.run_config import PRESETS, RunConfig
 
 __all__ = ["add_audio_option", "add_masks_option", "add_training_options", "job_settings", "training_config"]
 

@@ -11,9 +11,9 @@ from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
-from server.capture_checks import CaptureCheckRun
-from server.problems import ProblemError
-from server.request_body import read_json
+from server.captures.check_requests import CaptureCheckRun
+from server.http.problems import ProblemError
+from server.http.request_body import read_json
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]
@@ -32,7 +32,7 @@ class Start(BaseModel):
 @router.post("", status_code=202)
 async def start(request: Request, service: ServiceDep) -> Response:
     """Begin the check of a capture."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     body = await read_json(request, Start)
     capture = await service.long_work.run(_locate_inside, service, body.capture)
     return JSONResponse(_told(service, service.capture_checks.start(capture)), 202)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from server.conditional import respond_json
+from server.http.conditional import respond_json
 from server.service import ServiceDep
 
 __all__ = ["router"]

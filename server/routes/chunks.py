@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from server.chunk_cache import DamagedChunkError
-from server.conditional import respond
-from server.problems import ProblemError
+from server.http.conditional import respond
+from server.http.problems import ProblemError
+from server.scenes.chunk_cache import DamagedChunkError
 from server.service import ServiceDep
 
 __all__ = ["immutable", "router"]

@@ -7,7 +7,7 @@ from typing import Any
 from fastapi import APIRouter
 
 from hgs_core.base.version import software_version
-from server.protocol import PROTOCOL_VERSION
+from server.protocol.messages import PROTOCOL_VERSION
 
 __all__ = ["router"]
 

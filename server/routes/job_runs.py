@@ -8,14 +8,14 @@ from typing import Any
 
 from fastapi import APIRouter, Request, Response
 
-from hgs_core.runs.folder import RunFolder
-from jobs.job import Job, JobState
-from jobs.job_history import read_course, thinned
-from server.conditional import entity_tag, respond, respond_compressed, respond_json
-from server.encodable import encodable
-from server.job_log import MOST_LOG_LINES, log_tail
-from server.problems import ProblemError
-from server.security_headers import REPORT_POLICY
+from hgs_core.runs.run_folder import RunFolder
+from jobs.records.job import Job, JobState
+from jobs.runs.progress_log import read_course, thinned
+from server.http.conditional import entity_tag, respond, respond_compressed, respond_json
+from server.http.encodable import encodable
+from server.http.problems import ProblemError
+from server.http.security_headers import REPORT_POLICY
+from server.job_views.job_log import MOST_LOG_LINES, log_tail
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]

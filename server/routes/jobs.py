@@ -8,12 +8,13 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import StreamingResponse
 from starlette.concurrency import run_in_threadpool
 
-from jobs.client import JobConflictError
-from jobs.job import JobState
-from server.conditional import respond_json
-from server.job_events import describe_job, job_events, revision
-from server.job_query import JobQuery, cursor
-from server.problems import ProblemError
+from jobs.queue.client import JobConflictError
+from jobs.records.job import JobState
+from server.http.conditional import respond_json
+from server.http.problems import ProblemError
+from server.job_views.job_description import describe_job, revision
+from server.job_views.job_followers import job_events
+from server.job_views.job_query import JobQuery, cursor
 from server.service import ServiceDep
 
 __all__ = ["router"]
@@ -50,7 +51,7 @@ async def events(request: Request, job_id: str, service: ServiceDep) -> Response
 @router.post("/{job_id}/cancel", status_code=202)
 def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
     """Cancel a job."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     service.known_job(job_id)
     job = service.jobs.cancel(job_id)
     if job.state is not JobState.CANCELLED:
@@ -61,7 +62,7 @@ def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]
 @router.post("/{job_id}/retry", status_code=202)
 def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
     """Queue a failed or cancelled job again; it goes on from its last checkpoint."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     service.known_job(job_id)
     try:
         return describe_job(service.jobs.retry(job_id))
@@ -72,7 +73,7 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
 @router.delete("/{job_id}", status_code=204)
 async def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
     """Forget a finished job and remove its run folder; its scene stays published."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     await run_in_threadpool(service.known_job, job_id)
     try:
         await service.long_work.run(service.jobs.delete, job_id)

@@ -8,11 +8,11 @@ from fastapi import APIRouter, Request
 from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from server.access import Visitor
-from server.request_body import read_json
-from server.scene_catalogue import unknown_scene
+from server.access.visitors import Visitor
+from server.http.request_body import read_json
+from server.http.site_root import site_root
+from server.scenes.scene_catalogue import unknown_scene
 from server.service import ServiceDep
-from server.site_root import site_root
 
 __all__ = ["router"]
 
@@ -33,7 +33,7 @@ class Wish(BaseModel):
 @router.post("", status_code=201)
 async def link(request: Request, service: ServiceDep) -> dict[str, Any]:
     """Make a link."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     wish = await read_json(request, Wish)
     if await run_in_threadpool(service.artifacts.scene_entry, wish.scene) is None:
         raise unknown_scene(wish.scene)

@@ -8,7 +8,7 @@ from fastapi import APIRouter, Request, Response
 from fastapi.responses import JSONResponse
 from starlette.concurrency import run_in_threadpool
 
-from server.metrics import CONTENT_TYPE
+from server.http.metrics import CONTENT_TYPE
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]

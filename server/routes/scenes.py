@@ -9,13 +9,13 @@ from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from jobs.job_request import MAX_TITLE
-from server.conditional import entity_tag, respond, respond_compressed, respond_json
-from server.problems import ProblemError
-from server.request_body import read_json
+from jobs.queue.job_request import MAX_TITLE
+from server.http.conditional import entity_tag, respond, respond_compressed, respond_json
+from server.http.problems import ProblemError
+from server.http.request_body import read_json
 from server.routes.chunks import chunk as respond_chunk
 from server.routes.chunks import immutable
-from server.scene_catalogue import unknown_scene
+from server.scenes.scene_catalogue import unknown_scene
 from server.service import Service, ServiceDep
 
 __all__ = ["router"]
@@ -47,7 +47,7 @@ def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
 @router.patch("/{scene_id}")
 async def rename(request: Request, scene_id: str, service: ServiceDep) -> dict[str, Any]:
     """Give a scene another title."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     title = _one_line((await read_json(request, Changes)).title)
     return await run_in_threadpool(_rename, service, scene_id, title)
 
@@ -55,7 +55,7 @@ async def rename(request: Request, scene_id: str, service: ServiceDep) -> dict[s
 @router.delete("/{scene_id}", status_code=204)
 async def delete(request: Request, scene_id: str, service: ServiceDep) -> Response:
     """Take a scene back and end its streams; chunks stay, since other scenes may name them too."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     await run_in_threadpool(_delete, service, scene_id)
     service.watchers.tell(scene_id)
     return Response(status_code=204)

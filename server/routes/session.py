@@ -7,11 +7,11 @@ from typing import Any
 from fastapi import APIRouter, Request, Response
 from pydantic import BaseModel, ConfigDict, Field, StrictStr
 
-from server.access import COOKIE, SESSION_SECONDS, Visitor
-from server.problems import ProblemError
-from server.request_body import read_json
+from server.access.visitors import COOKIE, SESSION_SECONDS, Visitor
+from server.http.problems import ProblemError
+from server.http.request_body import read_json
+from server.http.site_root import site_root
 from server.service import ServiceDep
-from server.site_root import site_root
 
 __all__ = ["router"]
 
@@ -40,7 +40,7 @@ async def session(request: Request, response: Response, service: ServiceDep) -> 
 @router.post("", status_code=204)
 async def begin(request: Request, service: ServiceDep) -> Response:
     """Take a key and set the cookie."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     begun = await service.access.session((await read_json(request, Given)).key.strip())
     if begun is None:
         raise ProblemError(401, "key-needed", "this is no key of this server, or it holds no more", field="key")
@@ -60,7 +60,7 @@ async def begin(request: Request, service: ServiceDep) -> Response:
 @router.delete("", status_code=204)
 async def end(request: Request, service: ServiceDep) -> Response:
     """Forget the browser's key."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, path=f"{site_root(request)}/", httponly=True, samesite="strict")
     return response

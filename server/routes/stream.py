@@ -11,14 +11,14 @@ from typing import NoReturn
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from starlette.concurrency import run_in_threadpool
 
-from server.chunk_cache import ChunkCache
-from server.live_scenes import LiveScenes
-from server.problems import ProblemError, problem_response
-from server.protocol import Error, ProtocolError, chunk_header, encode
-from server.scene_index import SceneIndex
+from server.http.problems import ProblemError, problem_response
+from server.http.token_bucket import TokenBucket
+from server.protocol.messages import Error, ProtocolError, chunk_header, encode
+from server.scenes.chunk_cache import ChunkCache
+from server.scenes.live_scenes import LiveScenes
+from server.scenes.scene_index import SceneIndex
 from server.service import Service, ServiceDep
-from server.stream_session import ChunkPart, StreamSession
-from server.token_bucket import TokenBucket
+from server.stream.stream_session import ChunkPart, StreamSession
 
 __all__ = ["router"]
 
@@ -34,7 +34,7 @@ MESSAGE_UNIT = 4096  # bytes; a longer message counts as several
 @router.websocket("/v1/scenes/{scene_id}/stream")
 async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
     """Stream one scene to one watcher until either side closes."""
-    if not service.may_read(socket):
+    if not service.origins.may_read(socket):
         detail = f"a page of {socket.headers['Origin']} may not read scenes on this server"
         await socket.send_denial_response(problem_response(socket, ProblemError(403, "origin-not-allowed", detail)))
         return

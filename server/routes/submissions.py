@@ -12,18 +12,18 @@ from starlette.concurrency import run_in_threadpool
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import by_stage
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.sound_choice import NO_SOUND, OWN_SOUND, camera_of_sound
-from jobs.client import KeyReusedError
-from jobs.job import Job
-from jobs.job_filter import MAX_LABELS
-from jobs.job_request import MAX_TITLE, JobRequest
-from server.job_events import describe_job
-from server.problem_error import ProblemError
-from server.request_body import read_json
+from jobs.queue.client import KeyReusedError
+from jobs.queue.job_request import MAX_TITLE, JobRequest
+from jobs.records.job import Job
+from jobs.records.job_filter import MAX_LABELS
+from server.captures.pending_submissions import PendingSubmission
+from server.http.problem_error import ProblemError
+from server.http.request_body import read_json
+from server.job_views.job_description import describe_job
 from server.service import Service, ServiceDep
-from server.submissions import PendingSubmission
 
 __all__ = ["router"]
 
@@ -58,7 +58,7 @@ class Submission(BaseModel):
 @router.post("/jobs")
 async def submit(request: Request, service: ServiceDep) -> Response:
     """Queue a job, once its capture has been looked at."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     service.submissions.require_room(service.key_of(request))
     submission = await read_json(request, Submission, bounded="config")
     key = request.headers.get("Idempotency-Key", "")

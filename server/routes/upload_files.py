@@ -11,8 +11,8 @@ from fastapi import APIRouter, Request, Response
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import ClientDisconnect
 
-from server.conditional import respond_json
-from server.problems import ProblemError
+from server.http.conditional import respond_json
+from server.http.problems import ProblemError
 from server.service import Service, ServiceDep
 from server.uploads.arriving_file import ArrivingFile
 from server.uploads.upload import Upload
@@ -118,7 +118,7 @@ def _add(service: Service, upload: Upload, metadata: dict[str, str], length: int
 
 
 def _require_tus(service: Service, request: Request) -> None:
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     version = request.headers.get("Tus-Resumable", "")
     if version != VERSION:
         detail = f"Tus-Resumable is {version[:20] or 'missing'}; send {VERSION}"

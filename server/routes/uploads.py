@@ -11,11 +11,11 @@ from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field, StrictInt, StrictStr
 from starlette.concurrency import run_in_threadpool
 
-from jobs.job import JobState, Place
-from server.access import Visitor
-from server.conditional import respond_json
-from server.problems import ProblemError
-from server.request_body import read_json
+from jobs.records.job import JobState, Place
+from server.access.visitors import Visitor
+from server.http.conditional import respond_json
+from server.http.problems import ProblemError
+from server.http.request_body import read_json
 from server.service import Service, ServiceDep
 from server.uploads.upload import Announcement, Upload
 
@@ -40,7 +40,7 @@ class Beginning(BaseModel):
 @router.post("")
 async def begin(request: Request, service: ServiceDep) -> Response:
     """Begin an upload, or go on with the unfinished one of the same announcement."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
     upload, new = await run_in_threadpool(service.uploads.begin, announced, _client(request))
@@ -76,7 +76,7 @@ def get_upload(request: Request, upload_id: str, service: ServiceDep) -> Respons
 @router.post("/{upload_id}/finish")
 async def finish(request: Request, upload_id: str, service: ServiceDep) -> Response:
     """Turn a complete upload into a capture."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     upload = await run_in_threadpool(service.uploads.get, upload_id)
     await service.long_work.run(service.uploads.finish, upload)  # which may read all that was sent
     return JSONResponse(service.uploads.describe(upload))
@@ -85,7 +85,7 @@ async def finish(request: Request, upload_id: str, service: ServiceDep) -> Respo
 @router.delete("/{upload_id}", status_code=204)
 async def delete(request: Request, upload_id: str, service: ServiceDep) -> Response:
     """Delete an upload, or the capture that it has become, unless a job needs it."""
-    service.require_same_site(request)
+    service.origins.require_same_site(request)
     upload = await run_in_threadpool(service.uploads.get, upload_id)
     await run_in_threadpool(_require_unused, service, upload)
     await service.long_work.run(service.uploads.delete, upload)

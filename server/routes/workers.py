@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request, Response
 
-from server.conditional import respond_json
-from server.encodable import encodable
-from server.job_events import describe_worker
+from server.http.conditional import respond_json
+from server.http.encodable import encodable
+from server.job_views.job_description import describe_worker
 from server.service import ServiceDep
 
 __all__ = ["router"]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from server.problems import ProblemError
+from server.http.problems import ProblemError
 
 __all__ = ["ArrivingFile"]
 

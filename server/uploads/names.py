@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-from server.problems import ProblemError
+from server.http.problems import ProblemError
 
 __all__ = ["FolderNames", "capture_name", "normal_path"]
 

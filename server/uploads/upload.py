@@ -20,11 +20,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from hgs_core.base.atomic import write_bytes
-from server.problems import ProblemError
+from server.http.problems import ProblemError
 from server.uploads.arriving_file import ArrivingFile
 from server.uploads.journal import FileJournal
-from server.uploads.limits import UploadLimits, bytes_for_people
 from server.uploads.names import FolderNames, normal_path
+from server.uploads.upload_limits import UploadLimits, bytes_for_people
 
 __all__ = ["Announcement", "Upload"]
 

@@ -12,12 +12,12 @@ from collections.abc import Collection
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from jobs.job_request import readable_id
-from jobs.stored_captures import StoredCaptures
-from server.problems import ProblemError
-from server.uploads.limits import UploadLimits, bytes_for_people
+from jobs.queue.job_request import readable_id
+from jobs.runs.stored_captures import StoredCaptures
+from server.http.problems import ProblemError
 from server.uploads.names import capture_name
 from server.uploads.upload import Announcement, Upload
+from server.uploads.upload_limits import UploadLimits, bytes_for_people
 
 __all__ = ["Uploads"]
 

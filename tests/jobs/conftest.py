@@ -21,15 +21,15 @@ sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import,
 
 from postgres_server import PostgresServer, missing_program
 
-from hgs_core.runs.config import RunConfig
-from jobs.artifacts import ArtifactStore, open_store
-from jobs.client import JobClient
-from jobs.database import create_engine, prepare_database
-from jobs.home import Home
-from jobs.job import Job
-from jobs.job_request import JobRequest
-from jobs.keys import KeyTable, Scope
-from jobs.store import metadata
+from hgs_core.runs.run_config import RunConfig
+from jobs.artifacts.artifact_store import ArtifactStore, open_store
+from jobs.home.database import create_engine, prepare_database
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job import Job
+from jobs.records.job_table import metadata
+from jobs.records.keys import KeyTable, Scope
 from tests.chunks import static_chunk
 
 MODULES = Path(__file__).parent / "modules"

@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 from postgres_server import PostgresServer
 
-from jobs.home import Home
+from jobs.home.home import Home
 
 STARTS = int(os.environ.get("HGS_COLD_STARTS", "3"))
 

@@ -17,8 +17,8 @@ from composition import DATABASE, FILE, SECRETS, Composition, substituted
 from postgres_server import PostgresServer
 from s3_server import running_s3_server
 
-from jobs import home
-from jobs.process_tree import THREADS_EACH
+from jobs.home import home
+from jobs.process.process_tree import THREADS_EACH
 
 Poll = Callable[[Callable[[], bool], str], None]
 

@@ -3,11 +3,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from jobs.artifacts import open_store
-from jobs.client import JobClient
+from jobs.artifacts.artifact_store import open_store
 from jobs.housekeeping import tidy
-from jobs.retention import Retention
-from jobs.run_trash import throw_away, trash
+from jobs.queue.client import JobClient
+from jobs.runs.retention import Retention
+from jobs.runs.run_trash import throw_away, trash
 
 
 def test_old_jobs_and_unnamed_chunks_go_and_scenes_and_unfinished_jobs_stay(

@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.runs.config import RunConfig
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.job import Job, JobState
-from jobs.job_request import JobRequest
+from hgs_core.runs.run_config import RunConfig
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job import Job, JobState
 
 SAMPLE = Path(__file__).resolve().parent.parent.parent / "samples" / "studio"
 

@@ -34,11 +34,11 @@ from night import (
 from postgres_server import PostgresServer
 from small_disk import small_disk
 
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import JobState
-from jobs.stages import StageSeconds
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.home.stage_settings import StageSeconds
+from jobs.queue.client import JobClient
+from jobs.records.job import JobState
 
 OUTAGE = float(os.environ.get("HGS_NIGHT_OUTAGE", "30"))  # seconds that the store refuses, and then hangs
 FULL = 0.4 * OUTAGE  # seconds that the disk is full

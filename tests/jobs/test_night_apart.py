@@ -34,10 +34,10 @@ from night import (
 )
 from postgres_server import PostgresServer
 
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import JobState
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.records.job import JobState
 
 LINK_DROPS = int(os.environ.get("HGS_NIGHT_LINK_DROPS", "3"))
 KILLS = ("stage", "worker", "stage", "both", "worker") * LINK_DROPS

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from small_disk import small_disk
 
-from hgs_core.runs.folder import RunFolder
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import Job, JobState
-from jobs.training_queue import enqueue
+from hgs_core.runs.run_folder import RunFolder
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.enqueue import enqueue
+from jobs.records.job import Job, JobState
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]

@@ -14,12 +14,12 @@ import sqlalchemy as sa
 from postgres_server import PostgresServer
 
 from hgs_core.base.progress import Progress
-from jobs.client import JobClient
-from jobs.database import create_engine
-from jobs.home import Home
-from jobs.job import Job, JobState, Place
-from jobs.liveness import PostgresLiveness
-from jobs.store import JobTable
+from jobs.home.database import create_engine
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.liveness import PostgresLiveness
+from jobs.records.job import Job, JobState, Place
+from jobs.records.job_table import JobTable
 
 Worker = subprocess.Popen[bytes]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]

@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from s3_server import S3Server, running_s3_server
 
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import Job, JobState
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.records.job import Job, JobState
 from tests.chunks import static_chunk
 
 CHUNK = static_chunk(b"a chunk")

@@ -20,21 +20,21 @@ from postgres_server import PostgresServer
 from s3_server import S3Server, running_s3_server
 
 from hgs_core.base.errors import InputError
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.stages import train_scene
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.home_identity import FILE
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.home.home_identity import FILE
+from jobs.home.object_store import open_object_store
 from jobs.housekeeping import tidy
-from jobs.job import Job, JobState
-from jobs.job_request import JobRequest
-from jobs.object_store import open_object_store
-from jobs.retention import Retention
-from jobs.run_reading import run_reader
-from jobs.run_state import run_prefix
-from jobs.stored_captures import StoredCaptures
-from jobs.stored_run import StoredRun
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job import Job, JobState
+from jobs.runs.retention import Retention
+from jobs.runs.run_reading import run_reader
+from jobs.runs.run_transfer import run_prefix
+from jobs.runs.stored_captures import StoredCaptures
+from jobs.runs.stored_run import StoredRun
 from tests.synthetic import write_capture
 
 Worker = subprocess.Popen[bytes]

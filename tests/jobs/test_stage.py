@@ -12,9 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder
-from jobs.home import Home
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
+from jobs.home.home import Home
 
 Stage = subprocess.Popen[bytes]
 Poll = Callable[[Callable[[], bool], str], None]
@@ -182,7 +182,7 @@ def test_when_its_parent_is_gone_it_leaves_no_process(
 def test_publish_puts_the_scene_under_the_name_of_the_run(
     start: Callable[[str, Path], Stage], home: Home, run: Path
 ) -> None:
-    from jobs.artifacts import ArtifactStore
+    from jobs.artifacts.artifact_store import ArtifactStore
 
     for stage in ("initialise", "train", "encode", "publish"):
         assert finish(start(stage, run))[0] == 0

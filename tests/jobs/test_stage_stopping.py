@@ -8,9 +8,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.stages import create_run
-from jobs.home import Home
+from jobs.home.home import Home
 from jobs.stage import DONE, STOPPED
 from tests.synthetic import write_capture
 

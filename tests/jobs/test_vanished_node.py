@@ -14,11 +14,11 @@ import pytest
 from network_node import NetworkNode, why_no_nodes
 from postgres_server import PostgresServer
 
-from jobs.client import JobClient
-from jobs.database import connection_url
-from jobs.home import Home
-from jobs.job import Job
-from jobs.liveness import PostgresLiveness
+from jobs.home.database import connection_url
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.liveness import PostgresLiveness
+from jobs.records.job import Job
 from jobs.worker import FENCED
 
 Worker = subprocess.Popen[bytes]
@@ -27,9 +27,9 @@ Poll = Callable[[Callable[[], bool], str], None]
 
 HOLD = """
 import signal
-from jobs.database import connection_url
-from jobs.home import Home
-from jobs.liveness import PostgresLiveness
+from jobs.home.database import connection_url
+from jobs.home.home import Home
+from jobs.queue.liveness import PostgresLiveness
 home = Home.from_environment()
 PostgresLiveness(connection_url(home)).hold("node", lambda: None)
 print("holds", flush=True)

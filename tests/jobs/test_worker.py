@@ -10,15 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.runs.config import RunConfig
-from jobs.artifacts import ArtifactStore
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import Job, JobState
-from jobs.job_history import read_course
-from jobs.job_request import JobRequest
-from jobs.out_of_memory import CURE
-from jobs.stages import STAGES, StageBytes, StageSeconds
+from hgs_core.runs.run_config import RunConfig
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.home.stage_settings import STAGES, StageBytes, StageSeconds
+from jobs.process.memory_limit import CURE
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job import Job, JobState
+from jobs.runs.progress_log import read_course
 from jobs.worker import start_worker
 
 Worker = subprocess.Popen[bytes]

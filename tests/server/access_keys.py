@@ -1,11 +1,11 @@
-"""Keys in memory that behave as `jobs.keys.KeyTable` does."""
+"""Keys in memory that behave as `jobs.records.keys.KeyTable` does."""
 
 from __future__ import annotations
 
 import hashlib
 import secrets
 
-from jobs.keys import Key, Scope
+from jobs.records.keys import Key, Scope
 
 
 class FakeKeys:

@@ -18,22 +18,22 @@ import pytest
 from fastapi import FastAPI
 
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.codec.format.folder import load_manifest
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.scene_folder import load_manifest
 from hgs_core.scene.camera import Camera
-from jobs.artifacts import SceneEntry
-from jobs.client import JobConflictError
-from jobs.home import Home
-from jobs.job import Job, JobState, Place
-from jobs.job_filter import JobFilter
-from jobs.job_request import JobRequest
-from jobs.webhook_table import Announcement
-from jobs.worker_register import Worker
+from jobs.artifacts.artifact_store import SceneEntry
+from jobs.home.home import Home
+from jobs.queue.client import JobConflictError
+from jobs.queue.job_request import JobRequest
+from jobs.records.announcements import Announcement
+from jobs.records.job import Job, JobState, Place
+from jobs.records.job_filter import JobFilter
+from jobs.records.worker_register import Worker
 from server.app import create_app
-from server.capture_folders import CaptureFolders
-from server.scene_index import Chunk, SceneIndex, Slice
-from server.serving import HttpServer, bind
+from server.captures.capture_folders import CaptureFolders
+from server.listener.http_server import HttpServer, bind
+from server.scenes.scene_index import Chunk, SceneIndex, Slice
 from tests.chunks import dynamic_chunk, splats_of, static_chunk
 
 SliceSpec = tuple[float, float, Sequence[int]]  # start, end, sizes of the chunks
@@ -81,7 +81,7 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
 
 
 class FakeJobs:
-    """A queue in memory that behaves as `jobs.client.JobClient` does."""
+    """A queue in memory that behaves as `jobs.queue.client.JobClient` does."""
 
     def __init__(self) -> None:
         self.jobs: dict[str, Job] = {}

@@ -8,7 +8,7 @@ from typing import Any
 
 import httpx
 
-from jobs.home import Home
+from jobs.home.home import Home
 from server.app import create_app
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -17,10 +17,10 @@ SERVE_ONE_REQUEST_OF_EACH_KIND = """
 import asyncio, sys
 from pathlib import Path
 import httpx
-from jobs.home import Home
+from jobs.home.home import Home
 from server.app import create_app
-from server.publishing import publish_run
-from jobs.artifacts import ArtifactStore
+from jobs.artifacts.publish_run import publish_run
+from jobs.artifacts.artifact_store import ArtifactStore
 
 home = Home.at(Path(sys.argv[1]))
 publish_run(ArtifactStore(home.store_url), Path(sys.argv[2]), "studio")

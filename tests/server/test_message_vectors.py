@@ -12,10 +12,10 @@ import msgpack
 import pytest
 
 from scripts.make_message_vectors import document
-from server import protocol
-from server.client_messages import decode
-from server.protocol import ClientMessage, Hello, ProtocolError, ServerMessage
-from server.stream_endings import meaning, passes
+from server.protocol import messages as protocol
+from server.protocol.client_messages import decode
+from server.protocol.messages import ClientMessage, Hello, ProtocolError, ServerMessage
+from server.protocol.stream_endings import meaning, passes
 
 FILE = Path(__file__).resolve().parents[1] / "vectors" / "messages.json"
 VECTORS: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))

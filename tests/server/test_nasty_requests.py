@@ -19,9 +19,9 @@ from fastapi import FastAPI
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jobs.home import Home
+from jobs.home.home import Home
 from server.app import create_app
-from server.capture_folders import CaptureFolders
+from server.captures.capture_folders import CaptureFolders
 from tests.server.conftest import running_server
 
 

@@ -9,15 +9,15 @@ import av
 import numpy as np
 import pytest
 
-from hgs_core.capture.sound_pieces import cut_sound
+from hgs_core.capture.sound.sound_pieces import cut_sound
 from hgs_core.codec import encode_scene
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
-from hgs_core.codec.format.folder import chunk_id
+from hgs_core.codec.format.scene_folder import chunk_id
 from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.splats import HybridScene, Segment
-from server.static_publishing import PLAYER
-from server.viewer import VIEWER
-from server.web_folder import publish_to_folder
+from server.publishing.static_folder import PLAYER
+from server.publishing.web_folder import publish_to_folder
+from server.routes.viewer_pages import VIEWER
 from tests.synthetic import synthetic_scene
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from playwright.sync_api import sync_playwright
 
 from hgs_core.bench.browser import find_chromium, open_viewer
 from hgs_core.bench.process_time import descendants_cpu_seconds
-from hgs_core.bench.scenes import bench_scene
+from hgs_core.bench.raster.synthetic_scenes import bench_scene
 from hgs_core.codec import encode_scene
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.camera import Camera

@@ -19,11 +19,11 @@ import numpy as np
 import pytest
 
 from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
-from hgs_core.codec.format.folder import load_manifest
-from server.web_bucket import publish_to_bucket
-from server.web_folder import publish_to_folder
+from hgs_core.codec.format.scene_folder import load_manifest
+from server.publishing.web_bucket import publish_to_bucket
+from server.publishing.web_folder import publish_to_folder
 from tests.jobs.modules.s3_server import running_s3_server
-from tests.server.test_web_bucket import let_all_read
+from tests.server.publishing.test_web_bucket import let_all_read
 from tests.web_client.conftest import HEIGHT, REPOSITORY, WIDTH, serving
 from tests.web_client.test_console_pages import violations
 

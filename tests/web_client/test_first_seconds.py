@@ -14,8 +14,8 @@ from PIL import Image
 
 from hgs_core.bench.browser import canvas_pixels, open_viewer
 from hgs_core.codec import encode_scene
-from hgs_core.codec.format.folder import load_manifest
-from server.web_folder import publish_to_folder
+from hgs_core.codec.format.scene_folder import load_manifest
+from server.publishing.web_folder import publish_to_folder
 from tests.web_client.conftest import HEIGHT, WIDTH, serving
 from tests.web_client.test_embedding import PLAYER, SCRIPT, embedding, host, hosting, player, wait_for_picture
 from tests.web_client.test_view_page import PHONE

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from hgs_core.codec.format.folder import load_manifest
 from hgs_core.codec.format.growth import first_segments
-from jobs.artifacts import ArtifactStore
-from server.web_folder import publish_to_folder
+from hgs_core.codec.format.scene_folder import load_manifest
+from jobs.artifacts.artifact_store import ArtifactStore
+from server.publishing.web_folder import publish_to_folder
 from tests.web_client.conftest import serving
 from tests.web_client.test_embedding import PLAYER, hosting
 

@@ -21,9 +21,9 @@ from hgs_core.capture.cameras.rig import (
     pose_of,
     rotation_matrix,
 )
-from hgs_core.capture.lens import opencv_lens
-from hgs_core.capture.picture import list_folder, list_folders
-from hgs_core.capture.text_file import read_toml
+from hgs_core.capture.files.text_file import read_toml
+from hgs_core.capture.lenses.lens import opencv_lens
+from hgs_core.capture.pictures.picture import list_folder, list_folders
 
 __all__ = ["CALIBRATION_TOML", "OPENCV_CENTRE"]
 

@@ -18,10 +18,10 @@ from hgs_core.base.wording import counted
 from hgs_core.capture.cameras.colmap_model import ColmapCamera, ColmapImage, model_files, read_model
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig
 from hgs_core.capture.cameras.steady_pose import differing, median_pose, rig_radius, same_pose, spread
-from hgs_core.capture.colmap_lens import colmap_intrinsics
+from hgs_core.capture.files.named_files import plain_name
 from hgs_core.capture.footage import find_places
-from hgs_core.capture.named_files import plain_name
-from hgs_core.capture.picture import list_folders
+from hgs_core.capture.lenses.colmap_lens import colmap_intrinsics
+from hgs_core.capture.pictures.picture import list_folders
 
 __all__ = ["COLMAP"]
 

@@ -13,9 +13,9 @@ import numpy.typing as npt
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.rig import LARGEST, MOST_CAMERAS
-from hgs_core.capture.colmap_lens import COLMAP_MODELS
-from hgs_core.capture.text_file import text_lines
-from hgs_core.capture.unreadable import unreadable
+from hgs_core.capture.files.text_file import text_lines
+from hgs_core.capture.files.unreadable import unreadable
+from hgs_core.capture.lenses.colmap_lens import COLMAP_MODELS
 
 __all__ = ["ColmapCamera", "ColmapImage", "model_files", "read_model"]
 

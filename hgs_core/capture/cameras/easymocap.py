@@ -11,7 +11,7 @@ from pathlib import Path
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.opencv_yaml import OpenCvYaml
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
-from hgs_core.capture.lens import PINHOLE, opencv_lens
+from hgs_core.capture.lenses.lens import PINHOLE, opencv_lens
 
 __all__ = ["EASYMOCAP", "EXTRI_FILE", "INTRI_FILE"]
 

@@ -21,8 +21,8 @@ from hgs_core.capture.cameras.rig import (
     pose_of,
     rotation_matrix,
 )
-from hgs_core.capture.lens import Polynomial
-from hgs_core.capture.text_file import read_json
+from hgs_core.capture.files.text_file import read_json
+from hgs_core.capture.lenses.lens import Polynomial
 
 __all__ = ["IMMERSIVE", "MODELS_FILE"]
 

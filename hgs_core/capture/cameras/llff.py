@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.array_file import read_array
 from hgs_core.capture.cameras.rig import LARGEST, MOST_CAMERAS, CalibratedCamera, CameraFormat, Rig
+from hgs_core.capture.files.array_file import read_array
 
 __all__ = ["LLFF", "POSES_FILE", "camera_of_row"]
 

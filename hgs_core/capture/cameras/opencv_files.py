@@ -14,8 +14,8 @@ from hgs_core.capture.cameras.calibration_toml import OPENCV_CENTRE
 from hgs_core.capture.cameras.easymocap import EXTRI_FILE, INTRI_FILE
 from hgs_core.capture.cameras.opencv_yaml import OpenCvYaml, is_opencv_yaml
 from hgs_core.capture.cameras.rig import CalibratedCamera, CameraFormat, Rig, finite, pose_of, rotation_matrix
-from hgs_core.capture.lens import PINHOLE, opencv_lens
-from hgs_core.capture.picture import list_folder
+from hgs_core.capture.lenses.lens import PINHOLE, opencv_lens
+from hgs_core.capture.pictures.picture import list_folder
 
 __all__ = ["OPENCV_FILES"]
 

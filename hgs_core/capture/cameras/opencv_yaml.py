@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
-from hgs_core.capture.text_file import begins_with, read_text
+from hgs_core.capture.files.text_file import begins_with, read_text
 
 __all__ = ["OpenCvYaml", "is_opencv_yaml"]
 

@@ -17,8 +17,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.wording import counted, shown
 from hgs_core.capture.cameras.rig import LARGEST, CalibratedCamera, CameraFormat, Rig
 from hgs_core.capture.cameras.steady_pose import differing, median_pose, rig_radius, same_pose, spread
-from hgs_core.capture.named_files import find_named, otherwise_named, path_as_written
-from hgs_core.capture.text_file import read_json
+from hgs_core.capture.files.named_files import find_named, otherwise_named, path_as_written
+from hgs_core.capture.files.text_file import read_json
 
 __all__ = ["PANOPTIC_SPORTS"]
 

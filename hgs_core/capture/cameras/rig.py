@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
-from hgs_core.capture.lens import PINHOLE, Lens
+from hgs_core.capture.lenses.lens import PINHOLE, Lens
 from hgs_core.scene.camera import Camera
 
 __all__ = [

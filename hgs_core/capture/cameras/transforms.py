@@ -27,7 +27,7 @@ from hgs_core.capture.cameras.transforms_file import TRANSFORMS_FILE, Frame, mis
 from hgs_core.capture.cameras.transforms_frame import camera_of_frame
 from hgs_core.capture.cameras.transforms_times import FrameTimes, frame_times
 from hgs_core.capture.footage import is_picture, is_video, natural_order
-from hgs_core.capture.picture import list_folder, picture_size
+from hgs_core.capture.pictures.picture import list_folder, picture_size
 
 __all__ = ["NERFSTUDIO"]
 

@@ -11,9 +11,9 @@ from typing import Any
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.transforms_frame import INTRINSICS, number_of
-from hgs_core.capture.named_files import NamedFiles, find_named, otherwise_named, path_as_written
-from hgs_core.capture.picture import list_folder
-from hgs_core.capture.text_file import read_json
+from hgs_core.capture.files.named_files import NamedFiles, find_named, otherwise_named, path_as_written
+from hgs_core.capture.files.text_file import read_json
+from hgs_core.capture.pictures.picture import list_folder
 
 __all__ = ["TRANSFORMS_FILE", "Frame", "missing", "read_frames", "transforms_files"]
 

@@ -10,7 +10,7 @@ import numpy as np
 from hgs_core.base.errors import InputError
 from hgs_core.base.wording import shown
 from hgs_core.capture.cameras.rig import LARGEST, CalibratedCamera
-from hgs_core.capture.lens import PINHOLE, Lens, Polynomial
+from hgs_core.capture.lenses.lens import PINHOLE, Lens, Polynomial
 
 __all__ = ["INTRINSICS", "camera_of_frame", "number_of"]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.transforms_file import Frame
-from hgs_core.capture.time_units import SECONDS, unit_of_step
+from hgs_core.capture.time.time_units import SECONDS, unit_of_step
 
 __all__ = ["FrameTimes", "frame_times"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from hgs_core.base.arrays import Doubles, Whole
-from hgs_core.codec.encoder.choose import choose, neighbours
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.rotations import turn_between, vector_to_quats
+from hgs_core.codec.encoder.rate_distortion import choose, neighbours
+from hgs_core.codec.encoder.rotation_coding import turn_between, vector_to_quats
 from hgs_core.codec.encoder.steps import TURN_AGAINST_SCALE, Steps, screen_deviations
 from hgs_core.codec.format.quantise import uneased
 from hgs_core.scene.rotations import product

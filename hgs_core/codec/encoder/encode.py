@@ -13,20 +13,20 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles, Floats
 from hgs_core.base.atomic import write_bytes
-from hgs_core.codec.encoder.captured_space import find_captured_space
+from hgs_core.codec.encoder.chunking import dynamic_layers, slice_limits, static_layers
 from hgs_core.codec.encoder.encode_chunk import encode_static_chunk
 from hgs_core.codec.encoder.encode_dynamic import encode_dynamic_chunk
-from hgs_core.codec.encoder.layers import dynamic_layers, slice_limits, static_layers
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
+from hgs_core.codec.encoder.find_captured_space import find_captured_space
 from hgs_core.codec.encoder.prepare import prepare_dynamic, prepare_static
-from hgs_core.codec.encoder.settings import EncodeSettings
-from hgs_core.codec.encoder.shown import Shown, frame_interval, shown_segments
+from hgs_core.codec.encoder.segment_times import Shown, frame_interval, shown_segments
 from hgs_core.codec.encoder.utility import SetUtility, Utility
 from hgs_core.codec.encoder.viewpoint import find_viewpoint
 from hgs_core.codec.format.audio import CodedAudio
 from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.codec.format.decode import DecodedChunk
-from hgs_core.codec.format.folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST, THUMBNAIL, chunk_id
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import HybridScene
 from hgs_core.scene.temporal import lifetime

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles, Whole
 from hgs_core.codec.encoder.appearance import appearance_numbers, rotation_numbers
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.rotations import shape_error
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.format import morton
 from hgs_core.codec.format.attributes import ATTRIBUTES, Attribute, Kind

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.codec.encoder.appearance import appearance_numbers
-from hgs_core.codec.encoder.choose import choose, neighbours
 from hgs_core.codec.encoder.encode_chunk import Numbers, declare, outward, write_chunk
-from hgs_core.codec.encoder.motion import Path, highest_order, motion_numbers, turning_numbers
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
+from hgs_core.codec.encoder.motion_coding import Path, highest_order, motion_numbers, turning_numbers
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.rotations import shape_error
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.rate_distortion import choose, neighbours
+from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.codec.encoder.utility import grades
 from hgs_core.codec.format.attributes import FIFTH, TURNS, Kind

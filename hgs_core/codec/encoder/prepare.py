@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from hgs_core.base.arrays import Doubles
 from hgs_core.base.errors import InputError
-from hgs_core.codec.encoder.antialiasing import strength_weights
-from hgs_core.codec.encoder.rotations import canonical
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.antialiased_weights import strength_weights
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
+from hgs_core.codec.encoder.rotation_coding import canonical
 from hgs_core.codec.encoder.utility import SetUtility, estimated_utility, pixels_per_unit
 from hgs_core.codec.format.attributes import MOTION_ORDERS
 from hgs_core.scene.camera import Camera
-from hgs_core.scene.limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARGEST_LOG_SCALE
 from hgs_core.scene.motion import position as place
 from hgs_core.scene.opacities import opacities_of
 from hgs_core.scene.rotations import product, unit_quaternions, units_and_norms
+from hgs_core.scene.splat_limits import LARGEST_COLOUR, LARGEST_COORDINATE, LARGEST_LOG_SCALE
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.scene.temporal import lifetime
 

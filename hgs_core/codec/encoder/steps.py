@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from hgs_core.base.arrays import Doubles
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.prepare import Prepared
-from hgs_core.codec.encoder.settings import EncodeSettings
 from hgs_core.codec.encoder.utility import LOW_PASS, grades
 from hgs_core.codec.format.quantise import float32_below, uneased
 

@@ -10,7 +10,7 @@ from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 from hgs_core.codec.format.attributes import Kind
-from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.quantise import MAX_ZERO, Grid
 
 __all__ = [

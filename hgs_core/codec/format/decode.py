@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hgs_core.base.arrays import Floats
 from hgs_core.codec.format.attributes import ATTRIBUTES, BY_ID, FIFTH, LARGEST_FORM, MOTION_ORDERS, Kind
 from hgs_core.codec.format.chunk import VERSIONS, Bounds, Box, Container, Stream, unpack
-from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.quantise import eased, unit_quats
 from hgs_core.codec.format.values import check_entry, read_codes, read_values
 from hgs_core.scene.motion import COEFFICIENTS

@@ -11,7 +11,7 @@ from hgs_core.codec.format.audio import AudioEntry
 from hgs_core.codec.format.captured_space import CapturedSpace
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
 from hgs_core.codec.format.json_fields import Field, field_of
-from hgs_core.codec.format.manifest_references import check_references
+from hgs_core.codec.format.manifest_reading import check_references
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]

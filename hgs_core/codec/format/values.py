@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hgs_core.codec.format import morton
 from hgs_core.codec.format.attributes import Attribute
 from hgs_core.codec.format.chunk import Stream
-from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.quantise import MAX_BITS
 from hgs_core.codec.format.streams import decompress, from_planes, undo_transform
 

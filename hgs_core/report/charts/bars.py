@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hgs_core.report.charts.axis import linear_axis
-from hgs_core.report.charts.labels import legend
+from hgs_core.report.charts.chart_labels import legend
 from hgs_core.report.charts.svg import FONT, WIDTH, box, colour, figure, line, shortened, text, text_width
 
 __all__ = ["Bar", "Part", "bar_chart", "legend_of"]

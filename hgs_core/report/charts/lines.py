@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hgs_core.report.charts.axis import linear_axis
-from hgs_core.report.charts.labels import spread
+from hgs_core.report.charts.chart_labels import spread
 from hgs_core.report.charts.plot import Plot, make_plot
 from hgs_core.report.charts.svg import (
     FONT,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hgs_core.report.charts.labels import around_points
+from hgs_core.report.charts.chart_labels import around_points
 from hgs_core.report.charts.plot import make_plot
 from hgs_core.report.charts.svg import FONT, WIDTH, colour, dot, figure, line, shortened, text
 

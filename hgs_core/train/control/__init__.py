@@ -6,15 +6,15 @@ A round says after which iterations it is due and what it then does. A new one i
 
 from __future__ import annotations
 
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.births import BirthRound
 from hgs_core.train.control.density import DensityRound
 from hgs_core.train.control.infill import InfillRound
-from hgs_core.train.control.labels import LabelRound
 from hgs_core.train.control.moving_steps import MovingSteps
 from hgs_core.train.control.pruning import PruningRound
+from hgs_core.train.control.relabelling import LabelRound
 from hgs_core.train.control.relocation import NoiseRound, RelocationRound
 from hgs_core.train.control.round import Round, RoundContext
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["Round", "RoundContext", "rounds"]
 

@@ -16,12 +16,12 @@ import torch
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.control.lives import visible_where_still, with_lives_shortened
+from hgs_core.train.control.ghosts import visible_where_still, with_lives_shortened
 from hgs_core.train.control.missing_points import MissingPoints, chosen_points, find_missing_points, picture_error
 from hgs_core.train.control.round import RoundContext, is_after_share
-from hgs_core.train.initialise import initial_splats
+from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.splat_sets import kept, rows_of
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["BIRTHS_AT", "BirthRound"]
 

@@ -18,10 +18,10 @@ from hgs_core.render.projection import rotation_matrices
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.round import BudgetRound, RoundContext
 from hgs_core.train.rmsprop import RmsProp
 from hgs_core.train.splat_sets import joined
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
 

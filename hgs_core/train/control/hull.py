@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 from torch import Tensor
 
-from hgs_core.decompose.temporal import sample_frames
-from hgs_core.points.labels import label_points
+from hgs_core.decompose.background import sample_frames
+from hgs_core.points.point_labels import label_points
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats
 from hgs_core.scene.temporal import evaluate

@@ -20,11 +20,11 @@ from hgs_core.points.sweep import depth_ranges
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.missing_points import chosen_points, find_missing_points, picture_error
 from hgs_core.train.control.round import RoundContext, is_one_of_ten
-from hgs_core.train.initialise import initial_splats
+from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.splat_sets import kept
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["InfillRound", "find_infill"]

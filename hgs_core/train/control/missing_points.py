@@ -13,8 +13,8 @@ import numpy.typing as npt
 from torch import Tensor
 
 from hgs_core.decompose.morphology import box_sum
-from hgs_core.points.labels import label_points, mean_over_views
 from hgs_core.points.point_cloud import PointCloud
+from hgs_core.points.point_labels import label_points, mean_over_views
 from hgs_core.points.sweep import sweep
 from hgs_core.scene.camera import Camera
 

@@ -12,10 +12,10 @@ from typing import ClassVar
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.round import RoundContext
-from hgs_core.train.living import living_rows, rows_taken
 from hgs_core.train.moving_tiles import MovingTiles, loss_gradient
+from hgs_core.train.splats_alive import living_rows, rows_taken
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 
 __all__ = ["MovingSteps"]

@@ -9,12 +9,12 @@ import numpy as np
 
 from hgs_core.render.fixed_view import FixedView
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.control.births import BIRTHS_AT
 from hgs_core.train.control.density import is_fog
 from hgs_core.train.control.hull import outside_moving_hull
 from hgs_core.train.control.round import RoundContext, is_after_share
 from hgs_core.train.splat_sets import kept
+from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["PruningRound"]
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from hgs_core.scene.camera import Camera
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.segment_cuts import CaptureSegment
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 
 __all__ = ["BudgetRound", "Round", "RoundContext", "is_after_share", "is_one_of_ten"]

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from hgs_core.ablate.ablation_rows import rows_named
 from hgs_core.ablate.plan import Ablation
-from hgs_core.ablate.rows import rows_named
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from tests.synthetic import write_capture
 
 CONFIG = RunConfig.from_json(

@@ -12,8 +12,8 @@ import pytest
 import torch
 
 from hgs_core.ablate.ablation import ablate
+from hgs_core.ablate.ablation_rows import ROWS
 from hgs_core.ablate.plan import Ablation
-from hgs_core.ablate.rows import ROWS
 from hgs_core.ablate.summary import FIGURES
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, StageStopped, silent

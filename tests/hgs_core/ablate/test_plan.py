@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from hgs_core.ablate.ablation_rows import rows_named
 from hgs_core.ablate.plan import Ablation
-from hgs_core.ablate.rows import rows_named
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 
 BASE = RunConfig.for_preset("preview", seed=99, capture={"hold_out": ["0"]})
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 
 from hgs_core.base.progress import Progress
-from hgs_core.bench.raster import RasterReport, bench_raster
-from hgs_core.bench.settings import BenchSettings
-from hgs_core.bench.sizes import Size
+from hgs_core.bench.raster.raster_bench import RasterReport, bench_raster
+from hgs_core.bench.raster.raster_settings import BenchSettings
+from hgs_core.bench.raster.raster_sizes import Size
 
 SMALL, LARGE = Size(300, 64, 48), Size(400, 75, 41)
 

@@ -9,9 +9,9 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.against import Comparison, compare, interpreter_of
-from hgs_core.bench.settings import BenchSettings
-from hgs_core.bench.sizes import Size
-from hgs_core.bench.stages import TrainingTimes
+from hgs_core.bench.raster.raster_settings import BenchSettings
+from hgs_core.bench.raster.raster_sizes import Size
+from hgs_core.bench.raster.stage_times import TrainingTimes
 from hgs_core.native import library
 
 SIZE = Size(200, 40, 24)

@@ -11,7 +11,7 @@ from types import ModuleType
 
 import pytest
 
-from hgs_core.bench.raster import RasterReport
+from hgs_core.bench.raster.raster_bench import RasterReport
 
 SCRIPT = Path(__file__).resolve().parents[3] / "scripts" / "plot_raster.py"
 

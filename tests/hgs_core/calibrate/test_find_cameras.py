@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
+from hgs_core.calibrate.calibration_views import View
 from hgs_core.calibrate.find_cameras import cameras_of_views, find_cameras
-from hgs_core.calibrate.views import View
 from hgs_core.capture.open import open_capture
 from hgs_core.points.features import Features
 from tests.conftest import REPOSITORY

@@ -7,8 +7,8 @@ import dataclasses
 import numpy as np
 import pytest
 
+from hgs_core.calibrate.calibration_views import Pinhole, View
 from hgs_core.calibrate.structure import Solution, solve
-from hgs_core.calibrate.views import Pinhole, View
 from hgs_core.points.features import Features
 from hgs_core.scene.camera import Camera, looking_at
 

@@ -8,7 +8,7 @@ import av
 import numpy as np
 import numpy.typing as npt
 
-from hgs_core.capture.sound_track import SOUND_RATE
+from hgs_core.capture.sound.sound_track import SOUND_RATE
 
 RATE = 30
 

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from hgs_core.capture.config import CaptureConfig
+from hgs_core.capture.capture_config import CaptureConfig
 from hgs_core.capture.held_out import AUTO, with_held_out
 from tests.synthetic import ring_of_cameras
 

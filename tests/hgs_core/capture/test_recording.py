@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.capture.clock import Clock
-from hgs_core.capture.lens import PINHOLE, Polynomial, opencv_lens
-from hgs_core.capture.mask_files import MaskFiles
+from hgs_core.capture.lenses.lens import PINHOLE, Polynomial, opencv_lens
+from hgs_core.capture.lenses.straighten import StraightView
 from hgs_core.capture.open import open_capture
+from hgs_core.capture.pictures.mask_files import MaskFiles
 from hgs_core.capture.recording import Recording
-from hgs_core.capture.straighten import StraightView
+from hgs_core.capture.time.clock import Clock
 from hgs_core.scene.camera import Camera
 from tests.hgs_core.capture.conftest import write_masks
 

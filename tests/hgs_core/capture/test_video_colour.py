@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from hgs_core.capture.video import VideoReader
+from hgs_core.capture.pictures.video import VideoReader
 
 MATRICES = {"bt601": (0.299, 0.114, 5), "bt709": (0.2126, 0.0722, 1)}  # red and blue shares of luma, number in the file
 

@@ -10,10 +10,10 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
-from hgs_core.capture.sync import read_sync
+from hgs_core.capture.time.sync import read_sync
 from hgs_core.check.starts import Starts, starts_by_energy, starts_by_sound
 from tests.hgs_core.capture.sounding import write_sounding_video
-from tests.hgs_core.check.test_sound import heard, scene
+from tests.hgs_core.check.test_starts_by_sound import heard, scene
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from hgs_core.codec import EncodeSettings, SetUtility, Utility, encode_scene, load_manifest, read_chunk
-from hgs_core.codec.encoder.rotations import shape_error
+from hgs_core.codec.encoder.rotation_coding import shape_error
 from hgs_core.codec.format.attributes import Kind
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats, evaluate, lifetime
 from hgs_core.scene.camera import Camera

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from hgs_core.codec import EncodeSettings, SetUtility, Utility, decode_scene, encode_scene
-from hgs_core.fit.loss import Loss
-from hgs_core.fit.utility import measure_utility
-from hgs_core.fit.views import EncodeViews
+from hgs_core.fit.encoding_loss import Loss
+from hgs_core.fit.encoding_views import EncodeViews
+from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera
 

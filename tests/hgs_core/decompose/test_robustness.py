@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hgs_core.capture.open import open_capture
-from hgs_core.decompose.temporal import estimate_background, moving_pixels
+from hgs_core.decompose.background import estimate_background, moving_pixels
 from scripts.measure_masks import DEGRADATIONS, scores
 
 ROWS = slice(100, 384)  # the part of the picture with the man, the bowl and the turntable: half the work

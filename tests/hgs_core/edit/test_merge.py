@@ -14,7 +14,7 @@ from hgs_core.edit.merge import merge
 from hgs_core.edit.regions import box_of
 from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import ViewedScene
-from hgs_core.interchange.moment import scene_at
+from hgs_core.interchange.still_moment import scene_at
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.splats import joined
 from tests.hgs_core.edit.scenes import CAMERAS, moving, picture, splats, still

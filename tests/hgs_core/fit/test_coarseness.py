@@ -8,17 +8,17 @@ import pytest
 import torch
 
 from hgs_core.capture.open import open_capture
-from hgs_core.codec.encoder.preview import quantised_scene
+from hgs_core.codec.encoder.decoded_preview import quantised_scene
 from hgs_core.fit.coarseness import BUDGET_SHARE_NEAR_ENOUGH, Fitted, _coarsest, fit
-from hgs_core.fit.config import BUDGETS
-from hgs_core.fit.loss import Decibels, Loss
-from hgs_core.fit.utility import measure_utility
-from hgs_core.fit.views import EncodeViews
+from hgs_core.fit.encoding_loss import Decibels, Loss
+from hgs_core.fit.encoding_views import EncodeViews
+from hgs_core.fit.fit_config import BUDGETS
+from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.render.reference import rasterize_reference
 from hgs_core.render.types import View
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.targets import target_picture
+from hgs_core.train.train_config import TrainConfig
 from tests.synthetic import event_splats, ring_of_cameras, synthetic_scene, write_capture
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hgs_core.fit.dynamic_share import dynamic_share
-from hgs_core.fit.loss import Decibels, Loss
+from hgs_core.fit.encoding_loss import Decibels, Loss
 from hgs_core.scene import HybridScene, Segment
 from hgs_core.scene.splats import joined
 from tests.synthetic import synthetic_scene

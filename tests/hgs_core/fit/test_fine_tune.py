@@ -10,20 +10,20 @@ import torch
 
 from hgs_core.base.progress import StageStopped
 from hgs_core.capture.open import open_capture
-from hgs_core.codec.encoder.preview import quantised_scene
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.decoded_preview import quantised_scene
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.utility import Utility
 from hgs_core.fit.coarseness import fit
-from hgs_core.fit.config import BUDGETS
+from hgs_core.fit.encoding_loss import Loss
+from hgs_core.fit.encoding_views import EncodeViews
 from hgs_core.fit.fine_tune import FineTune
-from hgs_core.fit.loss import Loss
-from hgs_core.fit.utility import measure_utility
-from hgs_core.fit.views import EncodeViews
+from hgs_core.fit.fit_config import BUDGETS
+from hgs_core.fit.measured_utility import measure_utility
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.splats import joined
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.schedule import share_alive
 from hgs_core.train.targets import target_picture
+from hgs_core.train.train_config import TrainConfig
 from tests.synthetic import synthetic_scene, write_capture
 
 COARSE = EncodeSettings(coarseness=3.0, prune=0, prune_dynamic=0)  # nothing stands in for so few splats

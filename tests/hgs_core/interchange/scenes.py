@@ -9,7 +9,7 @@ import numpy as np
 
 from hgs_core.interchange import Change, export_scene
 from hgs_core.interchange.antialiasing_note import note_of
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.rotations import matrices

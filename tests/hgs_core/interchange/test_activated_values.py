@@ -7,7 +7,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.interchange import import_scene
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene.opacities import opacities_of
 from tests.hgs_core.interchange.scenes import Write
 from tests.hgs_core.interchange.test_splat_properties import COUNT, columns, told

@@ -12,8 +12,8 @@ import torch
 from hgs_core.base.progress import silent
 from hgs_core.interchange import export_scene, export_sequence, import_scene
 from hgs_core.interchange.antialiasing_note import UNTOLD, noted
-from hgs_core.interchange.moment import scene_at
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
+from hgs_core.interchange.still_moment import scene_at
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from hgs_core.scene.camera import Camera, looking_at

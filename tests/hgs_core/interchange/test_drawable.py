@@ -9,7 +9,7 @@ import pytest
 
 from hgs_core.interchange import import_scene
 from hgs_core.interchange.drawable import drawable
-from hgs_core.interchange.spacetime_ply import spacetime_ply
+from hgs_core.interchange.ply.spacetime_ply import spacetime_ply
 from hgs_core.interchange.splat_file import splat_file
 from hgs_core.scene import DynamicSplats, StaticSplats
 from hgs_core.scene.rotations import unit_quaternions

@@ -8,7 +8,7 @@ import torch
 
 from hgs_core.interchange import import_scene
 from hgs_core.interchange.far_places import middle_if_far
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.render.rasterize import rasterize
 from hgs_core.scene.camera import Camera, looking_at
 from tests.hgs_core.interchange.scenes import Write, statics

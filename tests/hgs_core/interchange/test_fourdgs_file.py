@@ -12,8 +12,8 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.interchange.fourdgs_file import FOURDGS, fourdgs_file, read_fourdgs
-from hgs_core.interchange.importing import import_scene
-from hgs_core.interchange.moment import scene_at
+from hgs_core.interchange.import_scene import import_scene
+from hgs_core.interchange.still_moment import scene_at
 from hgs_core.scene import HybridScene, Segment
 from hgs_core.scene.temporal import evaluate
 from tests.hgs_core.interchange.scenes import Write, axes_of, counted, dynamics, export, plain, statics

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from hgs_core.interchange.changes import nonzero
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.interchange.smoothing_filter import fused
 from hgs_core.scene.opacities import opacities_of
 from tests.hgs_core.interchange.scenes import Write, statics

@@ -16,7 +16,7 @@ from PIL import Image
 from hgs_core.base.errors import InputError
 from hgs_core.interchange import import_scene
 from hgs_core.interchange.sog_file import read_sog
-from tests.hgs_core.interchange.test_gaussian_glb import VECTORS
+from tests.hgs_core.interchange.gltf.test_gaussian_glb import VECTORS
 
 GIVEN = VECTORS / "splat_transform.sog"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hgs_core.interchange import import_scene
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene import StaticSplats
 from tests.hgs_core.interchange.scenes import Write, statics
 

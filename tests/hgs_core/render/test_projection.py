@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.render.moment import moment_of_static
 from hgs_core.render.projection import project, rotation_matrices
-from hgs_core.render.temporal import moment_of_static
 from tests.hgs_core.render.scenes import camera, static_splats
 
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from hgs_core.codec import encode_scene
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene import HybridScene, Segment
 from tests.synthetic import synthetic_scene, write_capture
 

@@ -11,7 +11,7 @@ import pytest
 from hgs_core.base.progress import silent
 from hgs_core.report.key_figures import config_changes, key_figures, megabytes, per_frames
 from hgs_core.report.sources import FinishedRun, read_run
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 
 
 @pytest.fixture(scope="module")

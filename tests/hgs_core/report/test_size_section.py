@@ -9,8 +9,8 @@ import pytest
 
 from hgs_core.base.progress import silent
 from hgs_core.codec.format.attributes import Kind
+from hgs_core.report.scene_sizes import CONTAINER, ChunkSize
 from hgs_core.report.size_section import size_section
-from hgs_core.report.sizes import CONTAINER, ChunkSize
 from hgs_core.report.sources import FinishedRun, read_run
 
 CHUNKS = [

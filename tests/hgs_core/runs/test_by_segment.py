@@ -12,10 +12,10 @@ from hgs_core.base.progress import Progress, StageStopped, silent
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.codec.format.growth import continues
 from hgs_core.runs.by_segment import assemble, finish, made, make_segment, segment_count
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import encode
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.runs.stages import initialise, train
 from hgs_core.scene.files import load_scene
 from tests.synthetic import write_capture

@@ -11,9 +11,9 @@ import pytest
 
 from hgs_core.base.config_fields import flat_fields
 from hgs_core.base.errors import InputError
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import OLD_NAMES, by_stage
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from tests.conftest import REPOSITORY
 
 FLAT_CONFIG: dict[str, Any] = json.loads((Path(__file__).parent / "flat_config.json").read_text())

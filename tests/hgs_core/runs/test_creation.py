@@ -9,9 +9,9 @@ from PIL import Image
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from tests.synthetic import write_capture
 
 CONFIG = RunConfig.from_json({"capture": {"hold_out": ["2"]}})

@@ -11,16 +11,16 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.codec import decode_scene, encode_scene, load_manifest
 from hgs_core.codec.format.audio import AudioEntry, AudioPiece, CodedAudio
-from hgs_core.codec.format.folder import chunk_id, read_audio
+from hgs_core.codec.format.scene_folder import chunk_id, read_audio
 from hgs_core.edit.orient import Similarity, orient, turn_about
 from hgs_core.edit.regions import ball_of
 from hgs_core.edit.trim import trim
 from hgs_core.edit.viewed_scene import Edit, ViewedScene
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.edited import edit_run, open_editable
 from hgs_core.runs.encode_inputs import trained_scene
 from hgs_core.runs.encoding import encode_again
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.scene.files import load_scene, save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.synthetic import ring_of_cameras, synthetic_scene

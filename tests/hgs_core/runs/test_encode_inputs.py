@@ -14,14 +14,14 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.decompose.masks import motion_masks
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encode_inputs import trained_scene, training_states, views_of_run
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from hgs_core.train.checkpoint import fresh_state, save_state
-from hgs_core.train.config import TrainConfig
+from hgs_core.train.train_config import TrainConfig
 from tests.synthetic import synthetic_scene, write_capture
 
 HELD_OUT = RunConfig.from_json({"capture": {"hold_out": ["2"]}})

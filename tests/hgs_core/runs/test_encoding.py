@@ -11,10 +11,10 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
 from hgs_core.codec import load_manifest
 from hgs_core.points.point_cloud import PointCloud
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
 from hgs_core.runs.encoding import Encoded, encode, encode_again
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.synthetic import synthetic_scene, write_capture

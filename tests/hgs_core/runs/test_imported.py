@@ -14,8 +14,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.interchange import export_scene, import_scene
 from hgs_core.render.rasterize import rasterize
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.imported import import_run
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.scene import DynamicSplats, HybridScene, Segment, StaticSplats
 from hgs_core.scene.camera import Camera, looking_at
 from hgs_core.scene.files import load_scene

@@ -16,12 +16,12 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.runs import lease
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 
 HOLD = """
 import fcntl, sys
 from pathlib import Path
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 if "without locks" in sys.argv:
     fcntl.flock = lambda *arguments: None
 with RunFolder(Path(sys.argv[1])).exclusive():

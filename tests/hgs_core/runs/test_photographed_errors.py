@@ -12,8 +12,8 @@ import torch
 
 from hgs_core.capture.open import open_capture
 from hgs_core.render.rasterize import rasterize
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.photographed_errors import photographed_errors
+from hgs_core.runs.run_config import RunConfig
 from hgs_core.scene import HybridScene, Segment
 from tests.synthetic import synthetic_scene, write_capture
 

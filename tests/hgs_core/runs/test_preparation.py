@@ -17,12 +17,12 @@ from hgs_core.calibrate.colmap_text import write_colmap_text
 from hgs_core.calibrate.structure import Solution, SolvedCamera
 from hgs_core.check.starts import Starts
 from hgs_core.runs import preparation
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run, prepare
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
 from hgs_core.scene.camera import looking_at
 from tests.hgs_core.capture.sounding import write_sounding_video
-from tests.hgs_core.check.test_sound import heard, scene
+from tests.hgs_core.check.test_starts_by_sound import heard, scene
 
 NAMES = ("a", "b", "c", "d", "e", "f")
 CONFIG = RunConfig()

@@ -10,13 +10,13 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.codec import encode_scene, load_manifest
-from hgs_core.codec.format.folder import checked_chunks, read_audio
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.codec.format.scene_folder import checked_chunks, read_audio
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.sound import replace_sound, require_sound_file, require_sounding_video, scene_sound
 from hgs_core.scene.splats import HybridScene, Segment
 from tests.hgs_core.capture.sounding import write_sounding_video
-from tests.hgs_core.check.test_sound import heard, scene
+from tests.hgs_core.check.test_starts_by_sound import heard, scene
 from tests.synthetic import ring_of_cameras, synthetic_scene
 
 SOUND = 0.2 * scene(5)

@@ -12,8 +12,8 @@ from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec import encode_scene, load_manifest
 from hgs_core.interchange import import_scene
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.source import open_source
 from hgs_core.scene.files import save_scene
 from hgs_core.scene.splats import HybridScene, Segment

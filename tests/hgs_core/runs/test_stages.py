@@ -16,10 +16,10 @@ from hgs_core.base.progress import Progress, silent
 from hgs_core.base.version import software_version
 from hgs_core.check.findings import CaptureCheck, Finding
 from hgs_core.codec import decode_scene, load_manifest
-from hgs_core.codec.encoder.captured_space import find_captured_space
+from hgs_core.codec.encoder.find_captured_space import find_captured_space
 from hgs_core.evaluate.run import evaluate_run
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from hgs_core.runs.stages import STAGES, create_run, train_scene
 from hgs_core.scene.files import load_scene
 from tests.conftest import REPOSITORY

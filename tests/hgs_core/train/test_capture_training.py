@@ -13,7 +13,7 @@ from hgs_core.capture.capture import Capture
 from hgs_core.capture.open import open_capture
 from hgs_core.train.capture_training import train_capture
 from hgs_core.train.checkpoint import load_state
-from hgs_core.train.config import DensityConfig, TrainConfig
+from hgs_core.train.train_config import DensityConfig, TrainConfig
 from tests.hgs_core.train.test_trainer import points
 from tests.synthetic import write_capture
 

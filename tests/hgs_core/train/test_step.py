@@ -15,8 +15,8 @@ from hgs_core.render.types import Gradients, ScreenStatistics, View
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import ColourCorrection
-from hgs_core.train.config import TrainConfig
 from hgs_core.train.step import Step, take_step
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingView
 from tests.synthetic import ring_of_cameras, synthetic_scene
 

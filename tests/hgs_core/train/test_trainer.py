@@ -20,14 +20,14 @@ from hgs_core.scene import HybridScene
 from hgs_core.scene.camera import Camera
 from hgs_core.scene.motion import coefficients_of_order
 from hgs_core.train.checkpoint import TrainState
-from hgs_core.train.config import DensityConfig, LearningRates, TrainConfig
 from hgs_core.train.control import Round, RoundContext
 from hgs_core.train.control.infill import InfillRound
-from hgs_core.train.control.labels import LabelRound
 from hgs_core.train.control.pruning import PruningRound
-from hgs_core.train.initialise import initial_splats
+from hgs_core.train.control.relabelling import LabelRound
+from hgs_core.train.initial_splats import initial_splats
 from hgs_core.train.schedule import share_alive
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segment_cuts import cut_into_segments
+from hgs_core.train.train_config import DensityConfig, LearningRates, TrainConfig
 from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from hgs_core.capture.open import open_capture
-from hgs_core.train.config import TrainConfig
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segment_cuts import cut_into_segments
+from hgs_core.train.train_config import TrainConfig
 from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import write_capture
 

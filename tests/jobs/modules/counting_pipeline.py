@@ -27,7 +27,7 @@ from scene_folder import write_scene
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, StageStopped
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from tests.chunks import static_chunk
 
 CHECKPOINT_EVERY = 5

@@ -19,11 +19,11 @@ from flaky_proxy import FlakyProxy
 from network_node import NetworkNode
 from s3_server import running_s3_server
 
-from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job import JobState
-from jobs.job_request import JobRequest
+from hgs_core.runs.run_config import RunConfig
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job import JobState
 
 EVERYWHERE = "0.0.0.0"
 JOBS, ITERATIONS, CHECKPOINT_EVERY = 20, 500, 5

@@ -17,7 +17,7 @@ from types import ModuleType
 
 from hgs_core.base.atomic import write_bytes
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from tests.chunks import dynamic_chunk, static_chunk
 from tests.growing import growing_manifest
 

@@ -12,7 +12,7 @@ import zstandard
 
 from hgs_core.base.errors import InputError
 from server.cli.archive import ARCHIVES, unpack
-from server.uploads.limits import UploadLimits
+from server.uploads.upload_limits import UploadLimits
 
 FILES = {"studio/cam00.mp4": b"a video" * 1000, "studio/sparse/0/cameras.txt": b"poses", "./studio/.hidden": b"x"}
 LIMITS = UploadLimits(files=5, file=50_000, upload=80_000)

@@ -11,8 +11,8 @@ from pathlib import Path
 import httpx
 import pytest
 
-from jobs.home import Home
-from jobs.keys import KeyTable, Scope
+from jobs.home.home import Home
+from jobs.records.keys import KeyTable, Scope
 from server.cli import main
 from tests.server.cli.test_serve import REPOSITORY, serving
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from hgs_core.bench import codec
+from hgs_core.bench.codec import codec_bench as codec
 from hgs_core.native import library
 from server.cli import main
 from tests.synthetic import write_capture

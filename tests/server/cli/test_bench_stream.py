@@ -1,4 +1,4 @@
-"""`hgs bench stream` and `hgs bench serve`; what is measured is tested in tests/server/test_stream_bench.py."""
+"""`hgs bench stream` and `hgs bench serve`; what is measured is tested in tests/server/bench/test_stream_bench.py."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server import serve_bench, stream_bench
+from server.bench import serve_bench, stream_bench
 from server.cli import main
 from tests.hgs_core.codec.scenes import encode, scene
 from tests.synthetic import ring_of_cameras

@@ -9,7 +9,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from server.cli.capture_files import capture_files, opened_capture, upload_key
-from server.uploads.limits import UploadLimits
+from server.uploads.upload_limits import UploadLimits
 
 
 @pytest.fixture

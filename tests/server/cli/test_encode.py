@@ -11,7 +11,7 @@ import pytest
 from hgs_core.base.progress import silent
 from hgs_core.codec import load_manifest
 from hgs_core.decompose.masks import motion_masks
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from server.cli import main
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from server.cli import main
 from server.cli.evaluate import FIELDS
 

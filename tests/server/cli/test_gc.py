@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from hgs_core.runs.config import RunConfig
-from jobs.artifacts import open_store
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job_request import JobRequest
+from hgs_core.runs.run_config import RunConfig
+from jobs.artifacts.artifact_store import open_store
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
 from server.cli import main
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from hgs_core.codec import load_manifest
 from hgs_core.interchange import export_scene, import_scene
-from hgs_core.interchange.ply_table import write_ply
+from hgs_core.interchange.ply.ply_table import write_ply
 from hgs_core.scene import DynamicSplats, HybridScene, Segment
 from server.cli import main
 

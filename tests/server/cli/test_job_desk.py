@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job_request import JobRequest
+from hgs_core.runs.run_config import RunConfig
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
 from server.app import create_app
 from server.cli.job_desk import HomeDesk, JobDesk, ServerDesk
 from server.cli.server_client import Answer, RefusedError, ServerClient

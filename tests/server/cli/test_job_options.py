@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from jobs.client import JobClient
-from jobs.home import Home
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
 from server.cli import main
 
 

@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.job import Job, JobState
+from jobs.records.job import Job, JobState
 from server.cli.job_words import duration, job_details, job_table, no_worker, seconds_of, since, worker_table
-from server.job_events import describe_job
+from server.job_views.job_description import describe_job
 
 
 def job(**fields: Any) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 import sqlalchemy as sa
 
-from hgs_core.runs.config import RunConfig
-from jobs.client import JobClient
-from jobs.home import Home
-from jobs.job_request import JobRequest
-from jobs.job_schema import job_rows
+from hgs_core.runs.run_config import RunConfig
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
+from jobs.queue.job_request import JobRequest
+from jobs.records.job_schema import job_rows
 from server.cli import jobs, main
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from jobs.home import Home
-from jobs.keys import KeyTable, key_matches
+from jobs.home.home import Home
+from jobs.records.keys import KeyTable, key_matches
 from server.cli import main
 from server.cli.keys import seconds
 

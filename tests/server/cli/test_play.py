@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from server import viewing
 from server.cli import main
 from server.cli.server_client import ServerClient
-from server.viewing import Watched
+from server.client import viewing
+from server.client.viewing import Watched
 
 WATCHED = Watched(0.5, 1000, 1, 0.25, 5000, 0, ())
 

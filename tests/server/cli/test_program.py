@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.creation import create_run
+from hgs_core.runs.run_config import RunConfig
 from server.cli import main
 from tests.server.cli.conftest import FRAMES
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import pytest
 
-from hgs_core.runs.config import RunConfig
-from hgs_core.runs.folder import RunFolder, RunSpec
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder, RunSpec
 from server.cli import main
-from server.static_publishing import Transfer
+from server.publishing.static_folder import Transfer
 
 
 def test_publish_prints_the_id(scene_folder: Path, home: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -44,7 +44,7 @@ def test_publish_to_a_bucket_prints_its_address(
         wanted.append((run, url, player, replace))
         return Transfer(2, 1_500_000, 1)
 
-    monkeypatch.setattr("server.web_bucket.publish_to_bucket", publish)
+    monkeypatch.setattr("server.publishing.web_bucket.publish_to_bucket", publish)
     assert main(["publish", str(scene_folder), "--to", "s3://bucket/scene", "--data-only", "--replace"]) == 0
     assert wanted == [(scene_folder, "s3://bucket/scene", None, True)]
     output = capsys.readouterr()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from jobs.home import Home
-from jobs.keys import KeyTable
+from jobs.home.home import Home
+from jobs.records.keys import KeyTable
 from server.cli import main
 
 

@@ -19,9 +19,9 @@ from urllib.parse import urlsplit
 import httpx
 import pytest
 
-from jobs.home import Home
-from jobs.keys import KeyTable, Scope
-from jobs.liveness import FileLiveness
+from jobs.home.home import Home
+from jobs.queue.liveness import FileLiveness
+from jobs.records.keys import KeyTable, Scope
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 MODULES = Path(__file__).resolve().parent.parent / "modules"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.runs.folder import RunFolder
-from jobs.client import JobClient
-from jobs.job import Job, JobState
+from hgs_core.runs.run_folder import RunFolder
+from jobs.queue.client import JobClient
+from jobs.records.job import Job, JobState
 from server.cli import main, submit
 from tests.hgs_core.capture.sounding import write_sounding_video
 from tests.server.cli.conftest import FRAMES

@@ -16,7 +16,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from hgs_core.runs.folder import RunFolder
+from hgs_core.runs.run_folder import RunFolder
 from server.cli import main
 from tests.conftest import REPOSITORY
 

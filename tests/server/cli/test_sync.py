@@ -8,7 +8,7 @@ import pytest
 from hgs_core.capture.capture import Capture
 from server.cli import main
 from tests.hgs_core.capture.sounding import write_sounding_video
-from tests.hgs_core.check.test_sound import heard, scene
+from tests.hgs_core.check.test_starts_by_sound import heard, scene
 from tests.synthetic import write_capture
 
 

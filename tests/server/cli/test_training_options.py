@@ -9,7 +9,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.held_out import AUTO
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 from server.cli.training_options import add_masks_option, add_training_options, training_config
 
 

@@ -88,10 +88,10 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
         "hgs_core.runs.edited.edit_run",
         "hgs_core.runs.imported.import_run",
         "hgs_core.report.write.write_report",
-        "hgs_core.bench.raster.bench_raster",
-        "hgs_core.bench.codec.bench_codec",
+        "hgs_core.bench.raster.raster_bench.bench_raster",
+        "hgs_core.bench.codec.codec_bench.bench_codec",
         "hgs_core.bench.viewers.bench_viewers",
-        "hgs_core.bench.training.bench_training",
+        "hgs_core.bench.training_bench.bench_training",
     ):
         monkeypatch.setattr(name, work)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import jobs.worker
-from jobs.home import Home
+from jobs.home.home import Home
 from server.cli import main
 
 

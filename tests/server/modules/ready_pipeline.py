@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 
 
 def create_run(

@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import pytest
 
-from server.capture_checks import CaptureChecks
+from server.captures.check_requests import CaptureChecks
 
 FOUND = {"cameras": [], "findings": [], "stops": False, "frames": [0], "width": 64, "shown": []}
 

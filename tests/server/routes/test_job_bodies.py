@@ -17,12 +17,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hgs_core.base.config_fields import flat_fields
-from hgs_core.runs.config import RunConfig
 from hgs_core.runs.config_names import OLD_NAMES
-from jobs.client import JobClient
-from jobs.home import Home
+from hgs_core.runs.run_config import RunConfig
+from jobs.home.home import Home
+from jobs.queue.client import JobClient
 from server.app import create_app
-from server.capture_folders import CaptureFolders
+from server.captures.capture_folders import CaptureFolders
 
 MODULES = Path(__file__).parents[1] / "modules"
 

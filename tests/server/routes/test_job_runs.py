@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from hgs_core.base.progress import Progress
-from jobs.job import JobState
-from jobs.job_history import CourseWriter
-from jobs.webhook_table import Announcement
+from jobs.records.announcements import Announcement
+from jobs.records.job import JobState
+from jobs.runs.progress_log import CourseWriter
 
 
 @pytest.fixture

@@ -7,8 +7,8 @@ import httpx
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.client import KeyReusedError
-from jobs.job import JobState
+from jobs.queue.client import KeyReusedError
+from jobs.records.job import JobState
 
 PROBLEM = "application/problem+json"
 

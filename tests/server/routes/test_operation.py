@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from jobs.job import Job, JobState
+from jobs.records.job import Job, JobState
 from tests.server.conftest import Server
 
 

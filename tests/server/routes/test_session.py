@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import pytest
 
-from jobs.keys import Scope
-from server import access as access_module
-from server.access import Access, Asking
+from jobs.records.keys import Scope
+from server.access import visitors as access_module
+from server.access.visitors import Access, Asking
 from server.app import create_app
 from tests.server.access_keys import FakeKeys
 from tests.server.conftest import FakeArtifacts, FakeJobs, Server

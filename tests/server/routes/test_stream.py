@@ -15,15 +15,16 @@ import pytest
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from server import chunk_cache, websocket_protocol
-from server.chunk_cache import ChunkCache
-from server.protocol import MAX_PAYLOAD, Hello, Ping, Seek, encode
+from server.listener import websocket_protocol
+from server.protocol.messages import MAX_PAYLOAD, Hello, Ping, Seek, encode
 from server.routes import stream
-from server.scene_index import Chunk
-from server.stream_session import StreamSession
+from server.scenes import chunk_cache
+from server.scenes.chunk_cache import ChunkCache
+from server.scenes.scene_index import Chunk
+from server.stream.stream_session import StreamSession
 from tests.chunks import static_chunk
 from tests.server.conftest import small_manifest
-from tests.server.test_serving import receive, receive_all, with_stream
+from tests.server.listener.test_http_server import receive, receive_all, with_stream
 
 PATH = "/v1/scenes/studio/stream"
 

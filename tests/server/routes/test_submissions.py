@@ -12,12 +12,12 @@ import httpx
 import pytest
 
 from hgs_core.base.errors import InputError
-from jobs.job_request import JobRequest
-from jobs.keys import Scope
-from server import submissions as queue
-from server.access import Access, Asking
+from jobs.queue.job_request import JobRequest
+from jobs.records.keys import Scope
+from server.access.visitors import Access, Asking
 from server.app import create_app
-from server.capture_folders import CaptureFolders
+from server.captures import pending_submissions as queue
+from server.captures.capture_folders import CaptureFolders
 from server.routes import submissions as module
 from tests.server.access_keys import FakeKeys
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from jobs.job import JobState
+from jobs.records.job import JobState
 
 FILES = {"cam00.mp4": b"a video" * 50, "sparse/0/cameras.txt": b"poses"}
 TUS = {"Tus-Resumable": "1.0.0"}

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from jobs.worker_register import Worker
+from jobs.records.worker_register import Worker
 
 
 def test_the_workers_and_their_slots(server: Any) -> None:

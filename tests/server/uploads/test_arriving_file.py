@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from server.problems import ProblemError
+from server.http.problems import ProblemError
 from server.uploads.arriving_file import ArrivingFile
 
 CONTENT = bytes(range(256)) * 20

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from server.problems import ProblemError
+from server.http.problems import ProblemError
 from server.uploads.names import FolderNames, capture_name, normal_path
 
 PART = st.text(

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from server.problems import ProblemError
-from server.uploads.limits import UploadLimits
+from server.http.problems import ProblemError
 from server.uploads.upload import Announcement, Upload
+from server.uploads.upload_limits import UploadLimits
 
 FILES = {"cam00.mp4": b"first" * 100, "sparse/0/cameras.txt": b"poses", "empty.txt": b""}
 ANNOUNCED = Announcement("studio", len(FILES), sum(map(len, FILES.values())), "key")

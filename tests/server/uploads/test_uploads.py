@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from server.problems import ProblemError
-from server.uploads.limits import UploadLimits
+from server.http.problems import ProblemError
 from server.uploads.upload import Announcement, Upload
+from server.uploads.upload_limits import UploadLimits
 from server.uploads.uploads import Uploads
 
 CONTENT = b"a video" * 50

@@ -19,7 +19,7 @@ from hgs_core.base.atomic import write_bytes
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.capture.held_out import AUTO
-from hgs_core.runs.config import RunConfig
+from hgs_core.runs.run_config import RunConfig
 
 TOTAL = 400
 

@@ -9,7 +9,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.calibration_toml import CALIBRATION_TOML
 from hgs_core.capture.cameras.rig import Rig
-from hgs_core.capture.lens import Polynomial
+from hgs_core.capture.lenses.lens import Polynomial
 from tests.hgs_core.capture import layouts
 from tests.hgs_core.capture.layouts import calibration_tables
 

@@ -9,7 +9,7 @@ import pytest
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.easymocap import EASYMOCAP
 from hgs_core.capture.cameras.rig import Rig
-from hgs_core.capture.lens import opencv_lens
+from hgs_core.capture.lenses.lens import opencv_lens
 from tests.hgs_core.capture import layouts
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.immersive import IMMERSIVE
-from hgs_core.capture.lens import Polynomial
+from hgs_core.capture.lenses.lens import Polynomial
 from hgs_core.capture.open import open_capture
 from tests.hgs_core.capture import layouts
 from tests.hgs_core.capture.layouts import NAMES, PICTURES

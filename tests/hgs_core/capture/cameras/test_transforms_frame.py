@@ -10,7 +10,7 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.capture.cameras.transforms_frame import camera_of_frame, number_of
-from hgs_core.capture.lens import PINHOLE, Lens, Polynomial
+from hgs_core.capture.lenses.lens import PINHOLE, Lens, Polynomial
 
 FRAME: dict[str, Any] = {"fl_x": 50.0, "w": 64, "h": 48, "transform_matrix": np.eye(4).tolist()}
 

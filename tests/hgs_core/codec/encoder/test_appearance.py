@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from hgs_core.codec.encoder.appearance import appearance_numbers, rotation_numbers, turning_cost
-from hgs_core.codec.encoder.rotations import shape_error, vector_to_quats
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
+from hgs_core.codec.encoder.rotation_coding import shape_error, vector_to_quats
 from hgs_core.codec.encoder.steps import Steps
 from hgs_core.scene.rotations import matrices, product
 from tests.hgs_core.codec.encoder.prepared import prepared

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from hgs_core.codec.encoder.settings import EncodeSettings
+from hgs_core.codec.encoder.encode_settings import EncodeSettings
 from hgs_core.codec.encoder.steps import BLUR_DEVIATION, Steps, ideal_position_steps, screen_deviations
 from tests.hgs_core.codec.encoder.prepared import prepared
 

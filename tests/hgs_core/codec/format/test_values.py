@@ -9,7 +9,7 @@ import pytest
 
 from hgs_core.codec.format.attributes import ATTRIBUTES
 from hgs_core.codec.format.chunk import Stream
-from hgs_core.codec.format.errors import ChunkError
+from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.quantise import Grid
 from hgs_core.codec.format.streams import Transform, compress
 from hgs_core.codec.format.values import check_entry, read_codes, read_values

@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from hgs_core.render.compositing import blend
+from hgs_core.render.moment import moment_of_static
 from hgs_core.render.projection import project as project_reference
-from hgs_core.render.temporal import moment_of_static
 from hgs_core.render.triton.lists import list_by_tile
 from hgs_core.render.triton.screen import project
 from tests.hgs_core.render.scenes import static_splats

@@ -6,9 +6,9 @@ import dataclasses
 
 import pytest
 
-from hgs_core.bench.accuracy import errors
-from hgs_core.bench.sizes import Size
-from hgs_core.bench.workload import Workload
+from hgs_core.bench.raster.accuracy import errors
+from hgs_core.bench.raster.raster_sizes import Size
+from hgs_core.bench.raster.workload import Workload
 from tests.hgs_core.render.comparison import check_case, compare
 from tests.hgs_core.render.hard_cases import CASES
 from tests.hgs_core.render.scenes import camera, dynamic_splats, static_splats

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import torch
 
+from hgs_core.render.moment import moment_of_dynamic, moment_of_static
 from hgs_core.render.projection import project as project_reference
-from hgs_core.render.temporal import moment_of_dynamic, moment_of_static
 from hgs_core.render.triton.screen import project
 from tests.hgs_core.render.scenes import dynamic_splats, static_splats
 from tests.hgs_core.render.triton.small import view

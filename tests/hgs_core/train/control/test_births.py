@@ -11,7 +11,7 @@ from hgs_core.decompose.masks import motion_masks
 from hgs_core.train.control import RoundContext
 from hgs_core.train.control.births import BirthRound
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import cut_into_segments
+from hgs_core.train.segment_cuts import cut_into_segments
 from hgs_core.train.splat_sets import joined
 from hgs_core.train.training_views import TrainingViews
 from tests.hgs_core.train.conftest import CONFIG, state_of

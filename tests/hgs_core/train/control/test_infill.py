@@ -11,8 +11,8 @@ from torch import Tensor
 
 from hgs_core.points.sweep import depth_ranges
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
-from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control.infill import InfillRound, find_infill
+from hgs_core.train.train_config import DensityConfig, TrainConfig
 from hgs_core.train.training_views import TrainingView
 from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures
 from tests.hgs_core.render.scenes import dynamic_splats

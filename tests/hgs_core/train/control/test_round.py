@@ -7,11 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control import RoundContext
 from hgs_core.train.control.round import BudgetRound, is_after_share, is_one_of_ten
 from hgs_core.train.schedule import Schedule
-from hgs_core.train.segments import CaptureSegment
+from hgs_core.train.segment_cuts import CaptureSegment
+from hgs_core.train.train_config import DensityConfig, TrainConfig
 from hgs_core.train.training_views import TrainingViews
 
 CONFIG = TrainConfig(iterations=200, density=DensityConfig(start=0.25, end=0.6, every=30))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from hgs_core.base.config_fields import with_fields
-from hgs_core.train.config import DensityConfig, TrainConfig
 from hgs_core.train.control import rounds
+from hgs_core.train.train_config import DensityConfig, TrainConfig
 
 CONFIG = TrainConfig(iterations=1000, density=DensityConfig(start=0.1, end=0.6, every=100))
 

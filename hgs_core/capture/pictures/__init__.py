@@ -1,0 +1,3 @@
+"""Videos, picture files and masks: decoding, numbering, orientation and colours."""
+
+__all__: list[str] = []

@@ -1,0 +1,168 @@
+"""What every splat does to the pictures of a capture, measured by drawing them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from hgs_core.base.arrays import Doubles, Floats
+from hgs_core.codec.encoder.utility import SetUtility, Utility, estimated_utility, pixels_per_unit
+from hgs_core.render.contributions import contributions
+from hgs_core.render.rasterize import rasterize
+from hgs_core.render.threads import one_torch_thread
+from hgs_core.render.tiles import tiles_of_dynamic
+from hgs_core.scene.camera import Camera
+from hgs_core.scene.opacities import opacities_of
+from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
+
+__all__ = ["measure_utility"]
+
+CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
+STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
+LARGEST_LOGIT = math.log(0.98 / 0.02)  # of the opacity: near 1 it has no gradient
+
+S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
+
+
+def measure_utility(
+    scene: HybridScene[Floats],
+    cameras: Sequence[Camera],
+    times: Doubles,
+    *,
+    any_background: bool = False,
+) -> Utility:
+    """Weigh every splat in every frame, from some of `cameras` in turn; `times` [F] are the frames' seconds.
+
+    Whole pictures are drawn for the static splats; for the others the tiles that they touch do. The background is
+    black, or, with `any_background`, black or white at random in every pixel and channel: what is missed is then the
+    mean over black and white. Of a splat that shows in no picture nothing is known: it is missed without limit, so
+    that it is never left out, and is taken to show as its size and opacity let expect, in one picture of two more than
+    were drawn.
+    """
+    static, dynamic = _Weighed.of(scene.static), [_Weighed.of(segment.dynamic) for segment in scene.segments]
+    signs = torch.Generator().manual_seed(0)
+    whole = 0
+    with one_torch_thread():
+        views = list(_views(scene, cameras, times))
+        for view in views:
+            moving = dynamic[view.segment]
+            tiles = None
+            if not view.whole:
+                tiles = tiles_of_dynamic(moving.splats, view.camera, view.moment, antialiased=scene.antialiased)
+                if not tiles.any():
+                    continue
+            seen = contributions(
+                static.splats, moving.splats, view.camera, view.moment, antialiased=scene.antialiased, tile_mask=tiles
+            )
+            render = rasterize(
+                static.eased,
+                moving.eased,
+                view.camera,
+                view.moment,
+                gradients="all" if view.whole else "dynamic",
+                tile_mask=tiles,
+                antialiased=scene.antialiased,
+            )
+            picture = render.rgb
+            if any_background:
+                picture = picture + (1 - render.alpha) * torch.randint(0, 2, picture.shape, generator=signs)
+            sign = torch.randint(0, 2, picture.shape, generator=signs).to(picture.dtype) * 2 - 1
+            picture.backward(sign)  # type: ignore[no-untyped-call]
+            squares = seen.total.astype(np.float64) * seen.peak / 2
+            moving.add(squares[len(scene.static) :])
+            if view.whole:
+                static.add(squares[: len(scene.static)])
+                whole += 1
+    return Utility(
+        _with_unseen(static.mean(whole), scene.static, scene.static.means, cameras, whole),
+        tuple(
+            _with_unseen(sums.mean(len(views)), part.dynamic, part.dynamic.motion[:, 0], cameras, len(views))
+            for sums, part in zip(dynamic, scene.segments, strict=True)
+        ),
+    )
+
+
+def _with_unseen(
+    measured: SetUtility,
+    splats: StaticSplats[Floats] | DynamicSplats[Floats],
+    places: Floats,
+    cameras: Sequence[Camera],
+    views: int,
+) -> SetUtility:
+    """Guess the utility of splats that none of the `views` shows: the chance to show in one is 1 / (views + 2)."""
+    unseen = measured.shown == 0
+    if not unseen.any():
+        return measured
+    opacity = opacities_of(splats.opacity_logits[unseen])
+    scale = pixels_per_unit(places[unseen].astype(np.float64), cameras)
+    guess = estimated_utility(splats.log_scales[unseen].astype(np.float64), opacity, scale) / (views + 2)
+    shown, missed = measured.shown.copy(), measured.missed.copy()
+    shown[unseen], missed[unseen] = guess, np.inf
+    return SetUtility(shown, missed)
+
+
+@dataclass(frozen=True)
+class _View:
+    segment: int
+    camera: Camera
+    moment: float  # normalised
+    whole: bool  # drawn so, for the static splats
+
+
+def _views(scene: HybridScene[Floats], cameras: Sequence[Camera], times: Doubles) -> Iterator[_View]:
+    count = min(max(CAMERAS_PER_FRAME, -(-STATIC_VIEWS // len(times))), len(cameras))
+    step = max(1, len(cameras) // count)
+    every = max(1, count * len(times) // STATIC_VIEWS)
+    for frame, seconds in enumerate(times):
+        segment = scene.segment_at(float(seconds))
+        number = next(i for i, other in enumerate(scene.segments) if other is segment)
+        for i in range(count):
+            # The view of a frame that is drawn whole changes from frame to frame, and with it the camera.
+            whole = (frame * count + (i + frame // max(1, every // count)) % count) % every == 0
+            camera = cameras[(frame + i * step) % len(cameras)]
+            yield _View(number, camera, segment.normalised(float(seconds)), whole)
+
+
+@dataclass(frozen=True)
+class _Weighed(Generic[S]):
+    """A set and the sums over views of what its splats show and would be missed.
+
+    The sum of squares of a splat's weights in a view is taken to be half its total times its peak, as it is for a
+    Gaussian of which everything before it lets through the same share.
+
+    Without a splat a pixel changes by alpha times the derivative towards alpha, since it is linear in that. Where a
+    loss has the gradient +1 or -1 in every pixel and channel, at random, the splat's gradient is the sum of those
+    changes with random signs, whose square is expected to be the sum of their squares (Hutchinson, 1990).
+    """
+
+    splats: S
+    eased: S  # no opacity so near 1 that it has no gradient
+    shown: Doubles
+    missed: Doubles
+
+    @staticmethod
+    def of(splats: Any) -> _Weighed[Any]:
+        tensors = splats.map(torch.from_numpy)
+        logits = tensors.opacity_logits.clamp(max=LARGEST_LOGIT).requires_grad_(True)
+        eased = dataclasses.replace(tensors, opacity_logits=logits)
+        return _Weighed(tensors, eased, np.zeros(len(splats)), np.zeros(len(splats)))
+
+    def add(self, squares: Doubles) -> None:
+        """Add a view: its `squares` [N] of weights, and the gradient that it left."""
+        logits = self.eased.opacity_logits
+        self.shown[:] += squares
+        if logits.grad is not None:
+            # d alpha / d logit = alpha (1 - opacity), and 1 / (1 - opacity) = 1 + exp(logit)
+            change = logits.grad.double() * (1 + logits.detach().double().exp())
+            self.missed[:] += (change**2).numpy()
+            logits.grad = None
+
+    def mean(self, views: int) -> SetUtility:
+        return SetUtility(self.shown / max(1, views), self.missed / max(1, views))

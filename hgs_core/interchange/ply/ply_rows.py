@@ -1,0 +1,183 @@
+"""Rows of PLY files: the numbers of one element after another, in text or in bytes of either order."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hgs_core.base.errors import InputError
+from hgs_core.interchange.ply.ply_header import NumberFormat, PlyElement, PlyHeader
+
+__all__ = ["element_columns"]
+
+Columns = dict[str, NDArray[Any]]
+_LINE = re.compile(rb"[^\r\n]*[^\s][^\r\n]*")  # with something on it
+
+
+def element_columns(path: Path, data: bytes, header: PlyHeader, wanted: frozenset[str]) -> dict[str, Columns]:
+    """Return the columns [rows] of the `wanted` elements, in their own types; lists have none.
+
+    What a count promises is compared with the bytes that are there before anything is made of that size.
+
+    Raises:
+        InputError: the file ends too early, or holds words where numbers belong.
+    """
+    found: dict[str, Columns] = {}
+    at = header.size
+    for element in header.elements:
+        if wanted <= found.keys():
+            break
+        needed = element.name in wanted
+        if header.format is NumberFormat.ASCII:
+            columns, at = _of_text(path, data, at, element, needed)
+        else:
+            columns, at = _of_bytes(path, data, at, element, "<" if header.format is NumberFormat.LITTLE else ">")
+        if needed:
+            found[element.name] = columns
+    return found
+
+
+def _of_bytes(path: Path, data: bytes, at: int, element: PlyElement, order: str) -> tuple[Columns, int]:
+    """Return the columns of an element that begins at a byte, and where it ends."""
+    if not element.has_lists:
+        row = np.dtype([(one.name, order + one.kind) for one in element.properties])
+        rows, end = _rows(path, data, at, element, row), at + element.count * row.itemsize
+        return _columns(rows, element), end
+    lengths = _first_lengths(data, at, element, order)
+    if lengths is not None:  # lists are mostly of one length
+        fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
+        for one in element.properties:
+            if one.length:
+                fields.append((f"#{one.name}", order + one.length))
+                fields.append((one.name, order + one.kind, (lengths[one.name],)))
+            else:
+                fields.append((one.name, order + one.kind))
+        row = np.dtype(fields)
+        if element.count * row.itemsize <= len(data) - at:
+            rows = np.frombuffer(data, row, element.count, at)
+            if all((rows[f"#{name}"] == length).all() for name, length in lengths.items()):
+                return _columns(rows, element), at + element.count * row.itemsize
+    return _of_uneven_bytes(path, data, at, element, order)
+
+
+def _rows(path: Path, data: bytes, at: int, element: PlyElement, row: np.dtype[Any]) -> NDArray[Any]:
+    there, needed = len(data) - at, element.count * row.itemsize
+    if there < needed:
+        what = "vertices" if element.name == "vertex" else f"the element {element.name}"
+        raise InputError(path, f"has {max(there, 0)} bytes of {what}, {element.count} need {needed}", "copy it again")
+    if not row.itemsize:
+        return np.zeros(0, row)
+    return np.frombuffer(data, row, element.count, at)
+
+
+def _columns(rows: NDArray[Any], element: PlyElement) -> Columns:
+    return {
+        one.name: rows[one.name].astype(one.kind, copy=False) for one in element.properties if not one.length
+    }  # in the byte order of this machine
+
+
+def _first_lengths(data: bytes, at: int, element: PlyElement, order: str) -> dict[str, int] | None:
+    """Return the lengths of the lists in the first row, None if there is none."""
+    found: dict[str, int] = {}
+    if not element.count:
+        return None
+    for one in element.properties:
+        size = np.dtype(one.kind).itemsize
+        if one.length:
+            length = np.dtype(order + one.length)
+            if at + length.itemsize > len(data):
+                return None
+            found[one.name] = int(np.frombuffer(data, length, 1, at)[0])
+            at += length.itemsize
+            size *= found[one.name]
+        if found.get(one.name, 0) < 0 or at + size > len(data):
+            return None
+        at += size
+    return found
+
+
+def _of_uneven_bytes(path: Path, data: bytes, at: int, element: PlyElement, order: str) -> tuple[Columns, int]:
+    """Read rows one by one: their lists differ in length."""
+    values: dict[str, list[Any]] = {one.name: [] for one in element.properties if not one.length}
+    for number in range(element.count):
+        for one in element.properties:
+            count = 1
+            kind = np.dtype(order + one.kind)
+            if one.length:
+                length = np.dtype(order + one.length)
+                count = int(np.frombuffer(data, length, 1, at)[0]) if at + length.itemsize <= len(data) else -1
+                at += length.itemsize
+            if count < 0 or at + count * kind.itemsize > len(data):
+                problem = f"ends in row {number} of the {element.count} of its element {element.name}"
+                raise InputError(path, problem, "copy it again")
+            if not one.length:
+                values[one.name].append(np.frombuffer(data, kind, 1, at)[0])
+            at += count * kind.itemsize
+    return {one.name: np.array(values[one.name], one.kind) for one in element.properties if not one.length}, at
+
+
+def _of_text(path: Path, data: bytes, at: int, element: PlyElement, needed: bool) -> tuple[Columns, int]:
+    """Return the columns of an element whose first line begins at a byte, and where it ends."""
+    width = len(element.properties)
+    if not needed or element.has_lists:
+        lines = _lines(path, data, at, element)
+        if not needed:
+            return {}, max([at, *(line.end() for line in lines)])
+        return _of_lines(path, list(lines), element), len(data)
+    numbers = element.count * width
+    if 2 * numbers - 1 > len(data) - at:
+        problem = f"has {len(data) - at} bytes of text for the {numbers} numbers of its element {element.name}"
+        raise InputError(path, problem, "copy it again")
+    end = at
+    lines = _lines(path, data, at, element)
+    for line in lines:
+        end = line.end()
+    table = _numbers(path, data[at:end], numbers).reshape(element.count, width)
+    return {one.name: table[:, i].astype(one.kind) for i, one in enumerate(element.properties)}, end
+
+
+def _lines(path: Path, data: bytes, at: int, element: PlyElement) -> Iterator[re.Match[bytes]]:
+    """Yield the lines of an element."""
+    found = _LINE.finditer(data, at)
+    for number in range(element.count):
+        line = next(found, None)
+        if line is None:
+            problem = f"has {number} lines of its element {element.name}, and says that there are {element.count}"
+            raise InputError(path, problem, "copy it again")
+        yield line
+
+
+def _of_lines(path: Path, lines: list[re.Match[bytes]], element: PlyElement) -> Columns:
+    """Read lines with lists in them."""
+    values: dict[str, list[float]] = {one.name: [] for one in element.properties if not one.length}
+    for line in lines:
+        words = _numbers(path, line[0], None).tolist()
+        at = 0
+        for one in element.properties:
+            if at >= len(words) or (one.length and not 0 <= words[at] <= len(words) - at - 1):
+                raise InputError(path, f"has the line {line[0][:40]!r}, which is too short", "export it again")
+            if one.length:
+                at += int(words[at])
+            else:
+                values[one.name].append(words[at])
+            at += 1
+    return {one.name: np.array(values[one.name], one.kind) for one in element.properties if not one.length}
+
+
+def _numbers(path: Path, text: bytes, count: int | None) -> NDArray[np.float64]:
+    """Return the numbers of a text, `count` of them where that is known."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", DeprecationWarning)  # how numpy says that words are no numbers
+            found = np.fromstring(text.decode("ascii"), np.float64, sep=" ")
+    except (DeprecationWarning, ValueError, UnicodeDecodeError) as error:
+        raise InputError(path, "holds words where numbers belong", "export it again") from error
+    if count is not None and len(found) != count:
+        raise InputError(path, f"has {len(found)} numbers where {count} belong", "copy it again")
+    return found

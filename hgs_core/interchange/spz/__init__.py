@@ -1,0 +1,3 @@
+"""SPZ files."""
+
+__all__: list[str] = []

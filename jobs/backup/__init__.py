@@ -1,0 +1,3 @@
+"""Backups of a home, and their restoration."""
+
+__all__: list[str] = []

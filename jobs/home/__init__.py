@@ -1,0 +1,3 @@
+"""The home of an installation: settings, database, object store."""
+
+__all__: list[str] = []

@@ -1,0 +1,28 @@
+"""A command under the limits of a stage: `python -m jobs.process.limited STAGE PROGRAM ARGUMENT...`."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from jobs.home.home import Home
+from jobs.process.file_limits import limit_files
+from jobs.process.memory_limit import limit_memory
+from jobs.process.process_tree import keep_orphans
+
+__all__ = ["limit_stage"]
+
+
+def limit_stage(home: Home, stage: str) -> None:
+    """Limit this process and those that it starts to the memory and the files that a stage may have.
+
+    Its processes are for whoever starts it to count (`jobs.process.process_tree`).
+    """
+    keep_orphans()
+    limit_memory(None if home.stage_memory is None else home.stage_memory.of(stage))
+    limit_files(int(home.stage_files.of(stage)), home.stage_file_size.of(stage))
+
+
+if __name__ == "__main__":
+    limit_stage(Home.from_environment(), sys.argv[1])
+    os.execv(sys.argv[2], sys.argv[2:])

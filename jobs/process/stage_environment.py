@@ -1,0 +1,63 @@
+"""What a stage is told by environment variables: what decodes strangers' videos gets none of the worker's secrets.
+
+A flaw in a video decoder would otherwise hand the database and the store to whoever may submit a capture.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+
+from jobs.home.home import Home
+from jobs.home.stage_settings import HELP, SHOW
+
+__all__ = ["keep_secrets", "stage_environment", "without_secrets"]
+
+_SECRETS = (
+    "AWS_",
+    "AZURE_",
+    "GOOGLE_",
+    "PGPASS",
+    "HGS_DATABASE_URL",
+    "HGS_STORE_URL",
+    "HGS_RUN_STATE",
+    "HGS_WEBHOOK_",
+    "HGS_KEY",
+)
+"""How the names of variables begin that give access to something, or lead to it."""
+
+_SET_DUMPABLE = 4  # of prctl
+
+
+def without_secrets(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return what a process that only reads captures and works in folders needs of an environment."""
+    return {name: value for name, value in environment.items() if not name.startswith(_SECRETS)}
+
+
+def stage_environment(home: Home, stage: str, run: Path, environment: Mapping[str, str] = os.environ) -> dict[str, str]:
+    """Return the environment of a stage of a run.
+
+    Only what publishes has database and store; and where the state of runs lies in the store, what makes segments: it
+    claims them and hands them over there.
+    """
+    whole = {**environment, **home.environment()}
+    exchanges = home.runs_in_store and (stage == HELP or (stage == "train" and _by_segment(run)))
+    return whole if stage in ("publish", SHOW) or exchanges else without_secrets(whole)
+
+
+def keep_secrets() -> None:
+    """Let no other process of this user, such as a stage, read the environment and the memory of this one; Linux."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(_SET_DUMPABLE, 0, 0, 0, 0)
+
+
+def _by_segment(run: Path) -> bool:
+    """Return whether training may be by segments: it is not if run.json says so."""
+    try:
+        return json.loads((run / "run.json").read_bytes())["config"]["encode"]["by_segment"] is not False
+    except (OSError, ValueError, KeyError, TypeError):
+        return True

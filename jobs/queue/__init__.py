@@ -1,0 +1,3 @@
+"""The durable queue: requests, workflows, recovery."""
+
+__all__: list[str] = []

@@ -1,0 +1,251 @@
+"""What the API and the command line use of the queue: submit, look at, cancel and retry jobs."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import shutil
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import TYPE_CHECKING, Protocol, Self
+
+import sqlalchemy as sa
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import require_storable
+from jobs.home.database import create_engine, open_client, prepare_database
+from jobs.home.home import Home
+from jobs.queue.enqueue import enqueue, workflow_id
+from jobs.queue.job_request import MAX_PATH, MAX_TITLE, JobRequest, one_line, readable_id
+from jobs.records.announcements import Announcement, WebhookTable
+from jobs.records.job import Job, JobState, Place
+from jobs.records.job_filter import JobFilter
+from jobs.records.job_table import JobTable, metadata
+from jobs.records.worker_register import Worker, list_workers
+from jobs.runs.run_places import run_place
+
+if TYPE_CHECKING:
+    from hgs_core.runs.run_config import RunConfig
+
+__all__ = ["CreateRun", "JobClient", "JobConflictError", "KeyReusedError"]
+
+
+class CreateRun(Protocol):
+    """What begins a run, as `hgs_core.runs.creation.create_run` does."""
+
+    def __call__(  # noqa: D102
+        self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str
+    ) -> RunConfig: ...
+
+
+class JobConflictError(Exception):
+    """The job is in a state that does not allow what was asked; the API answers 409."""
+
+
+class KeyReusedError(JobConflictError):
+    """Another job was asked for with this idempotency key; the API answers 422."""
+
+
+class JobClient:
+    """A connection to the queue; it runs no job itself. Its methods block for one or two short transactions.
+
+    Creating one creates the home and the tables where they are missing, and raises an InputError if the home's folder
+    is not the one that its database belongs to. Safe to use from several threads.
+    """
+
+    def __init__(self, home: Home, create_run: CreateRun | None = None) -> None:
+        """Begin runs by `create_run`, without one in this process, as the home's pipeline does."""
+        self.home = home
+        self._create_run = create_run
+        self._engine = create_engine(home)
+        self._table = JobTable(self._engine)
+        self._runs = run_place(home)
+        try:
+            prepare_database(home, self._engine, metadata)
+            self._queue = open_client(home, self._engine)
+        except BaseException:
+            self._engine.dispose()
+            raise
+
+    def submit(self, request: JobRequest) -> str:
+        """Check the capture, the masks and the sound, create its run folder, queue the job and return the job's id.
+
+        A request with the key of an earlier one makes no second job; the id is that of the first.
+
+        Raises:
+            InputError: the capture, the sound or the config is unusable.
+            KeyReusedError: the earlier request with this key asked for something else.
+            OSError: the run folder cannot be written, for example because the disk is full.
+
+        Whatever is raised, nothing stays behind.
+        """
+        capture = request.capture.expanduser().resolve()
+        require_storable("capture", str(capture), MAX_PATH)  # a symbolic link may lead to any name
+        if earlier := self._earlier(request):
+            return earlier
+        title = request.title.strip() or one_line(capture.name)[:MAX_TITLE]
+        job_id = readable_id(title, "job")
+        run = self.home.run(job_id)
+        create_run: CreateRun = self._create_run or importlib.import_module(self.home.pipeline).create_run
+        try:
+            config = create_run(run, capture, request.config, masks=request.masks, audio=request.audio)
+            job = Job(
+                id=job_id,
+                title=title,
+                capture=str(capture),
+                config=config.to_json(),
+                labels=request.labels,
+                priority=request.priority,
+                time_limit=request.time_limit,
+                webhook=request.webhook,
+                audio=request.audio,
+            )
+            self._runs.submitted(job_id)
+            # One transaction: a job is in the table if and only if it is in the queue.
+            with self._engine.begin() as connection:
+                self._table.insert(connection, job, (request.key, request.digest) if request.key else None)
+                self._enqueue(connection, job, job.attempt)
+        except sa.exc.IntegrityError:
+            self._forget(job_id)
+            if earlier := self._earlier(request):  # asked for at the same moment
+                return earlier
+            raise
+        except BaseException:
+            self._forget(job_id)
+            raise
+        return job_id
+
+    def get(self, job_id: str) -> Job | None:
+        """Return a job, or None if there is no such job. One indexed read: cheap enough to poll."""
+        return self._table.get(job_id)
+
+    def many(self, job_ids: Collection[str]) -> dict[str, Job]:
+        """Return those of the jobs that exist, by id, with one query for every 10,000."""
+        return self._table.many(job_ids)
+
+    def list(
+        self,
+        limit: int = 100,
+        state: JobState | None = None,
+        after: Place | None = None,
+        wanted: JobFilter | None = None,
+    ) -> list[Job]:
+        """Return a page of jobs: those that run, those that wait, those that are finished, each newest first.
+
+        Only jobs in `state`, only those behind the place `after`, and only those `wanted`, where they are given.
+        """
+        return self._table.page(limit, state, after, wanted)
+
+    def counts(self) -> dict[str, int]:
+        """Return how many jobs there are in each state."""
+        return self._table.counts()
+
+    def ahead_of(self, job: Job) -> int:
+        """Return about how many jobs are taken before a queued job."""
+        return self._table.ahead_of(job)
+
+    def announcement(self, job_id: str) -> Announcement | None:
+        """Return how the announcement of a job's end went, or None if there is none."""
+        return WebhookTable(self._engine).of(job_id)
+
+    def workers(self) -> Sequence[Worker]:
+        """Return the workers that live, by host and age."""
+        return list_workers(self._engine)
+
+    def cancel(self, job_id: str) -> Job:
+        """Cancel a job and return it as it then is; a finished job stays as it is.
+
+        The row says cancelled at once; the processes that work on the job are gone within seconds.
+
+        Raises:
+            KeyError: there is no such job.
+        """
+        job = self._known(job_id)
+        if not job.state.finished:
+            # The workflow first: if this process dies in between, a worker brings the row in line.
+            self._queue.cancel_workflow(workflow_id(job.id, job.attempt))
+            self._table.cancel(job.id, job.attempt)
+        return self._known(job_id)
+
+    def retry(self, job_id: str) -> Job:
+        """Queue a failed or cancelled job again, or try a waiting one now; it goes on from what its run folder holds.
+
+        Raises:
+            KeyError: there is no such job.
+            JobConflictError: the job is queued, running or succeeded.
+        """
+        job = self._known(job_id)
+        if job.state is JobState.WAITING:
+            self._queue.set_workflow_delay(workflow_id(job.id, job.attempt), delay_seconds=0)
+            self._table.wake(job)
+            return self._known(job_id)
+        with self._engine.begin() as connection:
+            if not self._table.requeue(connection, job.id, job.attempt):
+                raise JobConflictError(
+                    f"job {job_id} is {job.state.value}; only a failed, cancelled or waiting job can be retried"
+                )
+            self._enqueue(connection, job, job.attempt + 1)
+        return self._known(job_id)
+
+    def delete(self, job_id: str) -> None:
+        """Forget a finished job and remove its run folder; a scene that it published stays.
+
+        Should this process die half-way, the job is still there without its files: it can be deleted again.
+
+        Raises:
+            KeyError: there is no such job.
+            JobConflictError: the job is queued or running, or its last process still saves what it has.
+            OSError: the run folder cannot be moved.
+        """
+        job = self._known(job_id)
+        if not job.state.finished:
+            raise JobConflictError(f"job {job_id} is {job.state.value}; cancel it before it is deleted")
+        with self._engine.begin() as connection:
+            if not self._table.delete(connection, job_id):
+                raise JobConflictError(f"job {job_id} was queued again; cancel it before it is deleted")
+            try:
+                self._runs.remove(job_id)
+            except InputError as error:
+                detail = f"job {job_id}: its last process still saves what it has; try again in some seconds"
+                raise JobConflictError(detail) from error
+        self._queue.delete_workflows([workflow_id(job_id, attempt) for attempt in range(1, job.attempt + 1)])
+        self._runs.removed(job_id)
+
+    def close(self) -> None:
+        """Close the connections."""
+        self._queue.destroy()
+        self._engine.dispose()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, where: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _forget(self, job_id: str) -> None:
+        """Remove the run of a job that could not be queued."""
+        shutil.rmtree(self.home.run(job_id), ignore_errors=True)
+        with contextlib.suppress(Exception):  # `hgs gc` removes what cannot be removed now
+            self._runs.remove(job_id)
+
+    def _earlier(self, request: JobRequest) -> str:
+        """Return the job that an earlier request with the same key made; "" if there is none."""
+        found = self._table.requested(request.key) if request.key else None
+        if found is None:
+            return ""
+        job_id, digest = found
+        if digest != request.digest:
+            raise KeyReusedError(f"the key {request.key!a} was given before, with another request (job {job_id})")
+        return job_id
+
+    def _enqueue(self, connection: sa.Connection, job: Job, attempt: int) -> None:
+        enqueue(self._queue, connection, job.id, attempt, priority=job.priority, time_limit=job.time_limit)
+
+    def _known(self, job_id: str) -> Job:
+        job = self.get(job_id)
+        if job is None:
+            raise KeyError(job_id)
+        return job

@@ -1,0 +1,99 @@
+"""What is asked for when a job is submitted, checked before anything is written."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import secrets
+import unicodedata
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import require_storable
+from jobs.queue.enqueue import MAX_PRIORITY
+from jobs.records.job_filter import checked_labels
+from jobs.webhooks.webhook_rules import WebhookRules
+
+if TYPE_CHECKING:
+    from hgs_core.runs.run_config import RunConfig
+
+__all__ = ["MAX_PATH", "MAX_TIME_LIMIT", "MAX_TITLE", "JobRequest", "one_line", "readable_id"]
+
+MAX_TITLE = 200  # characters
+MAX_PATH = 4096  # characters, as Linux
+MAX_TIME_LIMIT = 366 * 86400.0  # seconds
+_KEY = re.compile(r"[!-~]{1,255}")
+
+
+@dataclass(frozen=True)
+class JobRequest:
+    """A capture to train with a config. The title is for people; it defaults to the capture's name."""
+
+    capture: Path
+    config: RunConfig
+    title: str = ""
+    masks: Path | None = None  # a folder of masks to use instead of the capture's own
+    audio: str = "auto"  # what is heard, as of `hgs_core.runs.stages.train_scene`; files by absolute paths
+    labels: tuple[str, ...] = ()  # for people to find the job by
+    priority: int = 0  # -100 to 100: the highest are taken first
+    time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
+    webhook: str = ""  # a URL that is told when the job ends
+    key: str = ""  # idempotency key: the same request with the same key is the same job
+
+    def __post_init__(self) -> None:
+        """Check what people and pages will read.
+
+        Raises:
+            InputError: the title is too long or holds control characters, a path is no text, a label or the key is
+                malformed, a number is out of its range, or the webhook is not allowed.
+        """
+        require_storable("title", self.title, MAX_TITLE)
+        if one_line(self.title) != self.title:
+            raise InputError("title", f"{self.title!a} holds control characters", "give one line of text")
+        for where, path in (("capture", self.capture), ("masks", self.masks or ""), ("audio", self.audio)):
+            require_storable(where, str(path), MAX_PATH)
+        object.__setattr__(self, "labels", checked_labels(self.labels))
+        if not -MAX_PRIORITY <= self.priority <= MAX_PRIORITY:
+            raise InputError("priority", f"{self.priority} is out of range", f"give -{MAX_PRIORITY} to {MAX_PRIORITY}")
+        if not (self.time_limit == 0 or 1 <= self.time_limit <= MAX_TIME_LIMIT) or math.isnan(self.time_limit):
+            raise InputError(
+                "time_limit", f"{self.time_limit:g} s is out of range", "give 1 s to 366 days, or 0 for none"
+            )
+        if self.webhook:
+            WebhookRules.configured().checked(self.webhook)
+        if self.key and not _KEY.fullmatch(self.key):
+            raise InputError(
+                "key", f"{self.key[:80]!a} is no idempotency key", "give 1 to 255 visible ASCII characters"
+            )
+
+    @property
+    def digest(self) -> str:
+        """A hash of all that is asked for, but the key."""
+        asked = [
+            str(self.capture),
+            self.config.to_json(),
+            self.title,
+            str(self.masks or ""),
+            self.labels,
+            self.priority,
+            self.time_limit,
+            self.webhook,
+        ]
+        if self.audio != "auto":  # keys that were given before there was a choice still hold
+            asked.append(self.audio)
+        return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()
+
+
+def one_line(text: str) -> str:
+    """Return the text with spaces for control characters and the ends of lines and paragraphs."""
+    return "".join(" " if unicodedata.category(one) in ("Cc", "Zl", "Zp") else one for one in text)
+
+
+def readable_id(title: str, otherwise: str) -> str:
+    """Return a unique id that is safe in URLs and file names, such as "studio-1f9c03ab", or that of `otherwise`."""
+    slug = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")[:40].strip("-")
+    return f"{slug or otherwise}-{secrets.token_hex(4)}"

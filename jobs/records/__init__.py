@@ -1,0 +1,3 @@
+"""Database tables: jobs, workers, keys, announcements."""
+
+__all__: list[str] = []

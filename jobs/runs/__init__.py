@@ -1,0 +1,3 @@
+"""Run folders of jobs: places, saving, reading, removal, readiness."""
+
+__all__: list[str] = []

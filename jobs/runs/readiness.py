@@ -1,0 +1,123 @@
+"""What a job needs around it, and whether this machine sees it: the home, room on its disk, the store, the capture.
+
+A stage that fails while one of them is missing is not to blame, and a machine that misses one takes no job.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import threading
+import time
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+from obstore.exceptions import BaseError
+
+from jobs.artifacts.artifact_store import ArtifactStore
+from jobs.home.home import Home
+from jobs.home.home_identity import HomeIdentity
+from jobs.home.passing_faults import one_line, reason_to_wait
+from jobs.process.lasting_thread import lasting_thread
+
+__all__ = ["Cause", "Missing", "Surroundings"]
+
+# Bytes left on a disk that counts as full: libraries hide the error, and remove what they could not write.
+FULL = 1 << 20
+STORE_INTERVAL = 10.0  # seconds between two looks at the store
+STORE_HANGS = 10.0  # seconds after which a look that has not ended says enough
+
+
+class Cause(StrEnum):
+    """What cannot be seen."""
+
+    HOME = "home"
+    DISK = "disk"
+    STORE = "store"
+    CAPTURE = "capture"
+
+
+@dataclass(frozen=True)
+class Missing:
+    """What this machine does not see now, and that in one line."""
+
+    cause: Cause
+    reason: str
+
+
+class Surroundings:
+    """What this machine sees of the home's folder, its disk, the store and captures; methods may block on a disk."""
+
+    def __init__(self, home: Home, identity: HomeIdentity) -> None:
+        self._home = home
+        self._identity = identity
+        self._store: Missing | None = None  # as it was at the last look
+        self._looked = False
+        self._looking_since: float | None = None
+
+    def watch_store(self) -> None:
+        """Begin to look at the store every ten seconds, in a thread: one that hangs takes seconds to be found out."""
+        lasting_thread("store", self._watch).start()
+
+    def of_machine(self) -> Missing | None:
+        """Return what this machine lacks for any job, the store as `watch_store` last saw it; None if nothing."""
+        if lacking := self.home():
+            return lacking
+        began = self._looking_since
+        if began is not None and time.monotonic() - began > STORE_HANGS:
+            return Missing(Cause.STORE, "the store fails: it does not answer")
+        return self._store
+
+    def of_job(self, capture: Path) -> Missing | None:
+        """Return what this machine lacks for the stages of a job before its publication; None if nothing."""
+        return self.home() or _capture(capture)
+
+    def store(self) -> Missing | None:
+        """Look whether the store answers, for half a minute at most; a dead file server may take for ever."""
+        try:
+            ArtifactStore(self._home.store_url, once=True).scene_entry("no-such-scene")
+        except (BaseError, OSError, ValueError) as error:
+            return Missing(Cause.STORE, reason_to_wait(error) or f"the store fails: {one_line(error)}")
+        return None
+
+    def is_back(self, cause: Cause, capture: Path) -> bool:
+        """Return whether this machine sees what a job waits for."""
+        match cause:
+            case Cause.STORE:
+                return self._looked and self._store is None
+            case Cause.CAPTURE:
+                return _capture(capture) is None
+            case Cause.HOME | Cause.DISK:
+                return self.home() is None
+
+    def home(self) -> Missing | None:
+        """Return whether the home or room on its disk is missing; None if neither."""
+        mismatch = self._identity.mismatch()
+        if mismatch is not None:
+            return Missing(Cause.HOME, one_line(mismatch))
+        try:
+            if shutil.disk_usage(self._home.folder).free < FULL:
+                return Missing(Cause.DISK, f"{self._home.folder}: {os.strerror(errno.ENOSPC)}")
+        except OSError as error:
+            return Missing(Cause.HOME, f"{self._home.folder}: the home cannot be reached ({error.strerror})")
+        return None
+
+    def _watch(self) -> None:
+        pause = threading.Event()
+        while True:
+            self._looking_since = time.monotonic()
+            self._store = self.store()
+            self._looking_since, self._looked = None, True
+            pause.wait(STORE_INTERVAL)
+
+
+def _capture(capture: Path) -> Missing | None:
+    try:
+        if capture.is_dir() and not any(capture.iterdir()):
+            return Missing(Cause.CAPTURE, f"{capture}: the capture's folder is empty; is it mounted?")
+        capture.stat()
+    except OSError as error:
+        return Missing(Cause.CAPTURE, f"{capture}: the capture cannot be reached ({error.strerror})")
+    return None

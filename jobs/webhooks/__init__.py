@@ -1,0 +1,3 @@
+"""Webhooks: rules for addresses, and delivery."""
+
+__all__: list[str] = []

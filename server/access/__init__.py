@@ -1,0 +1,3 @@
+"""Access control: keys, links, visitors, hosts."""
+
+__all__: list[str] = []

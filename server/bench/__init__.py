@@ -1,0 +1,3 @@
+"""Benchmarks of the stream: `hgs bench stream`."""
+
+__all__: list[str] = []

@@ -1,0 +1,136 @@
+"""Which folders of the server's disk the API may read captures from."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from hgs_core.base.errors import InputError
+from server.http.problem_error import ProblemError
+
+__all__ = ["CaptureFolders"]
+
+SETTING = "HGS_CAPTURES"
+
+_MOST_ENTRIES = 500_000  # of one capture that are looked at for links
+_DEEPEST = 6  # folders below a capture; its readers look into three, and into a few deeper ones by name
+
+
+@dataclass(frozen=True)
+class CaptureFolders:
+    """The folders, absolute and with symbolic links resolved, in the order in which relative paths are looked up."""
+
+    folders: tuple[Path, ...]
+    uploaded: Path | None = None  # where uploads become captures; looked up last
+
+    @classmethod
+    def configured(cls, home: Path, given: str = "", environment: Mapping[str, str] = os.environ) -> Self:
+        """Return the folders `given` as a path list, else those of `HGS_CAPTURES`, else the defaults.
+
+        The defaults are captures/ in the service's home, and samples/ of the repository when run from a checkout.
+        """
+        listed = [Path(part) for part in (given or environment.get(SETTING, "")).split(os.pathsep) if part]
+        if not listed:
+            samples = Path(__file__).resolve().parents[2] / "samples"
+            listed = [home / "captures"] + ([samples] if samples.is_dir() else [])
+        return cls(tuple(folder.expanduser().resolve() for folder in listed))
+
+    @property
+    def readable(self) -> tuple[Path, ...]:
+        """All folders that captures may lie in."""
+        return self.folders if self.uploaded is None else (*self.folders, self.uploaded)
+
+    def allows(self, path: Path) -> bool:
+        """Return whether a path without links lies in one of the folders."""
+        return any(path.is_relative_to(folder) for folder in self.readable)
+
+    def shown(self, text: str) -> str:
+        """Return a line for clients: captures by their names, without the paths of the server's folders."""
+        for folder in sorted(map(str, self.readable), key=len, reverse=True):
+            if folder != "/":
+                text = re.sub(rf"(?<![\w.~-]){re.escape(folder)}(?:/|(?![\w.-]))", _name_of(folder), text)
+        return text
+
+    def locate(self, capture: str) -> Path:
+        """Return the absolute path of a capture named by a client.
+
+        Raises:
+            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
+            InputError: there is nothing at the path.
+        """
+        try:
+            candidates = [(folder / capture).resolve() for folder in self.readable]
+            inside = [path for path in candidates if self.allows(path)]
+            found = next((path for path in inside if path.is_dir()), None)
+        except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, no text of the file system
+            raise InputError("capture", f"{capture[:80]!r} is not a path") from error
+        if not inside:
+            raise _outside("capture", capture)
+        if found is None:
+            raise InputError("capture", f"{capture!r} is not a folder", "give the folder of a capture")
+        return found
+
+    def locate_file(self, where: str, file: str, capture: Path) -> Path:
+        """Return the absolute path of a file named by a client in the field `where`, looked up in `capture` first.
+
+        Raises:
+            ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
+            InputError: there is no file at the path.
+        """
+        try:
+            inside = [path for folder in (capture, *self.readable) if self.allows(path := (folder / file).resolve())]
+            found = next((path for path in inside if path.is_file()), None)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise InputError(where, f"{file[:80]!r} is not a path") from error
+        if not inside:
+            raise _outside(where, file)
+        if found is None:
+            raise InputError(where, f"there is no file {file!r}", "give its path in the capture, or the whole path")
+        return found
+
+    def require_inner_links(self, capture: Path) -> None:
+        """Refuse links that lead out: whoever may write into a capture must not read what else the server can.
+
+        Raises:
+            ProblemError: 403, there is one.
+            InputError: there is too much to look at.
+        """
+        waiting, looked_at = [(capture, 0)], 0
+        while waiting:
+            folder, depth = waiting.pop()
+            for entry in _entries(folder):
+                looked_at += 1
+                if looked_at > _MOST_ENTRIES:
+                    raise InputError("capture", f"{capture.name!r} has more than {_MOST_ENTRIES:,} files and folders")
+                if entry.is_symlink() and not self.allows(Path(os.path.realpath(entry.path))):
+                    link = Path(entry.path).relative_to(capture)
+                    raise ProblemError(
+                        403,
+                        "capture-outside",
+                        f"capture {capture.name!r}: {str(link)!r} is a link that leads outside the folders that the "
+                        f"server may read; put the file itself there, or add its folder to {SETTING}",
+                        field="capture",
+                    )
+                if entry.is_dir() and depth < _DEEPEST:
+                    waiting.append((Path(entry.path), depth + 1))
+
+
+def _name_of(folder: str) -> Callable[[re.Match[str]], str]:
+    return lambda found: "" if found[0].endswith("/") else Path(folder).name
+
+
+def _outside(where: str, path: str) -> ProblemError:
+    detail = f"{where} {path!r}: lies outside the folders the server may read; add its folder to {SETTING}"
+    return ProblemError(403, "capture-outside", detail, field=where)
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    try:
+        with os.scandir(folder) as entries:
+            return list(entries)
+    except OSError:
+        return []  # opening the capture says why

@@ -1,0 +1,160 @@
+"""The captures that lie in the folders which the server may read, for people to choose from.
+
+Processes of their own open the files (`server.captures.capture_readers`), again only where a capture has changed.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
+from server.http.encodable import encodable
+from server.http.problem_error import ProblemError
+
+__all__ = ["CaptureList"]
+
+LOOKED_AT = "is being looked at; ask again in a few seconds"
+
+_PATIENCE = 5.0  # seconds that an answer waits for captures that nothing is known of yet
+_FIND_SECONDS = 60.0  # that a look into the folders may take
+_SECONDS = 20  # of processor time that one capture may take
+_WALL_SECONDS = 120.0  # that it may take in all
+_TOGETHER = 16  # captures that one process describes
+_KEPT_SECONDS = 600.0  # for which it is kept that a capture has ended its reader: the machine may have been at fault
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What was said of a capture whose files had this mark; until then, seconds of the monotonic clock."""
+
+    mark: str
+    description: dict[str, Any]
+    until: float = float("inf")
+
+
+class CaptureList:
+    """Finds and describes the captures; used from an event loop alone."""
+
+    def __init__(self, folders: CaptureFolders, readers: CaptureReaders, patience: float = _PATIENCE) -> None:
+        """Look at nothing yet; `patience` is how many seconds an answer waits for captures that are new."""
+        self.folders = folders
+        self._readers, self._patience = readers, patience
+        self._threads = ThreadPoolExecutor(2, "captures")  # one finds, one describes
+        self._known: dict[str, _Known] = {}
+        self._wanted: dict[str, dict[str, Any]] = {}  # to be described, by path
+        self._describing: asyncio.Task[None] | None = None
+        self._finding = asyncio.Lock()
+        self._next: asyncio.Task[dict[str, Any]] | None = None
+
+    async def describe(self) -> dict[str, Any]:
+        """Return the answer of `GET /v1/captures`.
+
+        Captures that nothing is known of yet have `looking` true after a few seconds. Callers that come during a look
+        into the folders share the next one.
+
+        Raises:
+            ProblemError: 503, the folders do not answer.
+        """
+        if self._next is None or self._next.done():
+            self._next = asyncio.create_task(self._find())
+        found = await asyncio.shield(self._next)  # a caller that leaves does not take it from the others
+        self._want(found["captures"])
+        patient_until = time.monotonic() + self._patience
+        while time.monotonic() < patient_until and any(self._of(one) is None for one in found["captures"]):
+            await asyncio.sleep(0.02)
+        roots = [{"path": str(folder), "exists": folder.is_dir()} for folder in self.folders.folders]
+        captures = [self._told(one) for one in found["captures"]]
+        answer: dict[str, Any] = encodable({"captures": captures, "folders": roots, "complete": found["complete"]})
+        return answer
+
+    def close(self) -> None:
+        """Take no more work; what runs ends with the readers."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    async def _find(self) -> dict[str, Any]:
+        async with self._finding:
+            self._next = None  # who comes from now on may ask for what this look does not see
+            return await asyncio.get_running_loop().run_in_executor(self._threads, self._found)
+
+    def _found(self) -> dict[str, Any]:
+        try:
+            (found,) = self._readers.read("find", self._request(), _FIND_SECONDS)
+        except ReaderEndedError as error:
+            detail = f"the folders of captures do not answer ({error.reason}); try again later"
+            raise ProblemError(503, "captures-unavailable", detail, headers={"Retry-After": "30"}) from error
+        return found
+
+    def _request(self) -> dict[str, Any]:
+        uploaded = self.folders.uploaded
+        return {"folders": [str(one) for one in self.folders.folders], "uploaded": uploaded and str(uploaded)}
+
+    def _of(self, found: dict[str, Any]) -> dict[str, Any] | None:
+        """Return what is known of a capture as it is now."""
+        known = self._known.get(found["capture"])
+        fits = known is not None and known.mark == found["mark"] and time.monotonic() < known.until
+        return known.description if fits and known is not None else None
+
+    def _told(self, found: dict[str, Any]) -> dict[str, Any]:
+        named = {"capture": found["capture"], "name": found["name"]}
+        known = self._of(found)
+        if known is not None:
+            return named | known | {"looking": False}
+        unknown = {"layout": found["layout"], "cameras": found["cameras"], "frames": None, "seconds": None}
+        return named | unknown | {"problem": f"{found['name']}: {LOOKED_AT}", "looking": True}
+
+    def _want(self, captures: Sequence[dict[str, Any]]) -> None:
+        """Have described what is not known, and forget what is gone."""
+        there = {one["capture"]: one for one in captures}
+        for gone in set(self._known) - set(there):
+            del self._known[gone]
+        self._wanted = {path: one for path, one in there.items() if self._of(one) is None}
+        if self._wanted and (self._describing is None or self._describing.done()):
+            self._describing = asyncio.create_task(self._describe_wanted())
+
+    async def _describe_wanted(self) -> None:
+        while wanted := list(self._wanted.values())[:_TOGETHER]:
+            await asyncio.get_running_loop().run_in_executor(self._threads, self._describe, wanted.copy())
+            described = {one["capture"] for one in wanted}
+            self._wanted = {path: one for path, one in self._wanted.items() if path not in described}
+
+    def _describe(self, wanted: list[dict[str, Any]]) -> None:
+        """Have captures described, by a new process where one of them ends it."""
+        while wanted:
+            request = self._request() | {"captures": [one["capture"] for one in wanted], "seconds": _SECONDS}
+            fresh = True
+            try:
+                for answer in self._readers.read("describe", request, _WALL_SECONDS):
+                    self._keep(wanted.pop(0), answer)
+                    fresh = False
+                return
+            except ReaderEndedError as error:
+                if fresh:  # else another capture may have left the process unwell: this one is read by a new one
+                    self._keep_problem(wanted.pop(0), error)
+
+    def _keep(self, found: dict[str, Any], answer: dict[str, Any]) -> None:
+        path = found["capture"]
+        try:
+            self._known[path] = _Known(found["mark"], answered(answer, Path(path)))
+        except (InputError, ProblemError, OSError) as error:
+            self._known[path] = _Known(found["mark"], self._problem(found, str(error)))
+
+    def _keep_problem(self, found: dict[str, Any], error: ReaderEndedError) -> None:
+        description = self._problem(found, str(error.of(Path(found["capture"]))))
+        self._known[found["capture"]] = _Known(found["mark"], description, time.monotonic() + _KEPT_SECONDS)
+
+    def _problem(self, found: dict[str, Any], problem: str) -> dict[str, Any]:
+        return {
+            "layout": found["layout"],
+            "cameras": found["cameras"],
+            "frames": None,
+            "seconds": None,
+            "problem": " ".join(self.folders.shown(problem).split()),
+        }

@@ -1,0 +1,218 @@
+"""What lies in the folders that the server may read: which folders are captures, and what their lists and headers say.
+
+For the limited process of `server.captures.capture_reader` alone: the API's own process opens no file of a capture.
+A look is bounded in folders, files and depth, and decodes no picture.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hgs_core.base.errors import InputError
+from hgs_core.base.storable_text import is_storable
+from hgs_core.capture.cameras.rig import CameraFormat
+from hgs_core.capture.footage import FEWEST_VIDEOS, is_video, natural_order
+from hgs_core.capture.load import calibration, outline
+from hgs_core.capture.open import open_capture
+from hgs_core.capture.pictures.video import announced_length
+from server.captures.capture_folders import CaptureFolders
+
+__all__ = ["FoundCapture", "describe_capture", "find_captures", "require_bounded_tables"]
+
+_VIDEOS_ALONE = "videos without poses"
+_MOST_CAPTURES = 300
+_DEEPEST = 3  # folders below one that the server may read
+_MOST_FOLDERS = 2000  # that one look goes into
+_MOST_FILES = 20_000  # of one folder; its name alone says what a capture is
+_LARGEST_TABLE = 64 << 20  # bytes of a file that is parsed as a whole
+_TABLES = (".json", ".toml", ".yml", ".yaml", ".xml")
+_TABLE_FOLDERS = 2  # below the capture, in which files of cameras lie
+
+
+@dataclass(frozen=True)
+class FoundCapture:
+    """A folder that seems to be a capture, or an upload that may be none, as far as the names of its files tell."""
+
+    name: str
+    path: Path
+    mark: str  # another one when its files change
+    layout: str | None  # None: of an upload that is no capture
+    cameras: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Folder:
+    """What a look finds in one folder."""
+
+    files: dict[str, tuple[int, int]]  # size in bytes and time of change in ns, by name
+    folders: dict[str, int]  # time of change in ns, by name
+
+
+@dataclass(frozen=True)
+class _Content:
+    """A file of cameras, or videos whose poses a job can find, or neither in an upload."""
+
+    cameras: tuple[CameraFormat, Path] | None = None
+    videos: tuple[str, ...] = ()  # without poses
+
+    def found(self, name: str, path: Path, folder: _Folder) -> FoundCapture:
+        """Return the capture that these files make."""
+        if self.cameras is not None:
+            return FoundCapture(name, path, _mark(folder, self.cameras[1]), self.cameras[0].name)
+        layout = _VIDEOS_ALONE if self.videos else None
+        return FoundCapture(name, path, _mark(folder), layout, tuple(Path(video).stem for video in self.videos))
+
+
+def find_captures(folders: CaptureFolders) -> tuple[list[FoundCapture], bool]:
+    """Return the captures, folder by folder and by name, and whether these are all."""
+    found: list[FoundCapture] = []
+    for capture in _candidates(folders):
+        if capture is None or len(found) == _MOST_CAPTURES:
+            return found, False
+        found.append(capture)
+    return found, True
+
+
+def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
+    """Return layout, cameras, frames and seconds of a capture as `GET /v1/captures` tells them, its problem being null.
+
+    Raises:
+        InputError: it cannot be read, or is none.
+        ProblemError: a link in it leads out of the folders.
+    """
+    folders.require_inner_links(path)  # before anything is opened
+    require_bounded_tables(path)
+    content = _content(path, _look(path) or _Folder({}, {})) or _Content()
+    if content.cameras is not None:
+        camera_format, file = content.cameras
+        told = outline(path, camera_format, file)
+        return _description(camera_format.name, list(told.cameras), told.frames, told.seconds)
+    if not content.videos:
+        open_capture(path)
+        raise InputError(path, "is no capture")  # it has become one meanwhile
+    frames, rate = announced_length(path / content.videos[0])
+    seconds = frames / rate if frames is not None and rate is not None else None
+    return _description(_VIDEOS_ALONE, [Path(name).stem for name in content.videos], frames, seconds)
+
+
+def require_bounded_tables(capture: Path) -> None:
+    """Refuse files of cameras that would take much memory to parse.
+
+    Raises:
+        InputError: one is too large.
+    """
+    waiting = [(capture, 0)]
+    while waiting:
+        folder, depth = waiting.pop()
+        here = _look(folder)
+        for name, (size, _) in here.files.items() if here is not None else ():
+            if size > _LARGEST_TABLE and name.lower().endswith(_TABLES):
+                raise InputError(
+                    folder / name,
+                    f"is larger than {_LARGEST_TABLE >> 20} MiB, too large for a file of cameras",
+                    "write nothing but the cameras and their frames into it, or give it another ending",
+                )
+        if here is not None and depth < _TABLE_FOLDERS:
+            waiting += [(folder / name, depth + 1) for name in here.folders]
+
+
+def _description(layout: str, cameras: list[str], frames: int | None, seconds: float | None) -> dict[str, Any]:
+    return {"layout": layout, "cameras": cameras, "frames": frames, "seconds": seconds, "problem": None}
+
+
+def _candidates(folders: CaptureFolders) -> Iterator[FoundCapture | None]:
+    """Yield the captures in order; None last where a bound is met."""
+    seen: set[Path] = set()
+    for root in folders.folders:
+        yield from _below(folders, root, 0, root, seen)
+    uploaded = folders.uploaded
+    uploads = None if uploaded is None else _look(uploaded)
+    if uploaded is None or uploads is None:
+        return
+    for name in sorted(uploads.folders):
+        found = list(_below(folders, uploaded / name, 1, uploaded, seen))
+        folder = _look(uploaded / name) or _Folder({}, {})
+        yield from found or [_Content().found(name, uploaded / name, folder)]
+
+
+def _below(
+    folders: CaptureFolders, start: Path, start_depth: int, root: Path, seen: set[Path]
+) -> Iterator[FoundCapture | None]:
+    """Yield the captures in a folder, the folder itself among them, by their paths below `root`."""
+    waiting = [(start, start_depth)]
+    while waiting:
+        path, depth = waiting.pop()
+        if path in seen:
+            continue
+        seen.add(path)
+        if len(seen) > _MOST_FOLDERS:
+            yield None
+            return
+        found = _look(path)
+        if found is None:
+            continue
+        content = _content(path, found)
+        if content is not None:
+            name = path.relative_to(root).as_posix() if path != root else root.name
+            yield content.found(name, path, found)
+        elif depth < _DEEPEST:
+            inside = (_inside(folders, path / name) for name in sorted(found.folders, reverse=True))
+            waiting += [(below, depth + 1) for below in inside if below is not None]
+
+
+def _inside(folders: CaptureFolders, path: Path) -> Path | None:
+    """Return a folder as a job would name it, or None if a link leads out of what the server may read."""
+    try:
+        resolved = path.resolve()
+    except (OSError, RuntimeError):
+        return None
+    return path if folders.allows(resolved) and is_storable(str(path)) else None
+
+
+def _look(path: Path) -> _Folder | None:
+    """Return what is in a folder, as far as the bound; None where it cannot be read."""
+    files: dict[str, tuple[int, int]] = {}
+    folders: dict[str, int] = {}
+    try:
+        with os.scandir(path) as entries:
+            for number, entry in enumerate(entries):
+                if number == _MOST_FILES:
+                    break
+                if entry.name.startswith(".") or not is_storable(entry.name):
+                    continue
+                if entry.is_dir():
+                    folders[entry.name] = entry.stat().st_mtime_ns
+                elif entry.is_file():
+                    status = entry.stat()
+                    files[entry.name] = status.st_size, status.st_mtime_ns
+    except OSError:
+        return None
+    return _Folder(files, folders)
+
+
+def _content(path: Path, found: _Folder) -> _Content | None:
+    """Return what is known of a folder that seems to be a capture; None if it does not."""
+    try:
+        cameras = next(calibration(path), None)
+    except (InputError, OSError):
+        return None
+    if cameras is not None:
+        return _Content(cameras)
+    videos = tuple(sorted((name for name in found.files if is_video(name)), key=natural_order))
+    return _Content(videos=videos) if len(videos) >= FEWEST_VIDEOS else None
+
+
+def _mark(found: _Folder, cameras: Path | None = None) -> str:
+    """Return what changes with the files of a capture, and with its file of cameras, which may lie deeper."""
+    try:
+        status = None if cameras is None else cameras.stat()
+    except OSError:
+        status = None
+    deeper = None if status is None else (str(cameras), status.st_size, status.st_mtime_ns)
+    everything = deeper, sorted(found.files.items()), sorted(found.folders.items())
+    return hashlib.sha256(repr(everything).encode()).hexdigest()

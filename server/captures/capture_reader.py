@@ -1,0 +1,198 @@
+"""What opens the captures of strangers for the API: `python -P -m server.captures.capture_reader OPERATION NOTE`.
+
+A process of its own, under the limits of a stage and narrower ones: what a hostile file ends or fills is this process.
+It speaks with the server by plain means:
+
+- stdin: one line of JSON, the request; when it closes the server is gone, and the process ends at once;
+- stdout: lines of JSON, the answers;
+- the file descriptor NOTE: the path of the file that is open now, so that the server can say which one ended it.
+
+The operations are `find` (which folders are captures), `describe` (what their lists and headers say) and `create` (the
+beginning of a run: all that is checked of a capture before there is a job).
+"""
+
+from __future__ import annotations
+
+import errno
+import importlib
+import json
+import logging
+import os
+import queue
+import resource
+import sys
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import IO, Any, NoReturn
+
+from hgs_core.base.errors import InputError
+from jobs.home.home import Home
+from jobs.process.limited import limit_stage
+from jobs.process.memory_limit import out_of_memory
+from jobs.process.parent_process import when_parent_is_gone
+from server.captures.capture_folders import CaptureFolders
+from server.captures.capture_readers import NOTE_BYTES
+from server.http.problem_error import ProblemError
+
+__all__ = ["STAGE", "main"]
+
+STAGE = "initialise"  # of a job, whose limits a reader has
+_MEMORY = 4 << 30  # bytes, unless HGS_STAGE_MEMORY gives the stage another number
+_NICENESS = 10  # viewers come first
+_ORPHANED = 70
+_OF_THE_SERVER = (errno.ENOSPC, errno.EDQUOT)  # faults that no capture is to blame for
+
+_last_opened = b""
+
+log = logging.getLogger("hgs.server")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Do what the command line and stdin say, and return the exit status."""
+    operation, note = arguments or sys.argv[1:]
+    home = Home.from_environment()
+    limit_stage(home, STAGE)
+    if home.stage_memory is None:
+        _limit(resource.RLIMIT_DATA, _MEMORY)
+    os.nice(_NICENESS)
+    logging.basicConfig(level=logging.WARNING, format="%(message)s")
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # whatever libraries print
+    lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    when_parent_is_gone(_end, lines.put)
+    request = json.loads(lines.get())
+    _note_files(int(note))
+    for answer in _OPERATIONS[operation](request, home):
+        _send(answers, answer)
+    return 0
+
+
+def _find(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
+    from server.captures.capture_outlines import find_captures
+
+    found, complete = find_captures(_folders(request))
+    captures = [
+        {
+            "name": one.name,
+            "capture": str(one.path),
+            "mark": one.mark,
+            "layout": one.layout,
+            "cameras": list(one.cameras),
+        }
+        for one in found
+    ]
+    yield {"captures": captures, "complete": complete}
+
+
+def _describe(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
+    from server.captures.capture_outlines import describe_capture
+
+    folders = _folders(request)
+    for capture in request["captures"]:
+        _limit_processor(request["seconds"])
+        yield _told(lambda path=Path(capture): describe_capture(path, folders))  # type: ignore[misc]
+
+
+def _create(request: dict[str, Any], home: Home) -> Iterator[dict[str, Any]]:
+    from hgs_core.runs.run_config import RunConfig
+    from server.captures.capture_outlines import require_bounded_tables
+
+    def create() -> dict[str, Any]:
+        capture, masks = Path(request["capture"]), request["masks"]
+        require_bounded_tables(capture)
+        pipeline = importlib.import_module(home.pipeline)
+        config = pipeline.create_run(
+            Path(request["run"]),
+            capture,
+            RunConfig.from_json(request["config"]),
+            masks=masks and Path(masks),
+            audio=request["audio"],
+        )
+        return {"config": config.to_json()}
+
+    _limit_processor(request["seconds"])
+    yield _told(create)
+
+
+_OPERATIONS: dict[str, Callable[[dict[str, Any], Home], Iterator[dict[str, Any]]]] = {
+    "find": _find,
+    "describe": _describe,
+    "create": _create,
+}
+
+
+def _folders(request: dict[str, Any]) -> CaptureFolders:
+    uploaded = request["uploaded"]
+    return CaptureFolders(tuple(map(Path, request["folders"])), uploaded and Path(uploaded))
+
+
+def _told(read: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return what a capture says, or why it cannot be read, whatever its files bring about in the libraries."""
+    try:
+        return {"found": read()}
+    except ProblemError as error:
+        return {"problem": {"status": error.status, "code": error.code, "detail": error.detail}}
+    except InputError as error:
+        return {"refused": [error.where, error.problem, error.cure]}
+    except Exception as error:
+        if isinstance(error, OSError) and error.errno in _OF_THE_SERVER:
+            return {"errno": error.errno, "error": str(error)}
+        with suppress(Exception):  # there may be little memory left even for this
+            traceback.print_exception(error, limit=-20)
+        return {"unreadable": _reason(error), "file": os.fsdecode(_last_opened)}
+
+
+def _reason(error: Exception) -> str:
+    if out_of_memory(error):
+        return "needs more memory than a capture may take to be read"
+    if isinstance(error, RecursionError):
+        return "is nested too deeply to be read"
+    return f"cannot be read ({type(error).__name__}: {' '.join(str(error).split())[:300]})"
+
+
+def _note_files(note: int) -> None:
+    """Keep note of the file that is opened last: by Python itself, and by the library that opens videos."""
+
+    def opened(event: str, arguments: tuple[Any, ...]) -> None:
+        if event == "open" and isinstance(arguments[0], str | bytes):
+            global _last_opened
+            path = os.fsencode(arguments[0])
+            if not path.startswith((b"/proc/", b"/sys/", b"/dev/")) and not path.endswith((b".py", b".pyc", b".so")):
+                _last_opened = path[:NOTE_BYTES]
+                os.pwrite(note, _last_opened.ljust(NOTE_BYTES, b"\0"), 0)
+
+    sys.addaudithook(opened)
+    av = importlib.import_module("av")
+    open_container = av.open
+
+    def open_noted(file: Any, *arguments: Any, **settings: Any) -> Any:
+        opened("open", (str(file),))
+        return open_container(file, *arguments, **settings)
+
+    av.open = open_noted  # type: ignore[attr-defined]
+
+
+def _limit(kind: int, most: int) -> None:
+    hard = resource.getrlimit(kind)[1]
+    resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
+
+
+def _limit_processor(seconds: int) -> None:
+    """Let the next look take so many seconds of processor time; the system ends the process after that."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime) + 1 + seconds)
+
+
+def _send(answers: IO[str], answer: dict[str, Any]) -> None:
+    answers.write(json.dumps(answer) + "\n")
+    answers.flush()
+
+
+def _end() -> NoReturn:
+    os._exit(_ORPHANED)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,109 @@
+"""The beginning of a run by a process of its own, which is what checks a capture that somebody submits.
+
+What was found is kept: the same capture with the same wishes is not opened again while none of its files has changed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import threading
+import time
+from collections import OrderedDict
+from dataclasses import dataclass
+from pathlib import Path
+
+from hgs_core.base.atomic import write_bytes
+from hgs_core.base.errors import InputError
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
+from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
+
+__all__ = ["LimitedCreation", "files_mark"]
+
+_SECONDS = 600  # of processor time: every packet of hours of video is looked at
+_WALL_SECONDS = 1800.0
+_MOST_KEPT = 200
+_LARGEST_KEPT = 1 << 20  # bytes of a run.json
+_KEPT_SECONDS = 600.0  # for which it is kept that a capture has ended its reader: the machine may have been at fault
+_DEEPEST = 6  # folders below a capture
+
+
+@dataclass(frozen=True)
+class _Kept:
+    """What came of a look: the run.json of a capture that can be trained, or why it cannot."""
+
+    config: RunConfig | None = None
+    spec: bytes = b""
+    refusal: InputError | None = None
+    until: float = float("inf")  # seconds of the monotonic clock
+
+
+class LimitedCreation:
+    """Begins runs without opening their captures; safe to use from several threads."""
+
+    def __init__(self, readers: CaptureReaders) -> None:
+        self._readers = readers
+        self._kept: OrderedDict[str, _Kept] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def create_run(self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str) -> RunConfig:
+        """Check the capture and the config and write `run`/run.json, as the pipeline does.
+
+        Raises:
+            InputError: the capture or the config is unusable, or no process can read the capture.
+            OSError: the disk is full.
+        """
+        asked = [str(capture), config.to_json(), masks and str(masks), audio]
+        marks = [files_mark(one) for one in (capture, masks, Path(audio)) if one is not None]
+        key = hashlib.sha256(json.dumps([asked, marks], sort_keys=True).encode()).hexdigest()
+        with self._lock:
+            kept = self._kept.get(key)
+        if kept is None or time.monotonic() > kept.until or (kept.config is not None and not kept.spec):
+            kept = self._look(run, capture, config, masks, audio)
+            with self._lock:
+                self._kept[key] = kept
+                while len(self._kept) > _MOST_KEPT:
+                    self._kept.popitem(last=False)
+        elif kept.spec:
+            write_bytes(RunFolder(run).spec, kept.spec)
+        if kept.config is None:
+            raise kept.refusal or InputError(capture, "cannot be read")
+        return kept.config
+
+    def _look(self, run: Path, capture: Path, config: RunConfig, masks: Path | None, audio: str) -> _Kept:
+        request = {
+            "run": str(run),
+            "capture": str(capture),
+            "config": config.to_json(),
+            "masks": masks and str(masks),
+            "audio": audio,
+            "seconds": _SECONDS,
+        }
+        try:
+            (answer,) = self._readers.read("create", request, _WALL_SECONDS)
+            found, spec = answered(answer, capture), RunFolder(run).spec
+        except ReaderEndedError as error:
+            return _Kept(refusal=error.of(capture), until=time.monotonic() + _KEPT_SECONDS)
+        except InputError as error:
+            return _Kept(refusal=error)
+        alone = [one.name for one in run.iterdir()] == [spec.name]  # else there is more than can be kept here
+        kept = alone and spec.stat().st_size <= _LARGEST_KEPT
+        return _Kept(RunConfig.from_json(found["config"]), spec.read_bytes() if kept else b"")
+
+
+def files_mark(path: Path) -> str:
+    """Return what changes with the names, sizes and times of the files at and below a path."""
+    found: list[tuple[str, int, int]] = []
+    waiting = [(str(path), 0)]
+    while waiting:
+        here, depth = waiting.pop()
+        try:
+            status = Path(here).stat()
+            found.append((here, status.st_size, status.st_mtime_ns))
+            with os.scandir(here) as entries:
+                waiting += [(entry.path, depth + 1) for entry in entries if depth < _DEEPEST]
+        except OSError:  # a file, or what cannot be read
+            continue
+    return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()

@@ -1,0 +1,3 @@
+"""The Python client of the stream."""
+
+__all__: list[str] = []

@@ -1,0 +1,69 @@
+"""Jobs and workers as JSON, in the form that the API documents."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+from urllib.parse import urlsplit
+
+from hgs_core.runs.config_names import by_stage
+from jobs.records.job import Job, JobState
+from jobs.records.worker_register import Worker
+from server.http.encodable import encodable
+
+__all__ = ["describe_job", "describe_worker", "revision"]
+
+
+def describe_job(job: Job) -> dict[str, Any]:
+    """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
+    figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
+    progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
+    config = by_stage(job.config)  # older jobs have a flat one
+    description = {
+        "id": job.id,
+        "state": job.state.value,
+        "attempt": job.attempt,
+        "capture": job.capture,
+        "title": job.title,
+        "preset": config.get("preset"),
+        "hold_out": list(config.get("capture", {}).get("hold_out", ())),
+        "config": config,
+        "audio": job.audio or None,
+        "stage": job.stage or None,
+        "progress": progress if job.stage else None,
+        "error": job.error or None,
+        "waiting": job.waiting or None,
+        "scene": job.scene_id or None,
+        "labels": list(job.labels),
+        "priority": job.priority,
+        "time_limit": job.time_limit or None,
+        "webhook": _origin(job.webhook) if job.webhook else None,
+        "stage_ends": (job.stage_ends or None) if job.state is JobState.RUNNING else None,
+        "created": job.created,
+        "updated": job.updated,
+    }
+    return cast(dict[str, Any], encodable(description))
+
+
+def _origin(url: str) -> str:
+    """Return the scheme and host of a URL: its path may be a secret."""
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc}"
+
+
+def describe_worker(worker: Worker) -> dict[str, Any]:
+    """Return the worker object of docs/protocol.md."""
+    return {
+        "id": worker.id,
+        "host": worker.host,
+        "pid": worker.pid,
+        "device": worker.device or None,
+        "job": worker.job_id or None,
+        "idle_because": worker.idle_because or None,
+        "started": worker.started,
+        "seen": worker.seen,
+    }
+
+
+def revision(job: Job) -> str:
+    """Return the event id of the job as it is: it changes with every change of the job."""
+    return f"{job.attempt}-{job.updated!r}"

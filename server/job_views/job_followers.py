@@ -1,0 +1,114 @@
+"""The followers of jobs: server-sent events, and one task that polls the queue for all of them."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import logging
+from collections.abc import AsyncIterator, Iterator
+
+from starlette.concurrency import run_in_threadpool
+
+from jobs.records.job import Job
+from server.job_views.job_description import describe_job, revision
+from server.parts import Jobs
+
+__all__ = ["JobFollowers", "job_events"]
+
+POLL_SECONDS = 0.25
+KEEP_ALIVE_SECONDS = 15.0
+
+log = logging.getLogger("hgs.server")
+
+
+class _Follower:
+    """What one follower was told last, and a bell that rings when there is more to tell, or no more."""
+
+    def __init__(self, job: Job) -> None:
+        self.job: Job | None = job
+        self.bell = asyncio.Event()
+
+    def tell(self, job: Job | None) -> None:
+        """Bring news of the job, or None: it is gone, or nobody looks any more."""
+        if job != self.job:
+            self.job = job
+            self.bell.set()
+
+
+class JobFollowers:
+    """Everybody who follows a job, and the task that asks the queue for all of them while there is anybody.
+
+    A question costs one query and one thread of the pool, however many follow. A queue that does not answer is asked
+    again.
+    """
+
+    def __init__(self, jobs: Jobs, stopping: asyncio.Event) -> None:
+        """Follow jobs of `jobs` until `stopping` is set."""
+        self._jobs = jobs
+        self._stopping = stopping
+        self._followers: set[_Follower] = set()
+        self._asking: asyncio.Task[None] | None = None
+
+    @contextlib.contextmanager
+    def join(self, job: Job) -> Iterator[_Follower]:
+        """Follow a job, from the state that the caller knows, inside the `with` block."""
+        follower = _Follower(job)
+        self._followers.add(follower)
+        if self._asking is None or self._asking.done():
+            self._asking = asyncio.create_task(self._ask())
+        try:
+            yield follower
+        finally:
+            self._followers.discard(follower)
+
+    async def _ask(self) -> None:
+        answered = True
+        while not await self._stops_within(POLL_SECONDS) and self._followers:
+            # Whoever joins while the queue answers may know more than the answer: those are told the next time.
+            asking = [(follower.job.id, follower) for follower in self._followers if follower.job is not None]
+            try:
+                jobs = await run_in_threadpool(self._jobs.many, {job_id for job_id, _ in asking})
+            except Exception as error:
+                if answered:
+                    log.warning("followers of jobs wait: the queue does not answer: %s", error)
+                answered = False
+                continue
+            answered = True
+            for job_id, follower in asking:
+                follower.tell(jobs.get(job_id))
+        for follower in self._followers:
+            follower.tell(None)
+
+    async def _stops_within(self, seconds: float) -> bool:
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(seconds):
+                await self._stopping.wait()
+        return self._stopping.is_set()
+
+
+async def job_events(followers: JobFollowers, job: Job) -> AsyncIterator[bytes]:
+    """Yield an event now and after each change, until the job is finished, gone, or the server stops."""
+    yield _event(job)
+    if job.state.finished:
+        return
+    with followers.join(job) as follower:
+        while True:
+            try:  # not wait_for, which loses a cancellation that comes together with news (before Python 3.12)
+                async with asyncio.timeout(KEEP_ALIVE_SECONDS):
+                    await follower.bell.wait()
+            except TimeoutError:
+                yield b":\n\n"
+                continue
+            follower.bell.clear()
+            if follower.job is None:
+                return
+            now = follower.job
+            yield _event(now)
+            if now.state.finished:
+                return
+
+
+def _event(job: Job) -> bytes:
+    data = json.dumps(describe_job(job), separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return f"event: job\nid: {revision(job)}\ndata: {data}\n\n".encode()

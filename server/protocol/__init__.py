@@ -1,0 +1,3 @@
+"""Messages of the stream, and its endings."""
+
+__all__: list[str] = []

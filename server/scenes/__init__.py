@@ -1,0 +1,3 @@
+"""Scenes in memory: catalogue, index, growth, chunk cache."""
+
+__all__: list[str] = []

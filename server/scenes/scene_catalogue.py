@@ -1,0 +1,183 @@
+"""The published scenes: what the list tells of each, and the indices of those that are watched, kept in memory.
+
+A scene that is complete never changes, so each manifest is read once; a scene that has grown, or was taken back and
+published anew, has another version. A scene that was renamed costs one read of its title.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from collections import OrderedDict
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.paging import PagedScene
+from jobs.artifacts.artifact_store import SceneEntry
+from server.http.encodable import encodable
+from server.http.problems import ProblemError
+from server.parts import Artifacts, Jobs
+from server.scenes.scene_index import SceneIndex, read_scene
+
+__all__ = ["SceneCatalogue", "unknown_scene"]
+
+_LONG = 64 << 10  # bytes of a manifest: shorter ones are read sooner than another object of the store
+_INDICES = 64  # scenes whose index is kept beyond the streams that use it
+
+log = logging.getLogger("hgs.server")
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What is kept of a scene: its description, or why it has none."""
+
+    version: str
+    renamed: str
+    description: dict[str, Any]
+    fault: str = ""
+
+    def describes(self, entry: SceneEntry) -> bool:
+        """Return whether nothing of the scene has changed since."""
+        return (self.version, self.renamed) == (entry.version, entry.renamed)
+
+
+class SceneCatalogue:
+    """The scenes of a store. `scenes` is for an event loop; other methods block, and are safe in several threads."""
+
+    def __init__(self, artifacts: Artifacts, jobs: Jobs) -> None:
+        """Describe the scenes of `artifacts`, with the titles that `jobs` has for those that it made."""
+        self._artifacts = artifacts
+        self._jobs = jobs
+        self._known: dict[str, _Known] = {}
+        self._unreadable: set[str] = set()  # at the last look; each is logged once
+        self._indices: OrderedDict[str, tuple[str, SceneIndex]] = OrderedDict()  # by id, with their versions
+        self._indices_lock = threading.Lock()
+        self._one_look = asyncio.Lock()
+        self._next_look: asyncio.Task[list[dict[str, Any]]] | None = None
+
+    async def scenes(self) -> list[dict[str, Any]]:
+        """Return the published scenes as JSON, newest first; those that cannot be read are left out.
+
+        Costs one listing of the store, and one read for each scene that is new to it or has another title. Callers that
+        come during a look into the store share the next one.
+        """
+        if self._next_look is None or self._next_look.done():
+            self._next_look = asyncio.create_task(self._look())
+        return await asyncio.shield(self._next_look)  # a caller that leaves does not take it from the others
+
+    def chunk_ids(self, scene_id: str) -> frozenset[str]:
+        """Return the ids of a scene's chunks, hex; none if there is no such scene, or it cannot be read."""
+        try:
+            return self.scene(scene_id).chunk_ids
+        except ProblemError:
+            return frozenset()
+
+    def describe(self, scene_id: str) -> dict[str, Any]:
+        """Return one scene as JSON.
+
+        Raises:
+            ProblemError: as `scene`.
+        """
+        entry = self._entry(scene_id)
+        known = self._known.get(scene_id)
+        if known is None or not known.describes(entry):
+            known = self._known[scene_id] = self._learn(entry, known, self._titles([scene_id]))
+        if known.fault:
+            raise ProblemError(500, "internal", known.fault)
+        return known.description
+
+    def scene(self, scene_id: str) -> SceneIndex:
+        """Return what is needed to stream a scene.
+
+        Raises:
+            ProblemError: 404, no such scene; 500, its manifest is of another version or damaged.
+        """
+        entry = self._entry(scene_id)
+        with self._indices_lock:
+            version, index = self._indices.get(scene_id, ("", None))
+        if index is None or version != entry.version:
+            try:
+                index = self._read(entry)
+            except InputError as error:
+                raise ProblemError(500, "internal", str(error)) from error
+        with self._indices_lock:
+            self._indices[scene_id] = entry.version, index
+            self._indices.move_to_end(scene_id)
+            if len(self._indices) > _INDICES:
+                self._indices.popitem(last=False)
+        return index
+
+    async def _look(self) -> list[dict[str, Any]]:
+        async with self._one_look:
+            self._next_look = None  # who comes from now on may ask for what this look does not see
+            return await run_in_threadpool(self._refresh)
+
+    def _refresh(self) -> list[dict[str, Any]]:
+        entries = self._artifacts.list_scenes()
+        before = self._known
+        fresh = [entry for entry in entries if entry.id not in before or not before[entry.id].describes(entry)]
+        titles = self._titles([entry.id for entry in fresh])
+        read: dict[str, _Known] = {}
+        unreadable: set[str] = set()
+        for entry in fresh:
+            try:
+                read[entry.id] = self._learn(entry, before.get(entry.id), titles)
+            except ProblemError:
+                continue  # taken back since
+            except Exception as error:  # whatever the store raises: the others are there
+                unreadable.add(entry.id)
+                if entry.id not in self._unreadable:
+                    log.warning("scene %s cannot be read and is left out of the list: %s", entry.id, error)
+        self._unreadable = unreadable
+        self._known = {entry.id: known for entry in entries if (known := read.get(entry.id) or before.get(entry.id))}
+        return [known.description for known in self._known.values() if not known.fault]
+
+    def _learn(self, entry: SceneEntry, before: _Known | None, titles: dict[str, str]) -> _Known:
+        """Read what is new of a scene: all of it, or after a change of its title that alone."""
+        given = self._artifacts.title(entry.id) if entry.renamed else None
+        if given and before is not None and before.version == entry.version:
+            return replace(before, renamed=entry.renamed, description=before.description | {"title": encodable(given)})
+        try:
+            scene = self._read(entry)
+        except InputError as error:
+            log.warning("scene %s is left out of the list: %s", entry.id, error)
+            return _Known(entry.version, entry.renamed, {}, str(error))
+        description = {
+            "id": scene.scene_id,
+            "title": given or titles.get(entry.id) or scene.title or scene.scene_id,
+            "created": entry.published.timestamp(),
+            "start": scene.start,
+            "end": scene.end,
+            "bytes_total": scene.bytes_total,
+            "splats_static": scene.splats_static,
+            "splats_dynamic": scene.splats_dynamic,
+            "live": scene.live is not None,
+        }
+        return _Known(entry.version, entry.renamed, encodable(description))
+
+    def _titles(self, scene_ids: Collection[str]) -> dict[str, str]:
+        """Return the titles of the scenes that jobs made, which have the jobs' ids."""
+        return {job.id: job.title for job in self._jobs.many(scene_ids).values()} if scene_ids else {}
+
+    def _entry(self, scene_id: str) -> SceneEntry:
+        entry = self._artifacts.scene_entry(scene_id)
+        if entry is None:
+            raise unknown_scene(scene_id)
+        return entry
+
+    def _read(self, entry: SceneEntry) -> SceneIndex:
+        manifest = self._artifacts.manifest(entry.id)
+        if manifest is None:
+            raise unknown_scene(entry.id)
+        ready = self._artifacts.pages(entry.id) if len(manifest) >= _LONG else None
+        return read_scene(entry.id, manifest, None if ready is None else PagedScene.unpacked(ready, manifest))
+
+
+def unknown_scene(scene_id: str) -> ProblemError:
+    """Return the answer to a request for a scene that is not published."""
+    return ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")

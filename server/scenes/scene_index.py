@@ -1,0 +1,233 @@
+"""What the server must know of a scene to stream it: its chunks, their sizes and times."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
+from hgs_core.codec.format.manifest import ChunkEntry, Manifest
+from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
+from hgs_core.codec.format.pages import Columns, read_columns
+from hgs_core.codec.format.paging import PagedScene, paged
+from server.scenes.slice_queue import SliceQueue
+
+__all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """What a manifest says of a chunk."""
+
+    id: bytes  # the 32 bytes of its SHA-256
+    size: int  # bytes
+    layer: int = 0  # 0 is the base of its list
+    splats: int = 0
+
+
+@dataclass(frozen=True)
+class Slice:
+    """A stretch of time, shown for start <= t < end in seconds, and all chunks it needs, in the order of sending."""
+
+    start: float
+    end: float
+    chunks: tuple[Chunk, ...]
+
+    @cached_property
+    def base(self) -> tuple[Chunk, ...]:
+        """What must be there before the slice is entered."""
+        return tuple(chunk for chunk in self.chunks if chunk.layer == 0)
+
+    @cached_property
+    def refinements(self) -> tuple[Chunk, ...]:
+        """What is added while the slice is shown."""
+        return tuple(chunk for chunk in self.chunks if chunk.layer > 0)
+
+
+@dataclass(frozen=True)
+class SceneIndex:
+    """A published scene as the stream and the list of scenes see it.
+
+    Of a long one the manifest comes in pages, which are chunks among the others: a slice's first chunk is its page.
+    """
+
+    scene_id: str
+    title: str
+    manifest: bytes  # what a client gets for it: index.hgs, or in versions 1 and 2 of the protocol manifest.json
+    start: float  # seconds
+    end: float
+    static: tuple[Chunk, ...]  # in layer order
+    slices: tuple[Slice, ...]  # in order of time
+    splats_static: int
+    splats_dynamic: int
+    live: int | None = None  # the number of the manifest of a scene that grows; None: it is complete
+    sounds: tuple[Slice, ...] = ()  # pieces of sound in order of time, each of one chunk
+    pages: tuple[Slice, ...] = ()  # of the manifest, in order of time, each of one chunk
+    page_bytes: Mapping[bytes, bytes] = field(default_factory=dict)  # what is in them, by id
+    page_chunks: Mapping[bytes, tuple[bytes, ...]] = field(default_factory=dict)  # what they list, by id
+    document: bytes = b""  # the exact bytes of manifest.json
+    poster_shape: float | None = None  # of the first camera, width by height, if there is a thumbnail
+
+    @cached_property
+    def whole(self) -> SceneIndex:
+        """The same scene without pages, as versions 1 and 2 of the protocol have it."""
+        slices = self.slices
+        if self.pages:
+            slices = tuple(Slice(piece.start, piece.end, piece.chunks[1:]) for piece in slices)
+        return replace(self, manifest=self.document, slices=slices, pages=(), page_bytes={}, page_chunks={})
+
+    @cached_property
+    def chunk_ids(self) -> frozenset[str]:
+        """The ids of all chunks, hex."""
+        return frozenset(name.hex() for name in self.stored)
+
+    @cached_property
+    def stored(self) -> Mapping[bytes, int]:
+        """The size of every distinct chunk by id, of splats and of sound."""
+        return {**self.sizes, **{piece.chunks[0].id: piece.chunks[0].size for piece in self.sounds}}
+
+    @cached_property
+    def sizes(self) -> Mapping[bytes, int]:
+        """The size of every distinct chunk of splats, and of every page, by id."""
+        chunks = (*self.static, *(chunk for piece in self.slices for chunk in piece.chunks))
+        return {chunk.id: chunk.size for chunk in chunks}
+
+    @cached_property
+    def manifest_id(self) -> bytes:
+        """The SHA-256 of what a client gets for the manifest."""
+        return hashlib.sha256(self.manifest).digest()
+
+    @cached_property
+    def queue(self) -> SliceQueue:
+        """All slices, to be asked by time; sessions take slices out of copies."""
+        return SliceQueue([piece.end for piece in self.slices])
+
+    @property
+    def bytes_total(self) -> int:
+        """The size of the whole scene: its chunks and its manifest."""
+        return sum(self.stored.values()) - sum(map(len, self.page_bytes.values())) + len(self.document)
+
+    def alive(self, time: float) -> list[int]:
+        """Return the indices of the slices that are shown at `time`, in seconds."""
+        found = []
+        index = self.queue.first_shown_after(time)
+        while index is not None and self.slices[index].start <= time:
+            found.append(index)
+            index = self.queue.first_shown_after(time, index + 1)
+        return found
+
+
+def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) -> SceneIndex:
+    """Read what the server needs from the bytes of a manifest, or of the pages that were made of them before.
+
+    Raises:
+        InputError: the manifest is not one that this version understands.
+    """
+    if ready is None:
+        document, described = _described(scene_id, manifest)
+        ready = paged(described, document)
+        if not ready.pages:
+            return _short(scene_id, manifest, ready.index, described)
+    index = read_index(ready.index, f"index of scene {scene_id}")
+    header = PagedManifest(index, f"index of scene {scene_id}")
+    rows = [(entry, read_columns(data)) for entry, data in zip(header.pages, ready.pages.values(), strict=True)]
+    totals = index["manifest"]["totals"]
+    return SceneIndex(
+        scene_id=scene_id,
+        title=header.manifest.title,
+        manifest=ready.index,
+        start=header.manifest.start,
+        end=header.manifest.end,
+        static=_layered(header.manifest.static),
+        slices=tuple(
+            piece for entry, columns in rows for piece in _slices(Chunk(bytes.fromhex(entry.id), entry.bytes), columns)
+        ),
+        splats_static=totals["splats_static"],
+        splats_dynamic=totals["splats_dynamic"],
+        live=header.manifest.live,
+        sounds=tuple(
+            Slice(start, end, (Chunk(name, size),))
+            for _, columns in rows
+            for (start, end), size, name in zip(
+                columns.pieces, columns.piece_bytes, columns.ids[len(columns.boxes) :], strict=True
+            )
+        ),
+        pages=tuple(
+            Slice(columns.slices[0][0], columns.slices[-1][1], (Chunk(bytes.fromhex(entry.id), entry.bytes),))
+            for entry, columns in rows
+        ),
+        page_bytes={bytes.fromhex(name): data for name, data in ready.pages.items()},
+        page_chunks={bytes.fromhex(entry.id): tuple(columns.ids) for entry, columns in rows},
+        document=manifest,
+        poster_shape=_poster_shape(header.manifest),
+    )
+
+
+def _poster_shape(manifest: Manifest) -> float | None:
+    if not manifest.thumbnail or not manifest.cameras:
+        return None
+    return manifest.cameras[0].width / manifest.cameras[0].height
+
+
+def _described(scene_id: str, manifest: bytes) -> tuple[Mapping[str, object], Manifest]:
+    where = f"manifest of scene {scene_id}"
+    try:
+        document = json.loads(manifest)
+    except (ValueError, RecursionError) as error:
+        raise InputError(where, f"is not JSON: {error}") from error
+    return document, Manifest.from_json(document, where)
+
+
+def _short(scene_id: str, manifest: bytes, index: bytes, described: Manifest) -> SceneIndex:
+    moving = {entry.id: chunk for piece in described.slices for entry, chunk in _named(piece.chunks)}
+    return SceneIndex(
+        scene_id=scene_id,
+        title=described.title,
+        manifest=index,
+        start=described.start,
+        end=described.end,
+        static=_layered(described.static),
+        slices=tuple(
+            Slice(piece.start, piece.end, tuple(moving[name] for name in (*piece.needs, *(c.id for c in piece.chunks))))
+            for piece in described.slices
+        ),
+        splats_static=described.totals.splats_static,
+        splats_dynamic=described.totals.splats_dynamic,
+        live=described.live,
+        sounds=tuple(
+            Slice(piece.start, piece.end, (Chunk(bytes.fromhex(piece.id), piece.bytes),))
+            for piece in (described.audio.pieces if described.audio is not None else ())
+        ),
+        document=manifest,
+        poster_shape=_poster_shape(described),
+    )
+
+
+def _layered(entries: Iterable[ChunkEntry]) -> tuple[Chunk, ...]:
+    return tuple(chunk for _, chunk in _named(tuple(entries), STATIC_PART))
+
+
+def _named(entries: tuple[ChunkEntry, ...], part: int = SLICE_PART) -> list[tuple[ChunkEntry, Chunk]]:
+    return [
+        (entry, Chunk(bytes.fromhex(entry.id), entry.bytes, layer, entry.splats))
+        for entry, layer in zip(entries, layers([entry.bytes for entry in entries], part), strict=True)
+    ]
+
+
+def _slices(page: Chunk, columns: Columns) -> list[Slice]:
+    chunks: list[Chunk] = []
+    found = []
+    needed = 0
+    for (start, end), own, needs in zip(columns.slices, columns.slice_chunks, columns.slice_needs, strict=True):
+        sizes = columns.chunk_bytes[len(chunks) : len(chunks) + own]
+        before = [chunks[place] for place in columns.needs[needed : needed + needs]]
+        needed += needs
+        for size, layer in zip(sizes, layers(sizes, SLICE_PART), strict=True):
+            place = len(chunks)
+            chunks.append(Chunk(columns.ids[place], size, layer, columns.chunk_splats[place]))
+        found.append(Slice(start, end, (page, *before, *chunks[len(chunks) - own :])))
+    return found

@@ -1,0 +1,3 @@
+"""One viewer's stream: session, order of sending, flow control."""
+
+__all__: list[str] = []

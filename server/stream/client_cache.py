@@ -1,0 +1,55 @@
+"""What a client that says hello has of a scene already, whole chunks and parts of chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
+
+from server.protocol.messages import Hello, ProtocolError
+from server.scenes.scene_index import SceneIndex
+
+__all__ = ["ClientCache"]
+
+
+@dataclass(frozen=True)
+class ClientCache:
+    """Chunks of the scene that need not be sent, or not from their beginning."""
+
+    whole: frozenset[bytes]
+    parts: dict[bytes, int]  # bytes that are there, of chunks that are not whole
+
+    @classmethod
+    def of(cls, hello: Hello, scene: SceneIndex) -> ClientCache:
+        """Read it from a hello; what is not of the scene is left out.
+
+        Raises:
+            ProtocolError: 4000, a part is not smaller than its chunk.
+        """
+        sizes = scene.stored
+        parts = {chunk: offset for chunk, offset in hello.parts.items() if chunk in sizes and offset > 0}
+        for chunk, offset in parts.items():
+            if offset >= sizes[chunk]:
+                detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
+                raise ProtocolError(4000, "malformed", detail)
+        whole = {chunk for chunk in hello.have if chunk in sizes}
+        if hello.manifest_id == scene.manifest_id and hello.have_bits is not None:
+            whole.update(_named(scene.sizes, hello.have_bits))
+        for page, bits in hello.pages.items():
+            if page in scene.page_chunks:
+                whole.add(page)
+                whole.update(_named(scene.page_chunks[page], bits))
+        return cls(frozenset(whole), {chunk: offset for chunk, offset in parts.items() if chunk not in whole})
+
+    def lacking(self, wanted: Mapping[bytes, int]) -> int:
+        """Return how many bytes of these chunks, given with their sizes, are still to be sent."""
+        there = sum(wanted.get(chunk, 0) for chunk in self.whole)
+        there += sum(offset for chunk, offset in self.parts.items() if chunk in wanted)
+        return sum(wanted.values()) - there
+
+
+def _named(chunks: Iterable[bytes], bits: bytes) -> Iterator[bytes]:
+    """Yield the chunks whose bits are set, the lowest bit of each byte first."""
+    for k, chunk in enumerate(islice(chunks, 8 * len(bits))):
+        if bits[k // 8] >> k % 8 & 1:
+            yield chunk

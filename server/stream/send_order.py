@@ -1,0 +1,221 @@
+"""Which chunk a client gets next: the base layers of what is shown first, and then what refines it.
+
+The order is that of docs/protocol.md, section "Order".
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+from server.protocol.messages import MAX_PAYLOAD
+from server.scenes.scene_index import Chunk, SceneIndex, Slice
+from server.scenes.slice_queue import SliceQueue
+
+__all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
+
+PAGES_AHEAD = 12.0  # seconds of playing for which pages of the manifest are sent before what they list
+AHEAD = (3.0, 8.0, math.inf)  # seconds of playing for which base layers and then refinements are sent, in turn
+COMPLETE = 1  # the layer of a mark that says that all layers are there; 0 says that the base is
+
+
+@dataclass(frozen=True)
+class Mark:
+    """A client has all that the slice `index` needs, or of layer 0 what its base needs."""
+
+    index: int
+    layer: int
+
+
+class SendOrder:
+    """The chunks of a scene that one client lacks. `marks` collects the slices that are found to be there."""
+
+    def __init__(self, scene: SceneIndex, have: Collection[bytes] = ()) -> None:
+        """Leave out the chunks that the client has from the beginning."""
+        self.marks: deque[Mark] = deque()
+        self._scene = scene
+        self._have = set(have)
+        self._left_out: frozenset[bytes] = frozenset()
+        self._room = deque(chunk for chunk in scene.static if chunk.layer == 0)
+        self._details = deque(chunk for chunk in scene.static if chunk.layer > 0)
+        self._room_bytes = sum(chunk.size for chunk in self._room)
+        self._bases = scene.queue.copy()  # slices that have not been marked
+        self._slices = scene.queue.copy()
+        self._static_turn = True  # refinements of statics and of slices take turns
+        self._sought = False
+        self._pages = _queue(scene.pages)
+        self._sounds: SliceQueue | None = None  # pieces that the client has not been seen to have; None: no wish
+
+    @property
+    def left_out(self) -> int:
+        """Bytes of the refinements that the client has no room for."""
+        return sum(self._scene.sizes[chunk] for chunk in self._left_out - self._have)
+
+    def limit(self, splats: int | None) -> None:
+        """Leave out refinements of a picture with more splats than that; none if None."""
+        self._left_out = frozenset() if splats is None else _beyond(self._scene, splats)
+        self._details = deque(chunk for chunk in self._scene.static if chunk.layer > 0)
+        self._slices = self._scene.queue.copy()
+
+    def hear(self, wanted: bool) -> None:
+        """Send the scene's sound, too, or no more of it."""
+        self._sounds = _queue(self._scene.sounds) if wanted else None
+
+    def grow(self, scene: SceneIndex, splats: int | None) -> None:
+        """Send what has been added to the scene, too; `splats` is the limit."""
+        ends = [piece.end for piece in scene.slices]
+        self._scene = scene
+        self._bases, self._slices = self._bases.grown(ends), self._slices.grown(ends)
+        if splats is not None:
+            self.limit(splats)
+        self._pages = _queue(scene.pages)
+        self.hear(self._sounds is not None)
+
+    def has(self, chunk: Chunk) -> bool:
+        """Return whether the chunk need not be sent."""
+        return chunk.id in self._have or chunk.id in self._left_out
+
+    def settle(self, chunk: Chunk) -> None:
+        """Note that the client has the chunk, or cannot get it."""
+        self._have.add(chunk.id)
+
+    def sought(self, time: float) -> None:
+        """Mark the slices alive at `time` again: the client has moved its playhead there."""
+        self._static_turn = self._sought = True
+        for index in self._scene.alive(time):
+            self._bases.add(index)
+            self._slices.add(index)
+
+    def next(self, time: float, rate: float, measured: float | None = None) -> Chunk | None:
+        """Return the chunk to send next, None if nothing is missing; announce the slices that are met on the way.
+
+        The playhead is at `time` and moves at `rate` scene seconds per second; the line brings `measured` bytes in one.
+        """
+        speed = rate or 1.0  # one that stands will move
+        # What a slice is refined with should be there before the slice is over.
+        late = 0.0 if measured is None else rate * MAX_PAYLOAD / max(measured, 1.0)
+        base = self._next_base(time)
+        room = self._first(self._room)
+        if room is not None:
+            if base is not None and base[0] <= 0 and (self._sought or self._is_behind(base[2])):
+                return base[1]
+            return room
+        if base is not None and base[0] <= 0:
+            return base[1]
+        page = self._next_piece(self._scene.pages, self._pages, time)
+        if page is not None and page[0] <= PAGES_AHEAD * speed:
+            return page[1]
+        sound = self._next_piece(self._scene.sounds, self._sounds, time)
+        if sound is not None and page is not None and sound[0] >= page[0]:
+            sound = None  # the client knows it by a page that it lacks
+        for ahead in AHEAD:
+            if base is not None and base[0] <= ahead * speed:
+                return base[1]
+            if sound is not None and sound[0] <= ahead * speed:
+                return sound[1]
+            still, moving = self._first(self._details), self._refinement(time, time + late, ahead * speed)
+            if still is not None and (moving is None or self._static_turn):
+                self._static_turn = moving is None
+                return still
+            if moving is not None:
+                self._static_turn = True
+                return moving
+        return None if page is None else page[1]
+
+    def _first(self, chunks: deque[Chunk]) -> Chunk | None:
+        while chunks and self.has(chunks[0]):
+            chunks.popleft()
+        return chunks[0] if chunks else None
+
+    def _next_base(self, time: float) -> tuple[float, Chunk, int] | None:
+        """Return how far ahead, in scene seconds, the next slice without its base is; what it lacks; and its index."""
+        while (index := self._bases.next(time)) is not None:
+            for chunk in self._scene.slices[index].base:
+                if not self.has(chunk):
+                    return self._distance(self._scene.slices, self._bases, index, time), chunk, index
+            self._bases.discard(index)
+            self.marks.append(Mark(index, 0))
+        return None
+
+    def _next_piece(self, pieces: Sequence[Slice], queue: SliceQueue | None, time: float) -> tuple[float, Chunk] | None:
+        """Return how far ahead, in scene seconds, the next page or piece of sound is that the client lacks, and it."""
+        while queue is not None and (index := queue.next(time)) is not None:
+            chunk = pieces[index].chunks[0]
+            if not self.has(chunk):
+                return self._distance(pieces, queue, index, time), chunk
+            queue.discard(index)
+        return None
+
+    def _is_behind(self, index: int) -> bool:
+        """Return whether less of a slice's base has been sent than of the statics'."""
+        base = self._scene.slices[index].base
+        sent = sum(chunk.size for chunk in base if chunk.id in self._have)
+        room = self._room_bytes - sum(chunk.size for chunk in self._room)
+        return sent * self._room_bytes < room * sum(chunk.size for chunk in base)
+
+    def _refinement(self, time: float, begin: float, ahead: float) -> Chunk | None:
+        """Return the lowest layer missing of slices shown within `ahead` scene seconds, of the first that lacks it."""
+        if math.isinf(ahead):
+            index = self._slices.next(begin)
+            while index is not None and (chunk := self._missing(index)) is None:
+                index = self._slices.next(begin)
+            return None if index is None else self._missing(index)
+        best: Chunk | None = None
+        for index in self._within(time, begin, ahead):
+            chunk = self._missing(index)
+            if chunk is not None and (best is None or chunk.layer < best.layer):
+                best = chunk
+        return best
+
+    def _missing(self, index: int) -> Chunk | None:
+        """Return the first refinement that a slice lacks, which is marked if there is none."""
+        for chunk in self._scene.slices[index].refinements:
+            if not self.has(chunk):
+                return chunk
+        if all(map(self.has, self._scene.slices[index].base)):
+            self._slices.discard(index)
+            self.marks.append(Mark(index, COMPLETE))
+        return None
+
+    def _within(self, time: float, begin: float, ahead: float) -> list[int]:
+        """Return the slices that are shown between `begin` and `ahead` seconds after `time`, around the scene's end."""
+        found: list[int] = []
+        for moment, limit in ((begin, time + ahead), (-math.inf, time + ahead - self._duration)):
+            index = self._slices.first_shown_after(moment)
+            while index is not None and self._scene.slices[index].start <= limit and index not in found:
+                found.append(index)
+                index = self._slices.first_shown_after(moment, index + 1)
+        return found
+
+    def _distance(self, pieces: Sequence[Slice], queue: SliceQueue, index: int, time: float) -> float:
+        over = queue.first_shown_after(time, index) != index
+        return pieces[index].start - time + (self._duration if over else 0.0)
+
+    @property
+    def _duration(self) -> float:
+        return self._scene.end - self._scene.start
+
+
+def _queue(pieces: Sequence[Slice]) -> SliceQueue:
+    return SliceQueue([piece.end for piece in pieces])
+
+
+def _beyond(scene: SceneIndex, splats: int) -> frozenset[bytes]:
+    """Return the refinements without which no picture has more splats than that, where the bases leave room for any."""
+    moving = max((sum(chunk.splats for chunk in piece.chunks) for piece in scene.slices), default=0)
+    left_out = _over(scene.static, max(splats // 2, splats - moving))
+    room = splats - sum(chunk.splats for chunk in scene.static if chunk.id not in left_out)
+    for piece in scene.slices:
+        left_out |= _over(sorted(piece.chunks, key=lambda chunk: chunk.layer), room)
+    return frozenset(left_out)
+
+
+def _over(chunks: Collection[Chunk], room: int) -> set[bytes]:
+    left_out: set[bytes] = set()
+    for chunk in chunks:
+        room -= chunk.splats
+        if room < 0 and chunk.layer > 0:
+            left_out.add(chunk.id)
+    return left_out

@@ -1,0 +1,47 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from hgs_core.check.starts_by_motion import energy_offsets
+
+
+def energies(shifts: list[float], frames: int = 60, noise: float = 0.05) -> list[np.ndarray]:
+    """What cameras that began `shifts` frames late see of one irregular motion, each at its own strength."""
+    numbers = np.random.default_rng(4)
+    heights, places = numbers.uniform(1, 4, 30), numbers.uniform(-12, 75, 30)
+    seen = []
+    for number, shift in enumerate(shifts):
+        t = np.arange(frames)[:, None] + shift
+        signal = (heights * np.exp(-0.5 * ((t - places) / 1.5) ** 2)).sum(axis=1)
+        seen.append((1 + 0.3 * number) * signal * (1 + numbers.normal(0, noise, frames)))
+    return seen
+
+
+def test_offsets_are_found_between_frames() -> None:
+    shifts = [0.0, 3.0, 0.0, -5.0, 0.5, 0.0, 0.0]
+    assert energy_offsets(energies(shifts)) == pytest.approx(shifts, abs=0.3)
+
+
+def test_motions_that_are_not_alike_tell_nothing() -> None:
+    numbers = np.random.default_rng(5)
+    assert energy_offsets([numbers.random(60) for _ in range(6)]) == [None] * 6
+
+
+def test_a_capture_of_few_frames_tells_nothing() -> None:
+    assert energy_offsets(energies([0.0, 2.0, 0.0], frames=8)) == [None] * 3
+
+
+def test_a_camera_without_energy_has_no_offset_and_spoils_no_other() -> None:
+    shifts = [0.0, 3.0, 0.0, -5.0, 0.0]
+    of_alive: list[np.ndarray | None] = list(energies(shifts))
+    found = energy_offsets([*of_alive, None])
+    assert found[-1] is None
+    assert found[:-1] == pytest.approx(shifts, abs=0.3)
+
+
+def test_a_dead_span_does_not_count() -> None:
+    shifts = [0.0, 3.0, 0.0, -5.0, 0.0]
+    seen = energies(shifts)
+    seen[1][40:] = np.nan
+    assert energy_offsets(seen) == pytest.approx(shifts, abs=0.3)

@@ -1,0 +1,12 @@
+from __future__ import annotations
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.fit.fit_config import BUDGETS, EncodeConfig
+
+
+def test_the_budget_is_one_of_those_there_are() -> None:
+    assert [EncodeConfig(budget=name).budget for name in BUDGETS] == ["low", "default", "high"]
+    with pytest.raises(InputError, match=r"config\.encode\.budget: unknown choice 'free'; use low, default or high"):
+        EncodeConfig(budget="free")

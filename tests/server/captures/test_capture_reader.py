@@ -1,0 +1,126 @@
+"""The process that opens captures, as the server starts it."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hgs_core.base.errors import InputError
+from hgs_core.runs.run_config import RunConfig
+from hgs_core.runs.run_folder import RunFolder
+from jobs.home.home import Home
+from jobs.home.stage_settings import StageBytes
+from server.captures.capture_readers import CaptureReaders, ReaderEndedError, answered
+from tests.server.hostile_captures import HOSTILE, write_still
+from tests.synthetic import write_capture
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Home:
+    return Home.at(tmp_path / "home")
+
+
+def describe(home: Home, *captures: Path, seconds: int = 60) -> list[dict[str, Any]]:
+    """Have captures described, in folders that may all be read."""
+    folders = [str(capture.parent) for capture in captures]
+    request = {"folders": folders, "uploaded": None, "captures": [str(one) for one in captures], "seconds": seconds}
+    return list(CaptureReaders(home).read("describe", request, 600))
+
+
+def hostile(tmp_path: Path, name: str) -> Path:
+    """Write one of the captures that do harm, and return its folder."""
+    folder = tmp_path / "captures" / "hostile"
+    folder.mkdir(parents=True)
+    HOSTILE[name](folder)
+    return folder
+
+
+def test_a_run_is_begun_as_the_pipeline_does(home: Home, tmp_path: Path) -> None:
+    write_capture(tmp_path / "capture", frames=2)
+    run, config = tmp_path / "run", RunConfig.from_json({"capture": {"hold_out": ["2"]}, "seed": 7})
+    request = {
+        "run": str(run),
+        "capture": str(tmp_path / "capture"),
+        "config": config.to_json(),
+        "masks": None,
+        "audio": "none",
+        "seconds": 60,
+    }
+    (answer,) = CaptureReaders(home).read("create", request, 600)
+    spec = RunFolder(run).read_spec()
+    assert RunConfig.from_json(answer["found"]["config"]) == spec.config == config
+    assert (spec.capture, spec.audio, spec.prepared) == (tmp_path / "capture", "none", True)
+
+
+def test_captures_are_described_one_by_one_whatever_is_wrong_with_some(home: Home, tmp_path: Path) -> None:
+    well, nested, empty = tmp_path / "well", hostile(tmp_path, "lists 100,000 deep"), tmp_path / "empty"
+    for folder in (well, empty):
+        folder.mkdir()
+    write_still(well)
+    told = describe(home, nested, well, empty)
+    assert told[0]["refused"][:2] == [
+        str(nested / "transforms.json"),
+        "its lists or tables are nested too deep to be read",
+    ]
+    assert told[1]["found"]["cameras"] == ["north", "east", "south", "west"]
+    assert "the folder is empty" in told[2]["refused"][1]
+
+
+def test_a_link_out_of_the_folders_is_refused_as_the_server_does(home: Home, tmp_path: Path) -> None:
+    capture = tmp_path / "captures" / "a"
+    capture.mkdir(parents=True)
+    write_still(capture)
+    (capture / "west.png").unlink()
+    (capture / "west.png").symlink_to("/etc/hostname")
+    (told,) = describe(home, capture)
+    assert (told["problem"]["status"], told["problem"]["code"]) == (403, "capture-outside")
+
+
+HUNGRY = """
+def create_run(run, capture, config, *, masks, audio):
+    (capture / "transforms.json").read_bytes()
+    {harm}
+"""
+
+
+def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, harm: str, seconds: int) -> dict[str, Any]:
+    """Have a run begun by a pipeline that does harm once it has read a file: tables that could are not read at all."""
+    (tmp_path / "hungry_pipeline.py").write_text(HUNGRY.format(harm=harm))
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    (tmp_path / "capture").mkdir()
+    write_still(tmp_path / "capture")
+    request = {
+        "run": str(tmp_path / "run"),
+        "capture": str(tmp_path / "capture"),
+        "config": RunConfig().to_json(),
+        "masks": None,
+        "audio": "none",
+        "seconds": seconds,
+    }
+    readers = CaptureReaders(dataclasses.replace(home, pipeline="hungry_pipeline"))
+    (answer,) = readers.read("create", request, 600)
+    return answer
+
+
+def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    small = dataclasses.replace(home, stage_memory=StageBytes(250e6))
+    told = create_with(small, tmp_path, monkeypatch, "bytearray(1 << 30)", 60)
+    with pytest.raises(InputError, match=r"transforms.json: needs more memory than a capture may take"):
+        answered(told, tmp_path / "capture")
+
+
+def test_processor_time_is_limited(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ReaderEndedError, match="takes more processor time") as raised:
+        create_with(home, tmp_path, monkeypatch, "while True: pass", 0)
+    assert raised.value.of(tmp_path / "capture").where == str(tmp_path / "capture" / "transforms.json")
+
+
+def test_the_file_that_a_library_opens_is_known(home: Home, tmp_path: Path) -> None:
+    capture = hostile(tmp_path, "concat of itself")
+    few = dataclasses.replace(home, stage_files=dataclasses.replace(home.stage_files, most=64))
+    (told,) = describe(few, capture)
+    with pytest.raises(InputError, match=r"cam0.mp4: "):
+        answered(told, capture)
