@@ -40,7 +40,7 @@ def room(name: str) -> str:
     if name in DOORS:
         return name.replace(".", "/")
     inside = name.split(".")[name.startswith("hgs_core") :]
-    folder = inside if not NAMES[name].stem != "__init__" else inside[:-1]
+    folder = inside if NAMES[name].stem == "__init__" else inside[:-1]
     return "/".join(folder[: 2 if folder and folder[0] in WINGS else 1])
 
 
@@ -172,6 +172,7 @@ WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.interchange.file_format": "records",
     "hgs_core.render.constants": "constants",
     "server.http.media_types": "constants",
+    "server.parts": "protocols",
     **dict.fromkeys(
         (
             "hgs_core.render.triton.draw",
@@ -203,3 +204,16 @@ def test_tests_mirror_the_packages() -> None:
             alone.add(name)
     assert sorted(alone - set(WITHOUT_TESTS_OF_THEIR_NAME)) == [], "without a file of tests of their name"
     assert sorted(set(WITHOUT_TESTS_OF_THEIR_NAME) - alone) == [], "mirrored or gone: take them from the table"
+
+
+MIRRORS = ("native", "triton", "kernels", "cli", "routes")
+"""The folders whose modules are named for an operation, a command or a resource that another room implements."""
+
+
+def test_no_two_modules_share_a_name() -> None:
+    """An editor's tab shows the name alone."""
+    seen: dict[str, list[str]] = {}
+    for path in MODULES:
+        if path.stem != "__init__" and path.parent.name not in MIRRORS:
+            seen.setdefault(path.stem, []).append(str(path.relative_to(REPOSITORY)))
+    assert {name: paths for name, paths in seen.items() if len(paths) > 1} == {}

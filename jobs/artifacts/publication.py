@@ -13,7 +13,7 @@ from obstore.store import ObjectStore
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.codec.format.growth import replaces
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paging import paged
 from hgs_core.codec.format.scene_folder import (
     ENCODE_AGAIN,
@@ -84,7 +84,7 @@ class Publication:
 
 
 def _chunk_names(manifest: bytes) -> frozenset[str]:
-    return frozenset(stored_sizes(Manifest.from_json(json.loads(manifest))))
+    return frozenset(stored_sizes(read_manifest(json.loads(manifest))))
 
 
 def _read(path: Path) -> bytes:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.scene_folder import stored_sizes
 from jobs.artifacts.artifact_store import ArtifactStore
 
@@ -85,7 +85,7 @@ def chunks_of(manifest: bytes) -> list[str]:
         value = json.loads(manifest)
     except (ValueError, RecursionError) as error:
         raise InputError("manifest", f"is no JSON ({error})") from error
-    return list(stored_sizes(Manifest.from_json(value)))
+    return list(stored_sizes(read_manifest(value)))
 
 
 def _look(store: ArtifactStore, chunk: str) -> tuple[int, Literal["missing", "damaged"] | None]:

@@ -11,6 +11,7 @@ from functools import cached_property
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.layers import SLICE_PART, STATIC_PART, layers
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paged_manifest import PagedManifest, read_index
 from hgs_core.codec.format.pages import Columns, read_columns
 from hgs_core.codec.format.paging import PagedScene, paged
@@ -179,7 +180,7 @@ def _described(scene_id: str, manifest: bytes) -> tuple[Mapping[str, object], Ma
         document = json.loads(manifest)
     except (ValueError, RecursionError) as error:
         raise InputError(where, f"is not JSON: {error}") from error
-    return document, Manifest.from_json(document, where)
+    return document, read_manifest(document, where)
 
 
 def _short(scene_id: str, manifest: bytes, index: bytes, described: Manifest) -> SceneIndex:

@@ -6,12 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from hgs_core.base.errors import InputError
 from hgs_core.codec.format.audio import AudioEntry
 from hgs_core.codec.format.captured_space import CapturedSpace
-from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS, Box
-from hgs_core.codec.format.json_fields import Field, field_of
-from hgs_core.codec.format.manifest_reading import check_references
+from hgs_core.codec.format.chunk import VERSIONS, Box
 from hgs_core.scene.camera import Camera
 
 __all__ = ["FORMAT", "ChunkEntry", "Manifest", "SegmentEntry", "SliceEntry", "Totals"]
@@ -32,20 +29,6 @@ class ChunkEntry:
     def to_json(self) -> dict[str, Any]:
         """Return the plain form."""
         return {"id": self.id, "bytes": self.bytes, "splats": self.splats, "box": [list(c) for c in self.box]}
-
-    @classmethod
-    def read(cls, field: Field) -> ChunkEntry:
-        """Read the plain form."""
-        box = field["box"].items(2)
-        low, high = (corner.numbers(3) for corner in box)
-        if any(a > b for a, b in zip(low, high, strict=True)):
-            raise field["box"].error(f"{field['box'].value!r} has a first corner beyond its second")
-        return cls(
-            field["id"].hash(),
-            field["bytes"].whole(1, MAX_CHUNK_BYTES),
-            field["splats"].whole(1, MAX_SPLATS),
-            (_triple(low), _triple(high)),
-        )
 
 
 @dataclass(frozen=True)
@@ -163,67 +146,3 @@ class Manifest:
         if self.audio is not None:
             document["audio"] = self.audio.to_json()
         return document
-
-    @classmethod
-    def from_json(cls, value: Any, where: object = "manifest") -> Manifest:
-        """Read and check the plain form; unknown fields are left alone.
-
-        Raises:
-            InputError: names the field (after `where`), the value and what it should be.
-        """
-        root = field_of(value, where)
-        if root["format"].text() != FORMAT:
-            raise root["format"].error(f"is {root['format'].value!r}, expected {FORMAT!r}")
-        version = root["version"].whole(1)
-        if version not in VERSIONS:
-            known = " or ".join(map(str, VERSIONS))
-            raise root["version"].error(f"is {version}, expected {known}", "use a newer version of this program")
-        manifest = cls(
-            title=root["title"].text(),
-            start=root["start"].number(),
-            end=root["end"].number(low=root["start"].number()),
-            frame_rate=root["frame_rate"].number(above=0),
-            background=_triple(root["background"].numbers(3)),
-            up=_triple(root["up"].numbers(3)),
-            center=_triple(root["center"].numbers(3)),
-            extent=root["extent"].number(above=0),
-            cameras=tuple(_camera(field) for field in root["cameras"].items()),
-            segments=tuple(
-                SegmentEntry(field["start"].number(), field["end"].number(low=field["start"].number()))
-                for field in root["segments"].items()
-            ),
-            static=tuple(ChunkEntry.read(field) for field in root["static"].items()),
-            slices=tuple(_slice(field) for field in root["slices"].items()),
-            thumbnail=root["thumbnail"].flag(),
-            training=root["training"].mapping(),
-            antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
-            captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
-            metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
-            audio=AudioEntry.read(root["audio"]) if "audio" in root.mapping() else None,
-            version=version,
-            live=root["live"].whole(1) if "live" in root.mapping() else None,
-        )
-        check_references(manifest, root)
-        return manifest
-
-
-def _camera(field: Field) -> Camera:
-    try:
-        return Camera.from_json(dict(field.mapping()))
-    except InputError as error:
-        raise field.error(str(error)) from error
-
-
-def _slice(field: Field) -> SliceEntry:
-    return SliceEntry(
-        field["segment"].whole(0),
-        field["start"].number(),
-        field["end"].number(low=field["start"].number()),
-        tuple(ChunkEntry.read(chunk) for chunk in field["chunks"].items()),
-        tuple(item.hash() for item in field["needs"].items()),
-    )
-
-
-def _triple(numbers: tuple[float, ...]) -> Triple:
-    x, y, z = numbers
-    return x, y, z

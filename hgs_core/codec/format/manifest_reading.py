@@ -1,18 +1,98 @@
-"""What no field of a manifest shows alone: the order of time, references between the lists, totals."""
+"""Manifests as they are read: every field checked, then the order of time, references between lists, and totals."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Any
 
-from hgs_core.codec.format.json_fields import Field
+from hgs_core.base.errors import InputError
+from hgs_core.codec.format.audio import AudioEntry
+from hgs_core.codec.format.captured_space import CapturedSpace
+from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES, MAX_SPLATS, VERSIONS
+from hgs_core.codec.format.json_fields import Field, field_of
+from hgs_core.codec.format.manifest import FORMAT, ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.scene.camera import Camera
 
-if TYPE_CHECKING:
-    from hgs_core.codec.format.manifest import Manifest
-
-__all__ = ["check_references"]
+__all__ = ["read_manifest"]
 
 
-def check_references(manifest: Manifest, root: Field) -> None:
+def read_manifest(value: Any, where: object = "manifest") -> Manifest:
+    """Read and check the JSON document of a manifest; unknown fields are left alone.
+
+    Raises:
+        InputError: names the field (after `where`), the value and what it should be.
+    """
+    root = field_of(value, where)
+    if root["format"].text() != FORMAT:
+        raise root["format"].error(f"is {root['format'].value!r}, expected {FORMAT!r}")
+    version = root["version"].whole(1)
+    if version not in VERSIONS:
+        known = " or ".join(map(str, VERSIONS))
+        raise root["version"].error(f"is {version}, expected {known}", "use a newer version of this program")
+    manifest = Manifest(
+        title=root["title"].text(),
+        start=root["start"].number(),
+        end=root["end"].number(low=root["start"].number()),
+        frame_rate=root["frame_rate"].number(above=0),
+        background=_triple(root["background"].numbers(3)),
+        up=_triple(root["up"].numbers(3)),
+        center=_triple(root["center"].numbers(3)),
+        extent=root["extent"].number(above=0),
+        cameras=tuple(_camera(field) for field in root["cameras"].items()),
+        segments=tuple(
+            SegmentEntry(field["start"].number(), field["end"].number(low=field["start"].number()))
+            for field in root["segments"].items()
+        ),
+        static=tuple(_chunk(field) for field in root["static"].items()),
+        slices=tuple(_slice(field) for field in root["slices"].items()),
+        thumbnail=root["thumbnail"].flag(),
+        training=root["training"].mapping(),
+        antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
+        captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
+        metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
+        audio=AudioEntry.read(root["audio"]) if "audio" in root.mapping() else None,
+        version=version,
+        live=root["live"].whole(1) if "live" in root.mapping() else None,
+    )
+    _check_references(manifest, root)
+    return manifest
+
+
+def _chunk(field: Field) -> ChunkEntry:
+    box = field["box"].items(2)
+    low, high = (corner.numbers(3) for corner in box)
+    if any(a > b for a, b in zip(low, high, strict=True)):
+        raise field["box"].error(f"{field['box'].value!r} has a first corner beyond its second")
+    return ChunkEntry(
+        field["id"].hash(),
+        field["bytes"].whole(1, MAX_CHUNK_BYTES),
+        field["splats"].whole(1, MAX_SPLATS),
+        (_triple(low), _triple(high)),
+    )
+
+
+def _camera(field: Field) -> Camera:
+    try:
+        return Camera.from_json(dict(field.mapping()))
+    except InputError as error:
+        raise field.error(str(error)) from error
+
+
+def _slice(field: Field) -> SliceEntry:
+    return SliceEntry(
+        field["segment"].whole(0),
+        field["start"].number(),
+        field["end"].number(low=field["start"].number()),
+        tuple(_chunk(chunk) for chunk in field["chunks"].items()),
+        tuple(item.hash() for item in field["needs"].items()),
+    )
+
+
+def _triple(numbers: tuple[float, ...]) -> tuple[float, float, float]:
+    x, y, z = numbers
+    return x, y, z
+
+
+def _check_references(manifest: Manifest, root: Field) -> None:
     """Check that the lists agree; `root` is the document that the manifest was read from.
 
     Raises:

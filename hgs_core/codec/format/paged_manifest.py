@@ -16,6 +16,7 @@ from hgs_core.codec.format.audio import AudioEntry, AudioPiece
 from hgs_core.codec.format.chunk import MAX_CHUNK_BYTES
 from hgs_core.codec.format.json_fields import Field, field_of
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry, SliceEntry
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.pages import Page, read_page
 from hgs_core.codec.format.paging import INDEX_FORMAT, INDEX_VERSION
 
@@ -69,7 +70,7 @@ class PagedManifest:
         self._parts: list[_Part] = []  # what each of them, or what stands for it, brings
         self._manifest: Manifest | None = None
         if root["format"].value != INDEX_FORMAT:
-            self._manifest = Manifest.from_json(root.value, where)
+            self._manifest = read_manifest(root.value, where)
             return
         if root["version"].whole(1) != INDEX_VERSION:
             raise root["version"].error(f"is {root['version'].value}, expected {INDEX_VERSION}")
@@ -197,7 +198,7 @@ def _header(field: Field) -> Manifest:
     span = {"start": field["start"].number(), "end": field["end"].number(low=field["start"].number())}
     totals = {**field["totals"].mapping(), "splats_dynamic": 0, "bytes_dynamic": 0}
     slices = [{"segment": 0, "chunks": [], "needs": [], **span}]
-    manifest = Manifest.from_json(document | {"segments": [span], "slices": slices, "totals": totals}, field.path)
+    manifest = read_manifest(document | {"segments": [span], "slices": slices, "totals": totals}, field.path)
     if audio is None:
         return manifest
     sound = Field(f"{field.path}.audio", audio)

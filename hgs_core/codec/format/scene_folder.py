@@ -15,6 +15,7 @@ from hgs_core.codec.format.audio import AudioPiece, CodedAudio
 from hgs_core.codec.format.decode import DecodedChunk, decode_chunk
 from hgs_core.codec.format.format_error import ChunkError
 from hgs_core.codec.format.manifest import ChunkEntry, Manifest, SegmentEntry
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats, joined
 
 __all__ = [
@@ -62,7 +63,7 @@ def load_manifest(path: Path) -> Manifest:
         ) from error
     except (ValueError, RecursionError) as error:
         raise InputError(file, f"is not JSON ({error})", ENCODE_AGAIN) from error
-    return Manifest.from_json(document, f"{file}: manifest")
+    return read_manifest(document, f"{file}: manifest")
 
 
 def chunk_id(data: bytes) -> str:

@@ -16,7 +16,7 @@ from scene_folder import ONE, TWO, name_of
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress
 from hgs_core.codec.format.chunk import pack, unpack
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paging import PagedScene, paged
 from jobs.artifacts import artifact_store as artifacts
 from jobs.artifacts.artifact_store import ArtifactStore
@@ -50,7 +50,7 @@ def test_pages_of_the_manifest_are_kept_ready_beside_it(store: ArtifactStore, tm
         manifest = write_growing_scene(folder, segments)
         store.put_scene(folder, "growing")
         ready = PagedScene.unpacked(store.pages("growing") or b"", manifest)
-        assert ready == paged(Manifest.from_json(json.loads(manifest)), json.loads(manifest))
+        assert ready == paged(read_manifest(json.loads(manifest)), json.loads(manifest))
     store.remove_scene("growing")
     assert (store.pages("growing"), store.pages("no/name")) == (None, None)
 

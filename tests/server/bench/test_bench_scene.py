@@ -3,7 +3,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.scene_folder import CHUNKS, MANIFEST
 from server.bench.bench_scene import made_up_scene, scene_of
 
@@ -11,7 +11,7 @@ SCENE = made_up_scene(2, static_bytes=60_000, slice_bytes=9_000)
 
 
 def test_made_up_scene_is_one_that_readers_take() -> None:
-    assert Manifest.from_json(json.loads(SCENE.document)).to_json() == SCENE.manifest.to_json()
+    assert read_manifest(json.loads(SCENE.document)).to_json() == SCENE.manifest.to_json()
     assert set(SCENE.chunks) == {entry.id for entry in SCENE.manifest.chunks}
     assert SCENE.rate == 8 * 4 * 9_000 / 2
 

@@ -16,7 +16,7 @@ from hgs_core.codec.format.growth import (
     index_continues,
     replaces,
 )
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paged_manifest import read_index
 from hgs_core.codec.format.paging import paged
 from tests.chunks import dynamic_chunk
@@ -28,17 +28,17 @@ COMPLETE: dict[str, Any] = json.loads(
 
 
 def version(count: int) -> dict[str, Any]:
-    return first_segments(Manifest.from_json(COMPLETE), count).to_json()
+    return first_segments(read_manifest(COMPLETE), count).to_json()
 
 
 FIRST, LAST = version(1), version(2)
 
 
 def test_first_segments_are_a_manifest_of_their_own() -> None:
-    manifest = Manifest.from_json(FIRST)
+    manifest = read_manifest(FIRST)
     assert (manifest.live, len(manifest.segments), {piece.segment for piece in manifest.slices}) == (1, 1, {0})
     assert manifest.end == COMPLETE["segments"][1]["start"]
-    assert Manifest.from_json(COMPLETE).to_json() == LAST
+    assert read_manifest(COMPLETE).to_json() == LAST
 
 
 def test_growth_makes_the_later_manifest_of_the_earlier_one() -> None:
@@ -96,7 +96,7 @@ def many_segments(count: int) -> dict[str, Any]:
 
 
 def in_pages(document: dict[str, Any]) -> tuple[dict[str, Any], list[bytes]]:
-    made = paged(Manifest.from_json(document), document, full=3)
+    made = paged(read_manifest(document), document, full=3)
     return read_index(made.index), list(made.pages.values())
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from hgs_core.base.errors import InputError
-from hgs_core.codec import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from tests.conftest import REPOSITORY
 
 
@@ -50,7 +50,7 @@ def leave_out_the_cameras(manifest: dict[str, Any]) -> None:
 )
 def test_lists_that_do_not_agree_are_refused(spoil: Callable[[dict[str, Any]], None], message: str) -> None:
     manifest = json.loads((REPOSITORY / "tests" / "vectors" / "manifest.json").read_text())
-    Manifest.from_json(manifest)
+    read_manifest(manifest)
     spoil(manifest)
     with pytest.raises(InputError, match=message):
-        Manifest.from_json(manifest)
+        read_manifest(manifest)

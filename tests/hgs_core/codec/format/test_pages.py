@@ -8,13 +8,13 @@ import pytest
 
 from hgs_core.base.errors import InputError
 from hgs_core.codec.format.growth import first_segments
-from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paged_manifest import read_index
 from hgs_core.codec.format.pages import read_columns, read_page
 from hgs_core.codec.format.paging import paged
 
 VECTORS: dict[str, Any] = json.loads((Path(__file__).parents[3] / "vectors" / "pages.json").read_text(encoding="utf-8"))
-WHOLE = Manifest.from_json(VECTORS["manifest"])
+WHOLE = read_manifest(VECTORS["manifest"])
 
 
 def test_the_vectors_are_read_and_say_the_same() -> None:

@@ -9,12 +9,13 @@ import numpy as np
 
 from hgs_core.codec.format.growth import first_segments
 from hgs_core.codec.format.manifest import Manifest
+from hgs_core.codec.format.manifest_reading import read_manifest
 from hgs_core.codec.format.paged_manifest import read_index
 from hgs_core.codec.format.pages import read_page
 from hgs_core.codec.format.paging import PagedScene, paged
 
 VECTORS: dict[str, Any] = json.loads((Path(__file__).parents[3] / "vectors" / "pages.json").read_text(encoding="utf-8"))
-WHOLE = Manifest.from_json(VECTORS["manifest"])
+WHOLE = read_manifest(VECTORS["manifest"])
 
 
 def pages(manifest: Manifest, full: int = 16, short: int = 0) -> PagedScene:
