@@ -59,7 +59,9 @@ def with_fields(config: Config, values: Mapping[str, Any], where: str) -> Config
     changed: dict[str, Any] = {}
     for name, value in values.items():
         if name not in known:
-            cure = did_you_mean(name, known) or f"known are {', '.join(known)}"
+            inside = [path for path in flat_fields(dataclasses.asdict(config)) if path.endswith(f".{name}")]
+            meant = f"did you mean {inside[0]}?" if len(inside) == 1 else did_you_mean(name, known)
+            cure = meant or f"known are {', '.join(known)}"
             raise InputError(f"{where}.{name[:_SHOWN]}", "unknown field", cure)
         part = getattr(config, name)
         if dataclasses.is_dataclass(part) and not isinstance(part, type) and isinstance(value, Mapping):

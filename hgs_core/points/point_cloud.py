@@ -18,7 +18,6 @@ from hgs_core.base.errors import InputError
 __all__ = ["PointCloud"]
 
 _ROW = {"xyz": (3,), "rgb": (3,), "times": (), "dynamic": (), "spacing": (), "velocity": (3,), "normal": (3,)}
-_LATER = ("normal",)  # files of earlier versions have none
 
 
 @dataclass(frozen=True)
@@ -66,18 +65,14 @@ class PointCloud:
 
     @classmethod
     def load(cls, path: Path) -> PointCloud:
-        """Read what `save` wrote, also in earlier versions.
+        """Read a file that `save` wrote.
 
         Raises:
             InputError: the file is missing, unreadable, or an array is missing, of a wrong shape or not finite.
         """
         try:
             with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                arrays = {
-                    name: np.asarray(file[name], np.float32) for name in _ROW if name in file or name not in _LATER
-                }
-                for name in _LATER:
-                    arrays.setdefault(name, np.zeros((len(arrays["xyz"]), *_ROW[name]), np.float32))
+                arrays = {name: np.asarray(file[name], np.float32) for name in _ROW}
         except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
             raise InputError(
                 path, f"unreadable as a point cloud ({error})", "run the stage `initialise` again"

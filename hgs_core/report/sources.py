@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from hgs_core.base.errors import InputError
-from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import ProgressCallback
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, load_manifest
@@ -82,7 +81,7 @@ def read_run(path: Path, progress: ProgressCallback) -> FinishedRun:
     if not folder.train_summary.exists() or not folder.manifest.exists():
         raise InputError(path, "the run has no encoded scene yet", "finish it with hgs train")
     manifest = load_manifest(folder.manifest)
-    summary = with_new_names(_object(folder.train_summary, "train it again"), folder.train_summary)
+    summary = _object(folder.train_summary, "train it again")
     scores, unscored = _scores(folder, progress)
     seconds, iterations = finite_number(summary.get("seconds")), finite_number(summary.get("iterations"))
     if seconds is None or iterations is None:
@@ -132,7 +131,7 @@ def _history(value: Any) -> History | None:
     """Read the history leniently: figures whose length is not that of `iteration` are left out."""
     if not isinstance(value, dict):
         return None
-    lists = {name: _floats(figures) for name, figures in with_new_names(value).items() if isinstance(figures, list)}
+    lists = {name: _floats(figures) for name, figures in value.items() if isinstance(figures, list)}
     iteration = lists.pop("iteration", [])
     same = {name: figures for name, figures in lists.items() if len(figures) == len(iteration)}
     seconds = same.pop("seconds", [math.nan] * len(iteration))

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hgs_core.base.old_names import with_new_names
 from hgs_core.base.progress import Progress, ProgressCallback, interruptible
 from hgs_core.runs.run_folder import RunFolder
 
@@ -87,7 +86,7 @@ def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, f
     progress(Progress("encode", steps - 2, steps))
     picture = thumbnail(found.scene, views.cameras[0])
     progress(Progress("encode", steps - 1, steps))
-    summary = with_new_names(json.loads(folder.train_summary.read_text()))
+    summary = json.loads(folder.train_summary.read_text())
     training = told_of_training(summary) | {
         "encoding_loss": round(found.loss.whole, 4),
         "encoding_loss_moving": None if found.loss.moving is None else round(found.loss.moving, 4),

@@ -82,8 +82,6 @@ class RunConfig:
     def changed(self, values: Mapping[str, Any]) -> RunConfig:
         """Return the config with fields replaced: `{"train": {"iterations": 20}}` or `{"train.iterations": 20}`.
 
-        The names of earlier versions are understood as well (docs/training.md).
-
         Raises:
             InputError: an unknown field, one that is given twice, or a value of the wrong type or range.
         """
@@ -98,7 +96,7 @@ class RunConfig:
 
     @classmethod
     def from_json(cls, value: Mapping[str, Any]) -> RunConfig:
-        """Read what `to_json` wrote, also in earlier versions; absent fields take their defaults.
+        """Read the plain form; absent fields take their defaults.
 
         Raises:
             InputError: an unknown field, or a value of the wrong type or range.

@@ -14,7 +14,6 @@ from torch import Tensor
 
 from hgs_core.base.atomic import replacing
 from hgs_core.base.errors import InputError
-from hgs_core.base.old_names import with_new_names
 from hgs_core.render.types import ScreenStatistics
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 from hgs_core.train.colour_correction import CameraColours, ColourCorrection
@@ -27,7 +26,6 @@ from hgs_core.train.training_views import TrainingView
 __all__ = ["TrainState", "fresh_state", "load_state", "save_state"]
 
 _FORMAT = 4
-_WITH_FIRST_MOMENTS = 3  # of the optimiser that was; its second moments are those of today's
 
 
 @dataclass
@@ -145,16 +143,14 @@ def save_state(path: Path, state: TrainState) -> None:
 
 
 def load_state(path: Path) -> TrainState:
-    """Read a checkpoint, also of earlier versions, which had no means yet.
+    """Read a checkpoint.
 
     Raises:
         InputError: the file is damaged or of another version.
     """
     try:
-        value = with_new_names(torch.load(path, map_location="cpu", weights_only=True))
-        if value["format"] == _WITH_FIRST_MOMENTS:
-            value |= {f"{name}_optimiser": _without_first(value[f"{name}_adam"]) for name in ("static", "dynamic")}
-        elif value["format"] != _FORMAT:
+        value = torch.load(path, map_location="cpu", weights_only=True)
+        if value["format"] != _FORMAT:
             raise InputError(path, f"checkpoint format {value['format']}, expected {_FORMAT}", "start a new run")
         return TrainState(
             iteration=int(value["iteration"]),
@@ -166,8 +162,8 @@ def load_state(path: Path) -> TrainState:
             statistics=ScreenStatistics(**{name: _owned(t) for name, t in value["statistics"].items()}),
             correction=None if value["correction"] is None else ColourCorrection.restored(value["correction"]),
             history=TrainingHistory.restored(value["history"]),
-            static_mean=_mean(StaticSplats, value.get("static_mean")),
-            dynamic_mean=_mean(DynamicSplats, value.get("dynamic_mean")),
+            static_mean=ParameterMean.restored(StaticSplats, value["static_mean"]),
+            dynamic_mean=ParameterMean.restored(DynamicSplats, value["dynamic_mean"]),
         )
     except (KeyError, TypeError, RuntimeError, EOFError, pickle.UnpicklingError) as error:
         raise InputError(path, f"unreadable checkpoint ({type(error).__name__})", "delete it to start over") from error
@@ -179,15 +175,6 @@ def _plain(splats: StaticSplats[Tensor] | DynamicSplats[Tensor]) -> dict[str, Te
 
 def _optimiser(kind: type[Any], value: dict[str, Any]) -> RmsProp[Any]:
     return RmsProp(kind(**value["moments"]), value["updated"], int(value["steps"]))
-
-
-def _mean(kind: type[Any], value: dict[str, Any] | None) -> ParameterMean[Any]:
-    return ParameterMean() if value is None else ParameterMean.restored(kind, value)
-
-
-def _without_first(value: dict[str, Any]) -> dict[str, Any]:
-    rows, steps = len(next(iter(value["second"].values()))), int(value["steps"])
-    return {"moments": value["second"], "updated": torch.full((rows,), steps), "steps": steps}
 
 
 def _owned(tensor: Tensor) -> np.ndarray[Any, Any]:

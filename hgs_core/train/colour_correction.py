@@ -97,10 +97,9 @@ class ColourCorrection:
 
     @classmethod
     def restored(cls, state: dict[str, Any]) -> ColourCorrection:
-        """Return what `state` described, also in earlier versions, which had two moments, and no falloff to learn."""
+        """Return the correction that `state` described."""
         correction = cls(len(state["affine"]))
         correction.affine, correction._steps = state["affine"], state["steps"]
-        correction._moments = state["moments"] if "moments" in state else state["second"]
-        correction.falloff = state.get("falloff")
-        correction._falloff_moments = state.get("falloff_moments", correction._falloff_moments)
+        correction._moments = state["moments"]
+        correction.falloff, correction._falloff_moments = state["falloff"], state["falloff_moments"]
         return correction

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from hgs_core.base.old_names import with_new_names
-
 __all__ = ["TrainingHistory"]
 
 _CURVES = ("iteration", "seconds", "loss", "psnr", "static", "dynamic")
@@ -80,6 +78,6 @@ class TrainingHistory:
 
     @staticmethod
     def restored(state: dict[str, Any]) -> TrainingHistory:
-        """Return what `state` described, also in earlier versions."""
-        values = {**state, "curves": with_new_names(state["curves"])}
+        """Return the history that `state` described."""
+        values = dict(state)
         return TrainingHistory(_reports=values.pop("reports"), **values)

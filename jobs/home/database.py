@@ -77,7 +77,7 @@ def create_engine(home: Home, most: int = 15) -> sa.Engine:
 
 
 def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> HomeIdentity:
-    """Create or migrate all tables and check the home; safe to call from several processes at once.
+    """Create all tables and check the home; safe to call from several processes at once.
 
     On SQLite this also switches the file to write-ahead logging, which the file then remembers: readers no longer wait
     for writers.
@@ -96,7 +96,6 @@ def prepare_database(home: Home, engine: sa.Engine, metadata: sa.MetaData) -> Ho
         require_known_schema(home, engine)
         run_dbos_database_migrations(dbos_url(home))
         metadata.create_all(engine)
-        _add_what_is_missing(engine, metadata)
         note_schema(engine)
         identity = identify_home(home, engine)
     home.runs.mkdir(parents=True, exist_ok=True)
@@ -132,16 +131,3 @@ def _one_at_a_time(home: Home, engine: sa.Engine) -> Iterator[None]:
             yield
         finally:
             connection.execute(sa.select(sa.func.pg_advisory_unlock(MIGRATION_LOCK)))
-
-
-def _add_what_is_missing(engine: sa.Engine, metadata: sa.MetaData) -> None:
-    """Add the columns and indexes that a table of an earlier version lacks; new columns have a default, or are NULL."""
-    with engine.begin() as connection:
-        for table in metadata.sorted_tables:
-            present = {column["name"] for column in sa.inspect(connection).get_columns(table.name)}
-            for column in table.columns:
-                if column.name not in present:
-                    definition = sa.schema.CreateColumn(column).compile(dialect=engine.dialect)
-                    connection.exec_driver_sql(f"ALTER TABLE {table.name} ADD COLUMN {definition}")
-            for index in table.indexes:
-                index.create(connection, checkfirst=True)

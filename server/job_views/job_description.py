@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any, cast
 from urllib.parse import urlsplit
 
-from hgs_core.runs.config_names import by_stage
 from jobs.records.job import Job, JobState
 from jobs.records.worker_register import Worker
 from server.http.encodable import encodable
@@ -17,16 +16,15 @@ def describe_job(job: Job) -> dict[str, Any]:
     """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
     figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
     progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
-    config = by_stage(job.config)  # older jobs have a flat one
     description = {
         "id": job.id,
         "state": job.state.value,
         "attempt": job.attempt,
         "capture": job.capture,
         "title": job.title,
-        "preset": config.get("preset"),
-        "hold_out": list(config.get("capture", {}).get("hold_out", ())),
-        "config": config,
+        "preset": job.config.get("preset"),
+        "hold_out": list(job.config.get("capture", {}).get("hold_out", ())),
+        "config": job.config,
         "audio": job.audio or None,
         "stage": job.stage or None,
         "progress": progress if job.stage else None,

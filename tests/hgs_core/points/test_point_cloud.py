@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -23,13 +22,6 @@ def test_saved_points_come_back(tmp_path: Path) -> None:
     for name in ("xyz", "rgb", "times", "dynamic", "spacing", "velocity", "normal"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(points, name))
     assert [path.name for path in tmp_path.iterdir()] == ["points.npz"]
-
-
-def test_files_of_earlier_versions_know_no_surfaces(tmp_path: Path) -> None:
-    plain = dataclasses.asdict(cloud(4))
-    del plain["normal"]
-    np.savez(tmp_path / "points.npz", **plain)
-    np.testing.assert_array_equal(PointCloud.load(tmp_path / "points.npz").normal, np.zeros((4, 3)))
 
 
 def test_concatenation_keeps_the_order() -> None:

@@ -55,12 +55,12 @@ def test_sizes_are_scaled_by_frames_and_counted_in_millions() -> None:
 
 
 def test_changes_are_the_fields_that_differ_from_the_preset() -> None:
-    assert config_changes(RunConfig.for_preset("best", hold_out=["a"])) == []
+    assert config_changes(RunConfig.for_preset("best", capture={"hold_out": ["a"]})) == []
     preset = RunConfig.for_preset("preview")
-    changed = config_changes(RunConfig.for_preset("preview", iterations=7))
+    changed = config_changes(RunConfig.for_preset("preview", train={"iterations": 7}))
     assert changed == [("train.iterations", str(preset.train.iterations), "7")]
 
 
 def test_fields_of_parts_are_named_with_them() -> None:
-    ((name, _, value),) = config_changes(RunConfig.for_preset("preview", learning_rates={"opacity": 0.5}))
+    ((name, _, value),) = config_changes(RunConfig.for_preset("preview", train={"learning_rates": {"opacity": 0.5}}))
     assert (name, value) == ("train.learning_rates.opacity", "0.5")

@@ -101,16 +101,15 @@ def test_an_unknown_preset_lists_the_known_ones() -> None:
 
 
 @pytest.mark.parametrize("read", [RunConfig.from_json, lambda fields: RunConfig.for_preset("preview", **fields)])
-def test_fields_have_three_spellings(read: Callable[[dict[str, Any]], RunConfig]) -> None:
-    nested, dotted, old = (
+def test_fields_have_two_spellings(read: Callable[[dict[str, Any]], RunConfig]) -> None:
+    nested, dotted = (
         read(fields)
         for fields in (
             {"train": {"iterations": 7, "learning_rates": {"rgb": 0.1}}, "encode": {"budget": "low"}},
             {"train.iterations": 7, "train.learning_rates.rgb": 0.1, "encode.budget": "low"},
-            {"cycles": 7, "learning_rates": {"rgb": 0.1}, "budget": "low"},
         )
     )
-    assert nested == dotted == old
+    assert nested == dotted
     assert (nested.train.iterations, nested.train.learning_rates.rgb, nested.encode.budget) == (7, 0.1, "low")
 
 
@@ -125,3 +124,8 @@ def test_a_changed_config_keeps_the_rest() -> None:
 def test_configs_and_stages_do_not_load_torch() -> None:
     code = "import sys, hgs_core.runs.stages, hgs_core.runs.run_config; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_field_without_its_stage_is_refused_with_its_path() -> None:
+    with pytest.raises(InputError, match=r"config\.iterations: unknown field; did you mean train\.iterations\?"):
+        RunConfig.from_json({"iterations": 7})

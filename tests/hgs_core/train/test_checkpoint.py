@@ -54,15 +54,6 @@ def test_means_come_back_as_they_were(state: TrainState, tmp_path: Path) -> None
     assert torch.equal(back.dynamic.motion, state.dynamic.motion)
 
 
-def test_a_checkpoint_of_before_there_were_means_is_read(state: TrainState, tmp_path: Path) -> None:
-    save_state(tmp_path / "a.pt", state)
-    value = torch.load(tmp_path / "a.pt", weights_only=True)
-    del value["static_mean"], value["dynamic_mean"]
-    torch.save(value, tmp_path / "a.pt")
-    back = load_state(tmp_path / "a.pt")
-    assert (back.static_mean.count, back.dynamic_mean.count) == (0, 0)
-
-
 def test_splats_become_their_means_once(state: TrainState) -> None:
     before = state.dynamic.rgb.clone()
     state.follow_means(statics=True)
@@ -125,21 +116,6 @@ def test_a_checkpoint_of_another_version_is_refused(state: TrainState, tmp_path:
     torch.save({**value, "format": 99}, tmp_path / "a.pt")
     with pytest.raises(InputError, match="checkpoint format 99, expected 4; start a new run"):
         load_state(tmp_path / "a.pt")
-
-
-def test_a_checkpoint_with_first_moments_is_read_without_them(state: TrainState, tmp_path: Path) -> None:
-    """What format 3 kept of Adam; its second moments are those that RMSprop has."""
-    state.static_optimiser.steps, state.dynamic_optimiser.steps = 12, 12
-    save_state(tmp_path / "a.pt", state)
-    value = torch.load(tmp_path / "a.pt", weights_only=True)
-    for name in ("static", "dynamic"):
-        kept = value.pop(f"{name}_optimiser")
-        first = {field: torch.ones_like(array) for field, array in kept["moments"].items()}
-        value[f"{name}_adam"] = {"first": first, "second": kept["moments"], "steps": 12}
-    torch.save({**value, "format": 3}, tmp_path / "a.pt")
-    back = load_state(tmp_path / "a.pt")
-    assert torch.equal(back.static_optimiser.moments.rgb, state.static_optimiser.moments.rgb)
-    assert (back.dynamic_optimiser.steps, back.dynamic_optimiser.updated.tolist()) == (12, [12] * 4)
 
 
 def test_moving_dynamics_changes_their_rows_alone(state: TrainState) -> None:

@@ -91,12 +91,6 @@ def test_a_restored_correction_goes_on_with_the_same_bits(falloff: bool) -> None
         assert one.falloff is two.falloff is None
 
 
-def test_a_correction_of_an_earlier_version_learns_no_falloff() -> None:
-    state = ColourCorrection(2).state()
-    del state["falloff"], state["falloff_moments"]
-    assert ColourCorrection.restored(state).falloff is None
-
-
 def test_a_correction_moves_with_its_falloffs() -> None:
     moved = ColourCorrection(2).to(torch.device("meta"))
     assert moved.falloff is not None

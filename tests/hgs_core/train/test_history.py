@@ -45,15 +45,6 @@ def test_time_adds_up_by_activity() -> None:
     assert history.profile["labels"] > 0
 
 
-def test_the_old_name_of_the_curve_of_iterations_is_read() -> None:
-    history = TrainingHistory()
-    history.follow(0.5, 20.0)
-    history.report(10, 0.1, 5, 6)
-    state = history.state()
-    old = {"cycle" if name == "iteration" else name: values for name, values in state["curves"].items()}
-    assert TrainingHistory.restored(state | {"curves": old}) == history
-
-
 def test_a_restored_history_goes_on_as_the_old_one() -> None:
     history = TrainingHistory()
     history.follow(0.5, 20.0)

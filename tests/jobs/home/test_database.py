@@ -12,10 +12,9 @@ import pytest
 import sqlalchemy as sa
 from postgres_server import PostgresServer
 
-from jobs.home.database import connection_url, create_engine, prepare_database
+from jobs.home.database import connection_url, create_engine
 from jobs.home.home import Home
 from jobs.queue.client import JobClient
-from jobs.records.job_table import JobTable, metadata
 
 OPEN = """
 import dataclasses, sys
@@ -69,19 +68,6 @@ def test_what_an_interrupted_migration_left_is_healed(server: PostgresServer, tm
         assert client.list() == []
     valid = server.execute(name, f"SELECT indisvalid FROM pg_index WHERE indexrelid = 'dbos.{index}'::regclass")
     assert [tuple(row) for row in valid] == [(True,)]
-
-
-def test_a_table_of_an_earlier_version_gets_its_new_columns(
-    home: Home, client: JobClient, submit: Callable[..., str]
-) -> None:
-    job_id = submit()
-    before = client.get(job_id)
-    engine = create_engine(home)
-    with engine.begin() as connection:
-        connection.exec_driver_sql("ALTER TABLE hgs_job DROP COLUMN waiting")
-    prepare_database(home, engine, metadata)
-    assert JobTable(engine).get(job_id) == before
-    engine.dispose()
 
 
 class TestConnectionUrl:

@@ -18,12 +18,12 @@ TINY = [
     "--hold-out",
     "1",
     "--set",
-    "iterations=2",
-    "static_points=60",
-    "dynamic_points=20",
-    "init_interval=0.05",
-    "max_static=80",
-    "max_dynamic=40",
+    "train.iterations=2",
+    "points.static=60",
+    "points.dynamic=20",
+    "points.interval=0.05",
+    "train.density.max_static=80",
+    "train.density.max_dynamic=40",
 ]
 
 

@@ -42,7 +42,13 @@ def test_both_backends_are_measured_where_there_are_kernels(capsys: pytest.Captu
 
 def test_a_training_is_timed_and_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     write_capture(tmp_path, frames=2, width=32, height=24)
-    small = ["iterations=4", "static_points=60", "dynamic_points=20", "max_static=80", "max_dynamic=30"]
+    small = [
+        "train.iterations=4",
+        "points.static=60",
+        "points.dynamic=20",
+        "train.density.max_static=80",
+        "train.density.max_dynamic=30",
+    ]
     assert main(["bench", "train", str(tmp_path), "--hold-out", "2", "--set", *small, "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert (report["device"], report["config"]["train"]["iterations"]) == ("cpu", 4)

@@ -44,62 +44,6 @@ def test_the_way_to_synchronise_is_as_asked() -> None:
     assert config_of("--sync", "audio").capture.sync == "audio"
 
 
-@pytest.mark.parametrize(
-    ("assignment", "word"),
-    [
-        ("iterations", "KEY=VALUE"),
-        ("cycels=3", "cycels"),
-        ("iterations=many", "iterations"),
-        ("iterations=0", "iterations"),
-        ("learning_rates.opacity=-1", "learning_rates.opacity"),
-        ("seed.x=1", "seed"),
-        ("iterations=Infinity", "config.train.iterations: inf is out of range"),
-        ("dssim=NaN", "config.train.dssim: nan is out of range"),
-        ("checkpoint_every=1000000000", "config.train.checkpoint_every: 1000000000 is out of range"),
-        ("iterations=" + "9" * 5000, "config.train.iterations"),
-        ("hold_out=" + "[" * 5000, "config.capture.hold_out"),
-        ("hold_out=3", "config.capture.hold_out"),
-        ("train.iterations=0", "config.train.iterations: 0 is out of range"),
-        ("encode.budget=free", "config.encode.budget: unknown choice 'free'; use low, default or high"),
-        ("train=3", "config.train: 3 is not an object"),
-    ],
-    ids=lambda text: text[:24],
-)
-def test_bad_overrides_are_refused(assignment: str, word: str) -> None:
-    with pytest.raises(InputError) as caught:
-        config_of("--set", assignment)
-    assert word in str(caught.value)
-
-
-def test_overrides_are_read_as_json_and_nest() -> None:
-    config = config_of(
-        "--preset",
-        "preview",
-        "--hold-out",
-        "a, b",
-        "--set",
-        "train.iterations=9",
-        "encode.budget=low",
-        "--set",
-        "train.learning_rates.opacity=0.5",
-        'points={"static": 7}',
-    )
-    assert (config.preset, config.capture.hold_out, config.points.static) == ("preview", ("a", "b"), 7)
-    assert (config.train.iterations, config.encode.budget, config.train.learning_rates.opacity) == (9, "low", 0.5)
-
-
-def test_overrides_may_have_their_old_names() -> None:
-    old = config_of("--set", "cycles=9", "backend=cpu", "learning_rates.opacity=0.5", "labels=static")
-    new = config_of(
-        "--set",
-        "train.iterations=9",
-        "train.backend=cpu",
-        "train.learning_rates.opacity=0.5",
-        "train.labels.initial=static",
-    )
-    assert old == new
-
-
 def test_a_field_cannot_be_set_and_nested_in_at_once() -> None:
     with pytest.raises(InputError, match=r"config\.seed\.x: config\.seed\.x is given twice"):
         config_of("--set", "seed=3", "seed.x=1")

@@ -17,7 +17,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from hgs_core.base.config_fields import flat_fields
-from hgs_core.runs.config_names import OLD_NAMES
 from hgs_core.runs.run_config import RunConfig
 from jobs.home.home import Home
 from jobs.queue.client import JobClient
@@ -69,12 +68,12 @@ PARTS = ["capture", "points", "train", "encode", "train.density", "train.labels"
 RATES = list(RunConfig().to_json()["train"]["learning_rates"])
 STRINGS = [r'"\ud800"', r'"a\udfffb"', r'"a\u0000b"']
 PLACES = [
-    *(f'{{"capture": "studio", "config": {{"{name}": %s}}}}' for name in (*FIELDS, *OLD_NAMES, *PARTS)),
+    *(f'{{"capture": "studio", "config": {{"{name}": %s}}}}' for name in (*FIELDS, *PARTS)),
     *(f'{{"capture": "studio", "config": {{"train": {{"learning_rates": {{"{name}": %s}}}}}}}}' for name in RATES),
     '{"capture": %s}',
     *(f'{{"capture": "studio", "{name}": %s}}' for name in ("title", "preset", "hold_out", "config", "masks", "x")),
     '{"capture": "studio", "hold_out": [%s]}',
-    '{"capture": "studio", "config": {"hold_out": [%s]}}',
+    '{"capture": "studio", "config": {"capture.hold_out": [%s]}}',
     "%s",
     "[%s]",
 ]
@@ -96,11 +95,11 @@ def test_no_bad_value_in_any_place_is_queued_or_breaks_the_server(queue: Queue) 
 @pytest.mark.parametrize(
     ("body", "field"),
     [
-        ('{"capture": "studio", "config": {"learning_rates": {"rgb": Infinity}}}', "config.train.learning_rates.rgb"),
-        ('{"capture": "studio", "config": {"learning_rates": {"rgb": 11}}}', "config.train.learning_rates.rgb"),
-        ('{"capture": "studio", "config": {"iterations": %s}}' % ("9" * 400), "config.train.iterations"),
-        ('{"capture": "studio", "config": {"iterations": 1e300}}', "config.train.iterations"),
-        ('{"capture": "studio", "config": {"checkpoint_every": 1000000000}}', "config.train.checkpoint_every"),
+        ('{"capture": "studio", "config": {"train.learning_rates.rgb": Infinity}}', "config.train.learning_rates.rgb"),
+        ('{"capture": "studio", "config": {"train.learning_rates": {"rgb": 11}}}', "config.train.learning_rates.rgb"),
+        ('{"capture": "studio", "config": {"train.iterations": %s}}' % ("9" * 400), "config.train.iterations"),
+        ('{"capture": "studio", "config": {"train.iterations": 1e300}}', "config.train.iterations"),
+        ('{"capture": "studio", "config": {"train.checkpoint_every": 1000000000}}', "config.train.checkpoint_every"),
         (r'{"capture": "studio", "title": "a\u0000b"}', "title"),
         (r'{"capture": "studio", "title": "two\nlines"}', "title"),
         ('{"capture": "studio", "title": "%s"}' % ("x" * 201), "title"),
@@ -122,7 +121,7 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(texts, inner, max_size=3),
     max_leaves=6,
 )
-fields = st.sampled_from([*FIELDS, *OLD_NAMES, *PARTS])
+fields = st.sampled_from([*FIELDS, *PARTS])
 rates = st.sampled_from(RATES)
 bodies = st.one_of(
     json_values,
@@ -154,7 +153,7 @@ def test_a_job_is_there_if_and_only_if_the_answer_is_201(queue: Queue, body: Any
 
 def test_a_row_that_no_answer_could_hold_breaks_neither_the_list_nor_its_job(queue: Queue) -> None:
     job = queue.post(b'{"capture": "studio"}').json()
-    config = {"preset": "best", "cycles": float("inf"), "hold_out": ["\ud800"]}
+    config = {"preset": "best", "train": {"iterations": float("inf")}, "capture": {"hold_out": ["\ud800"]}}
     with queue.client._engine.begin() as connection:  # as an older version wrote it
         connection.exec_driver_sql("UPDATE hgs_job SET config = ?, state = 'failed'", (json.dumps(config),))
     (listed,) = queue.get("/v1/jobs").json()["jobs"]
@@ -174,7 +173,7 @@ def test_pages_of_the_list_are_all_jobs_once_and_the_running_one_first(queue: Qu
 
 @pytest.mark.parametrize("value", ["Infinity", "-Infinity", "NaN", "1e300", "1e400", "9" * 400])
 def test_a_number_out_of_range_is_refused_with_its_name_and_its_range(queue: Queue, value: str) -> None:
-    told = queue.post(b'{"capture": "studio", "config": {"cycles": %s}}' % value.encode()).json()
+    told = queue.post(b'{"capture": "studio", "config": {"train.iterations": %s}}' % value.encode()).json()
     assert (told["code"], told["field"]) == ("config-invalid", "config.train.iterations")
     shown = {"Infinity": "inf", "-Infinity": "-inf", "NaN": "nan", "1e300": "1e+300"}.get(value, "inf")
     assert told["detail"] == (

@@ -31,7 +31,7 @@ def test_submit_answers_201_with_the_job_and_its_location(server: Any) -> None:
         "title": "Studio",
         "preset": "preview",
         "hold_out": ["cam00"],
-        "config": {"iterations": 7},
+        "config": {"train.iterations": 7},
     }
     response = server.request("POST", "/v1/jobs", json=body)
     assert response.status_code == 201
@@ -82,12 +82,12 @@ def test_bad_fields_are_422_and_named(server: Any, body: dict[str, Any], field: 
     ("body", "field"),
     [
         ({"preset": "perfect"}, "preset"),
-        ({"config": {"iterations": 0}}, "config.train.iterations"),
+        ({"config": {"train.iterations": 0}}, "config.train.iterations"),
         ({"config": {"train": {"iterations": 0}}}, "config.train.iterations"),
-        ({"config": {"cycles": 5, "train": {"iterations": 5}}}, "config.train"),
+        ({"config": {"train.iterations": 5, "train": {"iterations": 5}}}, "config.train"),
         ({"config": {"cycels": 9}}, "config.cycels"),
-        ({"config": {"learning_rates": {"opacity": "big"}}}, "config.train.learning_rates.opacity"),
-        ({"config": {"hold_out": ["cam00"]}}, "config.capture.hold_out"),
+        ({"config": {"train.learning_rates": {"opacity": "big"}}}, "config.train.learning_rates.opacity"),
+        ({"config": {"capture.hold_out": ["cam00"]}}, "config.capture.hold_out"),
         ({"config": {"capture": {"hold_out": ["cam00"]}}}, "config.capture.hold_out"),
         ({"config": {"preset": "best"}}, "config.preset"),
         ({"hold_out": ["a", "a"]}, "hold_out"),
