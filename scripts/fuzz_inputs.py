@@ -66,13 +66,11 @@ HEADERS = (
 MESSAGES: tuple[dict[str, Any], ...] = (
     {
         "type": "hello",
-        "protocol": 2,
+        "protocol": 1,
         "credits": 65536,
         "have": [b"x" * 32],
         "parts": [[b"y" * 32, 5]],
         "manifest_id": b"m" * 32,
-        "have_bits": b"\xff",
-        "codings": ["gzip"],
         "time": 1.0,
         "rate": 1.0,
         "splats": 5000,
@@ -81,7 +79,7 @@ MESSAGES: tuple[dict[str, Any], ...] = (
     },
     {
         "type": "hello",
-        "protocol": 3,
+        "protocol": 1,
         "credits": 65536,
         "have": [b"x" * 32],
         "pages": [[b"z" * 32, b"\x05"]],

@@ -1,8 +1,8 @@
-"""What a client pays that comes back to a scene of which it has all, and to one that has grown by a segment since.
+"""The bytes of a reconnection: to a scene that the client has whole, and to one that has grown by a segment since.
 
     python -m scripts.measure_reconnects --minutes 60
 
-Tells, for versions 2 and 3 of the protocol, the bytes of what `hello` has, and of what then comes of the manifest.
+Prints the bytes of `hello`, and of the manifest's part of the answer.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from collections.abc import Iterable
 
 from hgs_core.codec.format.growth import first_segments
 from server.bench.bench_scene import made_up_scene
-from server.protocol.messages import MAX_HAVE, Hello, encode
+from server.protocol.messages import PROTOCOL_VERSION, Hello, encode
 from server.scenes.scene_index import SceneIndex, read_scene
 from server.stream.stream_session import ChunkPart, StreamSession
 
@@ -34,28 +34,25 @@ def cost(scene: SceneIndex, hello: Hello) -> tuple[int, int]:
     return len(greeting), received
 
 
-def everything(scene: SceneIndex, version: int) -> Hello:
+def everything(scene: SceneIndex) -> Hello:
     """Return the hello of a client that has all of a scene."""
-    if version < 3:
-        scene = scene.whole
-        if scene.live is not None:
-            return hello(version, scene, have=frozenset(list(scene.sizes)[-MAX_HAVE:]))
-        return hello(version, scene, have_bits=b"\xff" * (len(scene.sizes) // 8 + 1))
     pages = dict(scene.page_chunks)
     last = list(pages)[-1:] if scene.live is not None else []
     listed = {name: bits(pages[name]) for name in pages if name not in last}
     rest = [chunk.id for chunk in scene.static] + [name for page in last for name in (page, *pages[page])]
-    return hello(version, scene, have=frozenset(rest), pages=listed)
+    return Hello(
+        PROTOCOL_VERSION,
+        1 << 26,
+        have=frozenset(rest),
+        pages=listed,
+        manifest_id=scene.manifest_id,
+        follow=True,
+    )
 
 
 def bits(names: Iterable[bytes]) -> bytes:
     """Return a bit for each name."""
     return bytes([255] * (len(list(names)) // 8 + 1))
-
-
-def hello(version: int, scene: SceneIndex, **fields: object) -> Hello:
-    """Return a hello of a client that follows, and has room for all."""
-    return Hello(version, 1 << 26, manifest_id=scene.manifest_id, follow=True, codings=("gzip",), **fields)  # type: ignore[arg-type]
 
 
 def main() -> None:
@@ -68,10 +65,9 @@ def main() -> None:
     versions = [first_segments(manifest, number) for number in (count - 2, count - 1)]
     before, after = (read_scene("bench", json.dumps(one.to_json()).encode()) for one in versions)
     complete = read_scene("bench", json.dumps(manifest.to_json()).encode())
-    for version in (2, 3):
-        for name, scene, known in (("unchanged", complete, complete), ("grown", after, before)):
-            sent, received = cost(scene, everything(known, version))
-            print(f"version {version}, {name}: {sent} bytes of hello, {received} bytes of the manifest come")
+    for name, scene, known in (("unchanged", complete, complete), ("grown", after, before)):
+        sent, received = cost(scene, everything(known))
+        print(f"{name}: {sent} bytes of hello, {received} bytes of the manifest")
 
 
 if __name__ == "__main__":

@@ -74,7 +74,7 @@ async def _watch(server: subprocess.Popen[str], url: str, viewers: int) -> None:
 
 async def _join(url: str) -> ClientConnection:
     viewer = await websockets.connect(url, max_size=None)
-    await viewer.send(encode(Hello(2, WINDOW)))
+    await viewer.send(encode(Hello(1, WINDOW)))
     await viewer.recv()
     return viewer
 

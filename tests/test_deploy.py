@@ -123,7 +123,7 @@ def test_pages_chunks_and_streams_come_through_nginx_to_who_has_a_key(
         async def stream() -> None:
             url, bearer = f"wss://{address}/v1/scenes/studio-run/stream", {"Authorization": f"Bearer {key}"}
             async with websockets.connect(url, ssl=trust, additional_headers=bearer, origin=base) as viewer:  # type: ignore[arg-type]
-                await viewer.send(encode(Hello(2, 4144)))
+                await viewer.send(encode(Hello(1, 4144)))
                 await receive(viewer)
 
         asyncio.run(stream())

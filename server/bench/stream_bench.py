@@ -13,7 +13,6 @@ from server.bench.bench_scene import BenchScene
 from server.bench.one_scene_server import serving
 from server.bench.shaped_line import ShapedLine
 from server.client.viewing import Viewer, Watched
-from server.protocol.messages import PROTOCOL_VERSION
 
 __all__ = ["bench_stream", "stream_text", "watch"]
 
@@ -23,9 +22,9 @@ DROPS = 5
 
 
 @asynccontextmanager
-async def _viewing(port: int, rate: Callable[[float], float], protocol: int) -> AsyncIterator[Viewer]:
+async def _viewing(port: int, rate: Callable[[float], float]) -> AsyncIterator[Viewer]:
     async with ShapedLine(port, rate) as line:
-        viewer = Viewer(f"ws://{line.address}/v1/scenes/bench/stream", protocol)
+        viewer = Viewer(f"ws://{line.address}/v1/scenes/bench/stream")
         running = asyncio.create_task(viewer.client.run())
         try:
             yield viewer
@@ -34,11 +33,9 @@ async def _viewing(port: int, rate: Callable[[float], float], protocol: int) -> 
             await asyncio.gather(running, return_exceptions=True)
 
 
-async def watch(
-    port: int, rate: Callable[[float], float], seconds: float, *, protocol: int = PROTOCOL_VERSION, drops: int = 0
-) -> Watched:
+async def watch(port: int, rate: Callable[[float], float], seconds: float, *, drops: int = 0) -> Watched:
     """Watch for so many seconds on a line of `rate` bits per second, by the seconds since; it breaks `drops` times."""
-    async with _viewing(port, rate, protocol) as viewer:
+    async with _viewing(port, rate) as viewer:
         begun = time.monotonic()
         broken = 0
         while (passed := time.monotonic() - begun) < seconds:
@@ -49,8 +46,8 @@ async def watch(
         return viewer.watched()
 
 
-async def _start(port: int, rate: float, protocol: int) -> Watched:
-    async with _viewing(port, lambda _: rate, protocol) as viewer:
+async def _start(port: int, rate: float) -> Watched:
+    async with _viewing(port, lambda _: rate) as viewer:
         while not viewer.playing:
             await viewer.frame()
         return viewer.watched()
@@ -60,7 +57,7 @@ async def _seeks(scene: BenchScene, port: int, rate: float) -> dict[str, Any]:
     """Seek to places that are not there yet, and to places that are."""
     dice = random.Random(1)
     start, end = scene.manifest.start, scene.manifest.end
-    async with _viewing(port, lambda _: rate, PROTOCOL_VERSION) as viewer:
+    async with _viewing(port, lambda _: rate) as viewer:
         while not viewer.playing:
             await viewer.frame()
         missing: list[float] = []
@@ -85,11 +82,7 @@ async def bench_stream(
     Also returns what was shown on each of `lines`: seconds of the scene, and the chunks that were there.
     """
     async with serving(scene) as port:
-        starts = [
-            {"mbit": mbit, "protocol": protocol, **_told(scene, await _start(port, mbit * MBIT, protocol), mbit * MBIT)}
-            for mbit in (2, 50)
-            for protocol in (1, PROTOCOL_VERSION)
-        ]
+        starts = [{"mbit": mbit, **_told(scene, await _start(port, mbit * MBIT), mbit * MBIT)} for mbit in (2, 50)]
         seeks = await _seeks(scene, port, 2 * MBIT)
         drops = await watch(port, lambda _: 2 * MBIT, min(seconds, 10.0), drops=DROPS)
         third = seconds / 3
@@ -102,18 +95,15 @@ async def bench_stream(
             "0.5 of its rate": lambda _: 0.5 * scene.rate,
             "20, 1, 20 Mbit/s": falls,
         }
-        cases = [(name, protocol) for name in lines for protocol in (1, PROTOCOL_VERSION)]
-        watched = await asyncio.gather(
-            *(watch(port, lines[name], seconds, protocol=version) for name, version in cases)
-        )
+        watched = await asyncio.gather(*(watch(port, rate, seconds) for rate in lines.values()))
     report = {
         "scene": {"bytes": scene.size, "seconds": scene.manifest.end - scene.manifest.start, "mbit": scene.rate / MBIT},
         "starts": starts,
         "seeks": seeks,
         "drops": {"count": DROPS, "bytes": drops.bytes, "twice": drops.twice},
         "lines": [
-            {"line": name, "protocol": protocol, "seconds": seconds, **_told(scene, result, lines[name](0.0))}
-            for (name, protocol), result in zip(cases, watched, strict=True)
+            {"line": name, "seconds": seconds, **_told(scene, result, rate(0.0))}
+            for (name, rate), result in zip(lines.items(), watched, strict=True)
         ],
     }
     return report, [result.shown for result in watched]
@@ -136,19 +126,19 @@ def stream_text(report: Mapping[str, Any]) -> str:
     rows = [
         f"scene: {scene['bytes'] / 1e6:.2f} MB, {scene['seconds']:.1f} s, {scene['mbit']:.2f} Mbit/s of what moves",
         "",
-        "line               protocol   plays after   of the line   of the bytes   stalls   waited",
+        "line                 plays after   of the line   of the bytes   stalls   waited",
     ]
     for case in [{"line": f"{row['mbit']} Mbit/s", **row} for row in report["starts"]] + report["lines"]:
         start = "not" if case["start"] is None else f"{case['start']:.2f} s"
         rows.append(
-            f"{case['line']:18s} {case['protocol']:8d} {start:>13s} {case['start_of_line']:11.2f} s "
+            f"{case['line']:18s} {start:>13s} {case['start_of_line']:11.2f} s "
             f"{100 * case['start_share']:12.0f} % "
             f"{case['stalls']:8d} {case['waited']:6.1f} s"
         )
     for row in report["lines"]:
         if levels := sorted(row.get("psnr", ())):
             rows.append(
-                f"{row['line']}, protocol {row['protocol']}: {levels[len(levels) // 2]:.1f} dB (median), "
+                f"{row['line']}: {levels[len(levels) // 2]:.1f} dB (median), "
                 f"{levels[0]:.1f} dB (least) against the whole scene, the first time round"
             )
     for name, found in (("seeks to what is missing", seeks["missing"]), ("seeks to what is there", seeks["buffered"])):

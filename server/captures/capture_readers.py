@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import os
@@ -89,7 +90,8 @@ class CaptureReaders:
                 process.wait()
                 for pipe in (process.stdin, process.stdout):
                     if pipe is not None:
-                        pipe.close()
+                        with contextlib.suppress(BrokenPipeError):  # it ended before it read the request
+                            pipe.close()
                 with self._lock:
                     self._running.discard(tree)
                 _log(operation, errors)

@@ -6,13 +6,12 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from hgs_core.codec.format.paged_manifest import PagedManifest
-from server.protocol.messages import LAST_WITHOUT_PAGES, MAX_HAVE, Hello
+from server.protocol.messages import MAX_HAVE, PROTOCOL_VERSION, Hello
 
 __all__ = ["hello_of"]
 
 
 def hello_of(
-    protocol: int,
     credits: int,
     *,
     paged: PagedManifest | None,
@@ -30,11 +29,10 @@ def hello_of(
     pages = [] if paged is None else [page.id for page in paged.pages if not paged.lacks(page.id)]
     others = [name for name in (*have, *pages) if name not in by_page and name not in listed]
     return Hello(
-        protocol,
+        PROTOCOL_VERSION,
         credits,
         have=frozenset(map(bytes.fromhex, others[-MAX_HAVE:])),
         pages={bytes.fromhex(page): _bits(names, have) for page, names in listed.items()},
-        codings=("gzip",) if protocol <= LAST_WITHOUT_PAGES else (),
         parts={bytes.fromhex(name): len(part) for name, part in parts.items()},
         follow=True,
         **wishes,

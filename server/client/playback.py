@@ -52,8 +52,8 @@ class Throughput:
 class Buffer:
     """Which moments of a scene can be shown with the chunks that are there."""
 
-    def __init__(self, manifest: Manifest, *, by_layers: bool = True) -> None:
-        """Ask for the base layers of what is shown, or if not `by_layers` for all of it that moves."""
+    def __init__(self, manifest: Manifest) -> None:
+        """Ask for the base layers of everything shown."""
         self.manifest = manifest
         self._starts = [piece.start for piece in manifest.slices]
         self._bytes: dict[str, int] = {}
@@ -62,14 +62,13 @@ class Buffer:
         for entries, part in ((manifest.static, STATIC_PART), *moving):
             for entry, layer in zip(entries, layers([entry.bytes for entry in entries], part), strict=True):
                 self._bytes[entry.id] = entry.bytes
-                if layer == 0 or not by_layers:
+                if layer == 0:
                     base.add(entry.id)
-        self._room = [entry.id for entry in manifest.static if entry.id in base and by_layers]
+        self._room = [entry.id for entry in manifest.static if entry.id in base]
         self._slices = [
             [name for name in (*piece.needs, *(entry.id for entry in piece.chunks)) if name in base]
             for piece in manifest.slices
         ]
-        self._by_layers = by_layers
 
     def slice_at(self, time: float) -> int:
         """Return the index of the slice that is shown at `time`, in seconds."""
@@ -84,8 +83,6 @@ class Buffer:
 
         The line brings `line` bytes per second; `rate` is in seconds of the scene per second.
         """
-        if not self._by_layers:
-            return True
         lacking: set[str] = set()
         for index in range(self.slice_at(time), len(self._slices)):
             wait = (self._starts[index] - time) / rate

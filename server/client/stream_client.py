@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import gzip
-import json
 import random
 import struct
 import time
@@ -16,7 +14,6 @@ import msgpack
 import websockets
 from websockets.asyncio.client import ClientConnection
 
-from hgs_core.codec.format.growth import apply_growth
 from hgs_core.codec.format.paged_manifest import read_index
 from server.client.client_hello import hello_of
 from server.client.received_scene import ReceivedScene, StreamRefusedError
@@ -25,8 +22,6 @@ from server.client.scene_files import AwayError, SceneFiles
 from server.protocol.messages import (
     CHUNK_FRAME,
     HEADER_BYTES,
-    LAST_WITHOUT_PAGES,
-    PROTOCOL_VERSION,
     Credit,
     Limits,
     Ping,
@@ -66,7 +61,6 @@ class StreamClient(ReceivedScene):
         *,
         at: float | None = None,
         rate: float = 0.0,
-        protocol: int = PROTOCOL_VERSION,
         splats: int | None = None,
         audio: bool = False,
         key: str = "",
@@ -80,11 +74,10 @@ class StreamClient(ReceivedScene):
         super().__init__(url, arrived)
         self.connections = 0
         self.over_http = not url.startswith("ws")  # or has become so, for want of a stream
-        self._protocol, self._splats, self._audio, self._key = protocol, splats, audio, key
+        self._splats, self._audio, self._key = splats, audio, key
         self._place, self._rate, self._placed = at, rate, time.monotonic()
         self._parts: dict[str, bytearray] = {}
         self._manifest_id: bytes | None = None
-        self._document: dict[str, Any] = {}  # of the manifest, in versions 1 and 2
         self._socket: ClientConnection | None = None
         self._closed = asyncio.Event()
         self._window = self._granted = 0
@@ -196,7 +189,6 @@ class StreamClient(ReceivedScene):
         self._window = self._granted = SMALLEST_WINDOW
         self._told = (0.0, 0.0)
         hello = hello_of(
-            self._protocol,
             SMALLEST_WINDOW,
             paged=self.paged,
             have=self.have,
@@ -224,10 +216,8 @@ class StreamClient(ReceivedScene):
             case "welcome" if message["manifest"]:
                 self.manifests += 1
                 self._become(message, message["manifest"])
-            case "grow" if "manifest" in message:
-                self._become(message, message["manifest"])
             case "grow":
-                self._read(apply_growth(self._document, _json(message, "growth")), message["manifest_id"])
+                self._become(message, message["manifest"])
             case "pong" if self._pinged is not None:
                 self._trip = max(SHORTEST_TRIP, time.monotonic() - self._pinged)
                 self._pinged = None
@@ -240,13 +230,8 @@ class StreamClient(ReceivedScene):
                 raise StreamRefusedError(f"{message['code']}: {meaning(message['code']) or message['detail']}")
 
     def _become(self, message: dict[str, Any], manifest: bytes) -> None:
-        paged = self._protocol > LAST_WITHOUT_PAGES
-        document = read_index(manifest, self.url) if paged else _json(message, "manifest")
-        self._read(document, message["manifest_id"])
-
-    def _read(self, document: dict[str, Any], manifest_id: bytes) -> None:
-        self.become(document)
-        self._document, self._manifest_id = document, manifest_id
+        self.become(read_index(manifest, self.url))
+        self._manifest_id = message["manifest_id"]
 
     async def _frame(self, message: bytes) -> None:
         offset, size = struct.unpack_from("<II", message, 4)
@@ -274,12 +259,6 @@ class StreamClient(ReceivedScene):
             await self.send(Credit(room))
         at, told = self._told
         same = told / TOLD_CHANGE < rate < told * TOLD_CHANGE
-        if self._protocol > 1 and rate and now - at >= TELL_SECONDS and not same:
+        if rate and now - at >= TELL_SECONDS and not same:
             self._told = (now, rate)
             await self.send(Limits(splats=self._splats, measured=int(rate), audio=self._audio))
-
-
-def _json(message: dict[str, Any], field: str) -> dict[str, Any]:
-    data = message[field]
-    document: dict[str, Any] = json.loads(gzip.decompress(data) if message.get("coding") == "gzip" else data)
-    return document

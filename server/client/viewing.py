@@ -10,7 +10,7 @@ from typing import Any
 
 from server.client.playback import Buffer, Clock
 from server.client.stream_client import StreamClient, StreamRefusedError
-from server.protocol.messages import PROTOCOL_VERSION, Pause, Play, Seek
+from server.protocol.messages import Pause, Play, Seek
 
 __all__ = ["Viewer", "Watched", "play"]
 
@@ -39,13 +39,12 @@ class Watched:
 class Viewer:
     """A client that plays what it gets, as the player does, without a picture."""
 
-    def __init__(self, url: str, protocol: int = PROTOCOL_VERSION, key: str = "") -> None:
+    def __init__(self, url: str, key: str = "") -> None:
         """Watch the scene of `url`; with protocol 1 as players did that knew no layers. `key` may be asked for."""
-        self.client = StreamClient(url, protocol=protocol, key=key)
+        self.client = StreamClient(url, key=key)
         self.clock: Clock | None = None
         self.shown: list[tuple[float, frozenset[str]]] = []
         self.start_bytes = 0
-        self._by_layers = protocol > 1
         self._begun = time.monotonic()
 
     async def frame(self) -> None:
@@ -53,7 +52,7 @@ class Viewer:
         await asyncio.sleep(TICK)
         manifest = self.client.manifest
         if manifest is not None and (self.clock is None or self.clock.buffer.manifest is not manifest):
-            buffer = Buffer(manifest, by_layers=self._by_layers)
+            buffer = Buffer(manifest)
             if self.clock is None:
                 self.clock = Clock(buffer, manifest.start)
             else:

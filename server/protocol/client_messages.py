@@ -16,7 +16,7 @@ from server.protocol.messages import (
     MAX_PARTS,
     MAX_RATE,
     MIN_RATE_LIMIT,
-    PROTOCOL_VERSIONS,
+    PROTOCOL_VERSION,
     ClientMessage,
     Credit,
     Hello,
@@ -29,8 +29,6 @@ from server.protocol.messages import (
 )
 
 __all__ = ["decode"]
-
-MAX_CODINGS = 16
 
 
 def decode(message: bytes) -> ClientMessage:
@@ -138,20 +136,6 @@ def _manifest_id(fields: Mapping[str, Any]) -> bytes | None:
     return value
 
 
-def _have_bits(fields: Mapping[str, Any]) -> bytes | None:
-    value = fields.get("have_bits")
-    if "have_bits" in fields and not isinstance(value, bytes):
-        raise _malformed("hello.have_bits is not binary")
-    return value
-
-
-def _codings(fields: Mapping[str, Any]) -> tuple[str, ...]:
-    value = fields.get("codings", [])
-    if not isinstance(value, list) or len(value) > MAX_CODINGS or not all(isinstance(coding, str) for coding in value):
-        raise _malformed(f"hello.codings is not a list of at most {MAX_CODINGS} names")
-    return tuple(value)
-
-
 def _flag(fields: Mapping[str, Any], name: str) -> bool:
     value = fields.get(name, False)
     if not isinstance(value, bool):
@@ -162,9 +146,9 @@ def _flag(fields: Mapping[str, Any], name: str) -> bool:
 def _hello(fields: Mapping[str, Any]) -> Hello:
     # The version comes first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
-    if version not in PROTOCOL_VERSIONS:
-        known = ", ".join(map(str, PROTOCOL_VERSIONS))
-        raise ProtocolError(4001, "protocol-unsupported", f"protocol {version}; this server speaks {known} alone")
+    if version != PROTOCOL_VERSION:
+        detail = f"protocol {version}; this server speaks {PROTOCOL_VERSION} alone"
+        raise ProtocolError(4001, "protocol-unsupported", detail)
     return Hello(
         protocol=version,
         credits=_uint(fields, "credits"),
@@ -172,8 +156,6 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
         parts=_parts(fields),
         pages=_pages(fields),
         manifest_id=_manifest_id(fields),
-        have_bits=_have_bits(fields),
-        codings=_codings(fields),
         time=_number(fields, "time") if "time" in fields else None,
         rate=_rate(fields) if "rate" in fields else DEFAULT_RATE,
         splats=_optional_uint(fields, "splats"),

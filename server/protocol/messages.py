@@ -16,7 +16,6 @@ __all__ = [
     "CHUNK_FRAME",
     "DEFAULT_RATE",
     "HEADER_BYTES",
-    "LAST_WITHOUT_PAGES",
     "MAX_BALANCE",
     "MAX_HAVE",
     "MAX_MESSAGE_BYTES",
@@ -27,7 +26,6 @@ __all__ = [
     "MIN_PAYLOAD",
     "MIN_RATE_LIMIT",
     "PROTOCOL_VERSION",
-    "PROTOCOL_VERSIONS",
     "ClientMessage",
     "Credit",
     "End",
@@ -49,9 +47,7 @@ __all__ = [
     "encode",
 ]
 
-PROTOCOL_VERSION = 3
-PROTOCOL_VERSIONS = (1, 2, 3)  # that this server speaks
-LAST_WITHOUT_PAGES = 2  # the manifest comes as a whole until then
+PROTOCOL_VERSION = 1
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
 MAX_HAVE = 1 << 14  # chunk ids
@@ -90,11 +86,9 @@ class Hello:
     have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
     parts: Mapping[bytes, int] = field(default_factory=dict)  # first bytes of chunks that it keeps: id -> how many
     pages: Mapping[bytes, bytes] = field(default_factory=dict)  # that it keeps, and a bit for each chunk they list
-    manifest_id: bytes | None = None  # SHA-256 of the index, or manifest, that it keeps
+    manifest_id: bytes | None = None  # SHA-256 of the index that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
-    have_bits: bytes | None = None  # version 2: of the manifest's chunks in order those it keeps, lowest bit first
-    codings: tuple[str, ...] = ()  # version 2: in which it takes the manifest, beside the manifest as it is
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
     audio: bool = False  # whether the client wants the scene's sound
@@ -155,15 +149,14 @@ class Ping:
 
 @dataclass(frozen=True)
 class Welcome:
-    """Answers `Hello`: the scene's index, or manifest, and how many bytes of chunks are to come."""
+    """Answers `Hello`: the scene's index, and how many bytes of chunks are to come."""
 
     type: ClassVar[str] = "welcome"
     protocol: int
     scene: str
-    manifest: bytes  # index.hgs, or in versions 1 and 2 manifest.json; empty if the client keeps that of `manifest_id`
+    manifest: bytes  # index.hgs; empty if the client keeps that of `manifest_id`
     manifest_id: bytes  # its SHA-256
     remaining: int
-    coding: str | None = None  # version 2: "gzip"; None for the manifest as it is
 
 
 @dataclass(frozen=True)
@@ -171,25 +164,23 @@ class Grow:
     """The scene has grown."""
 
     type: ClassVar[str] = "grow"
-    manifest_id: bytes  # the SHA-256 of the new index, or manifest
+    manifest_id: bytes  # the SHA-256 of the new index
     remaining: int  # bytes of chunks to come
-    manifest: bytes | None = None  # the new index
-    growth: bytes | None = None  # versions 1 and 2: what makes the new manifest of the one before, JSON in `coding`
-    coding: str | None = None  # "gzip"; None for JSON as it is
+    manifest: bytes  # the new index
 
 
 @dataclass(frozen=True)
 class SliceSent:
     """The chunks of the slice `index`, [start, end] in seconds, have been sent, were in the have-list or are missing.
 
-    Of layer 0 those of its base; of layer 1, or in version 1 of the protocol, all of them.
+    Of layer 0 those of its base; of layer 1 all of them.
     """
 
     type: ClassVar[str] = "slice"
     index: int
     start: float
     end: float
-    layer: int | None = None  # None in version 1
+    layer: int
 
 
 @dataclass(frozen=True)
@@ -214,7 +205,7 @@ class End:
 
     type: ClassVar[str] = "end"
     bytes: int
-    left_out: int | None = None  # bytes; None in version 1
+    left_out: int  # bytes
 
 
 @dataclass(frozen=True)
@@ -236,7 +227,6 @@ def encode(message: ServerMessage | ClientMessage) -> bytes:
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)
         fields["parts"] = [[chunk, offset] for chunk, offset in message.parts.items()]
-        fields["codings"] = list(message.codings)
         fields["pages"] = [[page, bits] for page, bits in message.pages.items()]
         if not message.pages:
             del fields["pages"]

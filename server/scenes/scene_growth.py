@@ -1,15 +1,15 @@
-"""Whether a scene is a later version of another one, and what makes the one of the other."""
+"""The growth of scenes: whether one is a later version of another."""
 
 from __future__ import annotations
 
 import json
 from functools import lru_cache
 
-from hgs_core.codec.format.growth import continues, growth_of, index_continues
+from hgs_core.codec.format.growth import continues, index_continues
 from hgs_core.codec.format.paged_manifest import read_index
 from server.scenes.scene_index import SceneIndex
 
-__all__ = ["is_later", "scene_growth"]
+__all__ = ["is_later"]
 
 _KEPT = 16  # answers: all who watch a scene ask for the same
 
@@ -25,11 +25,6 @@ def is_later(scene: SceneIndex, earlier: SceneIndex) -> bool:
     return _index_continues(scene.manifest, earlier.manifest, _page(scene, place), _page(earlier, place))
 
 
-def scene_growth(scene: SceneIndex, earlier: SceneIndex) -> bytes:
-    """Return as JSON what makes the manifest of a scene of that of an earlier version, for whom pages say nothing."""
-    return _growth(scene.document, earlier.document)
-
-
 def _page(scene: SceneIndex, place: int) -> bytes:
     return scene.page_bytes[scene.pages[place].chunks[0].id]
 
@@ -42,8 +37,3 @@ def _index_continues(later: bytes, earlier: bytes, page: bytes, last: bytes) -> 
 @lru_cache(maxsize=_KEPT)
 def _manifest_continues(later: bytes, earlier: bytes) -> bool:
     return continues(json.loads(later), json.loads(earlier))
-
-
-@lru_cache(maxsize=_KEPT)
-def _growth(later: bytes, earlier: bytes) -> bytes:
-    return json.dumps(growth_of(json.loads(later), json.loads(earlier)), separators=(",", ":")).encode()

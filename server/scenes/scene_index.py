@@ -58,7 +58,7 @@ class SceneIndex:
 
     scene_id: str
     title: str
-    manifest: bytes  # what a client gets for it: index.hgs, or in versions 1 and 2 of the protocol manifest.json
+    manifest: bytes  # the bytes of index.hgs, which clients receive
     start: float  # seconds
     end: float
     static: tuple[Chunk, ...]  # in layer order
@@ -75,7 +75,7 @@ class SceneIndex:
 
     @cached_property
     def whole(self) -> SceneIndex:
-        """The same scene without pages, as versions 1 and 2 of the protocol have it."""
+        """The same scene without pages, for a client that fetches manifest.json."""
         slices = self.slices
         if self.pages:
             slices = tuple(Slice(piece.start, piece.end, piece.chunks[1:]) for piece in slices)

@@ -33,8 +33,6 @@ class ClientCache:
                 detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
                 raise ProtocolError(4000, "malformed", detail)
         whole = {chunk for chunk in hello.have if chunk in sizes}
-        if hello.manifest_id == scene.manifest_id and hello.have_bits is not None:
-            whole.update(_named(scene.sizes, hello.have_bits))
         for page, bits in hello.pages.items():
             if page in scene.page_chunks:
                 whole.add(page)

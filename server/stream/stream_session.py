@@ -9,10 +9,8 @@ from collections import deque
 from dataclasses import dataclass
 from typing import assert_never
 
-from server.http.content_coding import compress
 from server.protocol.client_messages import decode
 from server.protocol.messages import (
-    LAST_WITHOUT_PAGES,
     PROTOCOL_VERSION,
     Credit,
     End,
@@ -30,12 +28,12 @@ from server.protocol.messages import (
     Welcome,
     encode,
 )
-from server.scenes.scene_growth import is_later, scene_growth
+from server.scenes.scene_growth import is_later
 from server.scenes.scene_index import Chunk, SceneIndex
 from server.stream.client_cache import ClientCache
 from server.stream.flow_control import FlowControl
 from server.stream.playhead import Playhead
-from server.stream.send_order import COMPLETE, Mark, SendOrder
+from server.stream.send_order import Mark, SendOrder
 
 __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
@@ -60,26 +58,23 @@ class StreamSession:
     """
 
     def __init__(self, scene: SceneIndex) -> None:
-        self._published = scene
-        self._scene = scene  # as the client's version of the protocol has it
+        self._scene = scene
         self.waits = 0  # pauses of a client to which data was on its way: the viewer says so when it has to wait
         self._greeted = False
         self._ended = False
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
         self._flow = FlowControl()
-        self._version = PROTOCOL_VERSION  # that the client speaks
         self._limits = Limits()
         self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
         self._playhead = Playhead(scene.start, scene.end, scene.start, grows=scene.live is not None)
         self._follows = False
-        self._gzip = False
 
     @property
     def scene(self) -> SceneIndex:
         """The scene, as far as it has grown."""
-        return self._published
+        return self._scene
 
     @property
     def balance(self) -> int:
@@ -136,15 +131,14 @@ class StreamSession:
         Raises:
             ProtocolError: it is another scene.
         """
-        published, before = self._published, self._scene
-        if scene.manifest_id == published.manifest_id or (self._greeted and not self._follows):
+        before = self._scene
+        if scene.manifest_id == before.manifest_id or (self._greeted and not self._follows):
             return
-        if not is_later(scene, published):
-            if is_later(published, scene):  # it was read before this session began
+        if not is_later(scene, before):
+            if is_later(before, scene):  # it was read before this session began
                 return
             raise ProtocolError(4004, "scene-changed", "another scene has taken its place")
-        self._published = later = scene
-        self._scene = scene = self._for_client(scene)
+        self._scene = scene
         self._playhead.set(self._playhead.at(clock), clock)
         self._playhead.end, self._playhead.grows = scene.end, scene.live is not None
         if not self._greeted:
@@ -155,11 +149,7 @@ class StreamSession:
         self._ended = False
         wanted = scene.stored if self._limits.audio else scene.sizes
         remaining = sum(size for chunk, size in wanted.items() if chunk not in before.stored)
-        if self._version > LAST_WITHOUT_PAGES:
-            self._outbox.append(encode(Grow(scene.manifest_id, remaining, manifest=scene.manifest)))
-            return
-        growth, coding = self._coded(scene_growth(later, published))
-        self._outbox.append(encode(Grow(scene.manifest_id, remaining, growth=growth, coding=coding)))
+        self._outbox.append(encode(Grow(scene.manifest_id, remaining, scene.manifest)))
 
     def wait(self, clock: float) -> float | None:
         """Return after how many seconds `take` has more without a message of the client, None if it never has."""
@@ -176,30 +166,20 @@ class StreamSession:
         self._outbox.append(encode(Missing(chunk.id)))
 
     def _greet(self, hello: Hello, clock: float) -> None:
-        self._version = hello.protocol
-        self._scene = scene = self._for_client(self._published)
+        scene = self._scene
         cache = ClientCache.of(hello, scene)
         self._offsets = cache.parts
         self._greeted = True
-        self._follows, self._gzip = hello.follow, "gzip" in hello.codings
+        self._follows = hello.follow
         self._flow.grant(hello.credits)
         self._order = SendOrder(scene, cache.whole)
         self._limit(Limits(hello.splats, hello.bytes_per_second, audio=hello.audio))
         self._playhead.set(scene.start if hello.time is None else hello.time, clock, hello.rate)
         remaining = cache.lacking(scene.stored if hello.audio else scene.sizes)
         known = hello.manifest_id == scene.manifest_id
-        manifest, coding = (b"", None) if known else self._coded(scene.manifest)
-        welcome = Welcome(self._version, scene.scene_id, manifest, scene.manifest_id, remaining, coding)
+        manifest = b"" if known else scene.manifest
+        welcome = Welcome(PROTOCOL_VERSION, scene.scene_id, manifest, scene.manifest_id, remaining)
         self._outbox.append(encode(welcome))
-
-    def _for_client(self, scene: SceneIndex) -> SceneIndex:
-        return scene if self._version > LAST_WITHOUT_PAGES else scene.whole
-
-    def _coded(self, text: bytes) -> tuple[bytes, str | None]:
-        """Compress what versions 1 and 2 send as JSON, if the client takes that."""
-        if self._version > LAST_WITHOUT_PAGES or not self._gzip:
-            return text, None
-        return compress(text, "gzip"), "gzip"
 
     def _limit(self, limits: Limits) -> None:
         if limits.splats != self._limits.splats:
@@ -224,16 +204,12 @@ class StreamSession:
             self._announce(order.marks.popleft())
         if chunk is None and not self._ended:
             self._ended = True
-            left_out = order.left_out if self._version > 1 else None
-            self._outbox.append(encode(End(self._flow.sent_bytes, left_out)))
+            self._outbox.append(encode(End(self._flow.sent_bytes, order.left_out)))
         return chunk
 
     def _announce(self, mark: Mark) -> None:
-        if self._version == 1 and mark.layer != COMPLETE:
-            return
         piece = self._scene.slices[mark.index]
-        layer = mark.layer if self._version > 1 else None
-        self._outbox.append(encode(SliceSent(mark.index, piece.start, piece.end, layer)))
+        self._outbox.append(encode(SliceSent(mark.index, piece.start, piece.end, mark.layer)))
 
     def _part(self, chunk: Chunk, clock: float) -> ChunkPart | None:
         """Cut the next part of the chunk to the credit, and account for it."""

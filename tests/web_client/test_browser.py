@@ -252,7 +252,7 @@ def test_page_says_what_is_wrong(browser: Browser, site: Site, address: str, mes
         page.close()
 
 
-WELCOME = {"type": "welcome", "protocol": 3, "scene": "clouds", "manifest_id": bytes(32), "remaining": 0}
+WELCOME = {"type": "welcome", "protocol": 1, "scene": "clouds", "manifest_id": bytes(32), "remaining": 0}
 FLOOD = {"type": "error", "code": "flood", "detail": "900 messages"}
 
 

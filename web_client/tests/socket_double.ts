@@ -32,7 +32,7 @@ export class FakeSocket implements Socket {
   welcome(manifest = TWO_SEGMENTS.toString(), id = 7): void {
     const bytes = new TextEncoder().encode(manifest);
     const manifest_id = new Uint8Array(32).fill(id);
-    this.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
+    this.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest: bytes, manifest_id, remaining: 0 }));
   }
 
   types(): unknown[] {

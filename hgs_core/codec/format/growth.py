@@ -7,11 +7,10 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from hgs_core.base.errors import InputError
 from hgs_core.codec.format.manifest import Manifest
 from hgs_core.codec.format.pages import read_page
 
-__all__ = ["apply_growth", "continues", "first_segments", "growth_of", "index_continues", "replaces"]
+__all__ = ["continues", "first_segments", "index_continues", "replaces"]
 
 Document = Mapping[str, Any]
 
@@ -56,24 +55,6 @@ def replaces(later: bytes, earlier: bytes) -> bool:
         return continues(json.loads(later), json.loads(earlier))
     except (ValueError, RecursionError, AttributeError, TypeError, KeyError):
         return False
-
-
-def growth_of(later: Document, earlier: Document) -> dict[str, Any]:
-    """Return what makes the later manifest of the earlier one, which it `continues`: `apply_growth` undoes it."""
-    growth = {name: value for name, value in later.items() if name == "live" or value != earlier.get(name)}
-    return growth | {name: later[name][len(earlier[name]) :] for name in _APPENDED}
-
-
-def apply_growth(earlier: Document, growth: Document) -> dict[str, Any]:
-    """Return the later manifest.
-
-    Raises:
-        InputError: `growth` is none.
-    """
-    if not all(isinstance(growth.get(name), list) for name in _APPENDED):
-        raise InputError("growth", "names no segments or slices", "use a server and a client of one version")
-    kept = {name: value for name, value in earlier.items() if name != "live"}
-    return kept | dict(growth) | {name: earlier[name] + growth[name] for name in _APPENDED}
 
 
 def first_segments(manifest: Manifest, count: int) -> Manifest:

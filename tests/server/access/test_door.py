@@ -173,7 +173,7 @@ def conversing(guarded: Server, talk: Callable[[str], Awaitable[None]]) -> None:
 
 
 async def greeted(socket: ClientConnection) -> None:
-    await socket.send(encode(Hello(2, 4144)))
+    await socket.send(encode(Hello(1, 4144)))
     await receive(socket)
 
 

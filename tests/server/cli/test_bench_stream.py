@@ -21,7 +21,7 @@ def test_pictures_of_a_scene_are_told_for_the_first_time_round(
     everything = frozenset(entry.id for entry in manifest.chunks)
 
     async def bench(*_: Any) -> Any:
-        lines = [{"line": "slow", "protocol": 2}]
+        lines = [{"line": "slow"}]
         return {"lines": lines}, [[(0.1, frozenset()), (0.6, everything), (0.1, everything)]]
 
     monkeypatch.setattr(stream_bench, "bench_stream", bench)

@@ -47,12 +47,6 @@ def test_moment_can_be_shown_once_the_bases_are_there() -> None:
     assert buffer.playable(1.2, {*ROOM[:3], BASES[0], BASES[1], BASES[2]})
 
 
-def test_without_layers_all_that_moves_must_be_there() -> None:
-    buffer = Buffer(MADE_UP, by_layers=False)
-    assert not buffer.playable(0.2, {*ROOM, BASES[0]})
-    assert buffer.playable(0.2, {BASES[0], DETAILS[0]})
-
-
 def test_playing_lasts_where_bases_come_as_fast_as_they_are_shown() -> None:
     buffer = Buffer(MADE_UP)
     have = {*ROOM, BASES[0]}

@@ -23,6 +23,7 @@ from jobs.records.job import JobState
 from server.listener.http_server import bind, spare_collector
 from server.protocol.messages import MAX_MESSAGE_BYTES, Credit, Hello, Ping, Seek, encode
 from server.routes import stream
+from server.scenes.scene_index import read_scene
 from tests.server.conftest import running_server
 
 
@@ -85,9 +86,9 @@ def test_stream_carries_the_whole_scene_within_any_window(
     server: Any, manifest: bytes, chunks: list[bytes], window: int
 ) -> None:
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, window)))
+        await socket.send(encode(Hello(1, window)))
         received, messages = await receive_all(socket, window)
-        assert messages[0]["manifest"] == manifest
+        assert messages[0]["manifest"] == read_scene("studio", manifest).manifest
         order = [chunks[0], chunks[2], chunks[3], chunks[4], chunks[1]]  # a detail of the room comes last
         assert [bytes(chunk) for chunk in received.values()] == order
         assert list(received) == [hashlib.sha256(chunk).digest() for chunk in order]
@@ -98,7 +99,7 @@ def test_stream_carries_the_whole_scene_within_any_window(
 
 def test_seek_on_a_full_line_gets_the_new_time_first(server: Any, manifest: bytes, chunks: list[bytes]) -> None:
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 4144)))
+        await socket.send(encode(Hello(1, 4144)))
         await receive(socket)
         await receive(socket)
         await socket.send(encode(Seek(2.5)))
@@ -113,7 +114,7 @@ def test_seek_on_a_full_line_gets_the_new_time_first(server: Any, manifest: byte
 
 def test_ping_is_answered_without_credit(server: Any, manifest: bytes, chunks: list[bytes]) -> None:
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 0)))
+        await socket.send(encode(Hello(1, 0)))
         await socket.send(encode(Ping(2**64 - 1)))
         assert [(await receive(socket))["type"] for _ in range(2)] == ["welcome", "pong"]  # type: ignore[call-overload]
 
@@ -126,7 +127,7 @@ def test_ping_is_answered_without_credit(server: Any, manifest: bytes, chunks: l
         (b"\xff", 4000, "malformed"),
         (encode(Seek(0.0)), 4000, "malformed"),
         (msgpack.packb({"type": "hello", "protocol": 9}), 4001, "protocol-unsupported"),
-        (encode(Hello(2, 1 << 40)), 4009, "credit-overflow"),
+        (encode(Hello(1, 1 << 40)), 4009, "credit-overflow"),
         ("text", 1003, "not-binary"),
         (bytes(MAX_MESSAGE_BYTES + 1), 1009, "message-too-large"),
     ],
@@ -201,7 +202,7 @@ def test_shutdown_closes_streams_and_event_streams_at_once(server: Any, manifest
             serving = contextlib.AsyncExitStack()
             address = await serving.enter_async_context(running(server.app))
             socket = await stack.enter_async_context(websockets.connect(f"ws://{address}/v1/scenes/studio/stream"))
-            await socket.send(encode(Hello(2, 0)))
+            await socket.send(encode(Hello(1, 0)))
             await receive(socket)
             client = await stack.enter_async_context(httpx.AsyncClient(base_url=f"http://{address}"))
             events = await stack.enter_async_context(client.stream("GET", f"/v1/jobs/{job_id}/events"))

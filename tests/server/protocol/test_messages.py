@@ -25,7 +25,7 @@ def test_server_messages_are_maps_of_their_fields() -> None:
         "remaining": 12,
     }
     assert msgpack.unpackb(encode(Missing(bytes(32)))) == {"type": "missing", "id": bytes(32)}
-    assert msgpack.unpackb(encode(End(7))) == {"type": "end", "bytes": 7}
+    assert msgpack.unpackb(encode(End(7, 2))) == {"type": "end", "bytes": 7, "left_out": 2}
 
 
 def test_chunk_header_is_laid_out_as_documented() -> None:

@@ -6,7 +6,7 @@ from hgs_core.base.version import software_version
 
 
 def test_health_names_the_version_and_the_protocol(server: Any) -> None:
-    assert server.get("/v1/health").json() == {"status": "ok", "version": software_version(), "protocol": 3}
+    assert server.get("/v1/health").json() == {"status": "ok", "version": software_version(), "protocol": 1}
 
 
 def test_health_is_answered_while_the_queue_and_the_store_are_away(server: Any) -> None:

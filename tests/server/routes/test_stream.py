@@ -41,7 +41,7 @@ def test_missing_and_damaged_chunks_cost_themselves_and_may_be_mended(
             stored.pop(names[1])
             stored[names[3]] = chunks[3] if mended else b"damaged"
             async with websockets.connect(f"ws://127.0.0.1:{socket.remote_address[1]}{PATH}") as viewer:
-                await viewer.send(encode(Hello(2, 100_000)))
+                await viewer.send(encode(Hello(1, 100_000)))
                 received, messages = await receive_all(viewer, 100_000)
             lost = [names[1]] if mended else [names[1], names[3]]
             assert {message["id"].hex() for message in messages if message["type"] == "missing"} == set(lost)
@@ -59,14 +59,14 @@ def test_broken_connection_goes_on_in_the_middle_of_a_chunk(server: Any, manifes
     chunk_id = hashlib.sha256(chunks[0]).digest()
 
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 70_000)))
+        await socket.send(encode(Hello(1, 70_000)))
         welcome = await receive(socket)
         frame = await receive(socket)
         assert isinstance(welcome, dict)
         assert isinstance(frame, tuple)
         kept = {chunk_id: len(frame[3])}
         async with websockets.connect(f"ws://127.0.0.1:{socket.remote_address[1]}{PATH}") as viewer:
-            await viewer.send(encode(Hello(2, 1 << 20, parts=kept, manifest_id=welcome["manifest_id"])))
+            await viewer.send(encode(Hello(1, 1 << 20, parts=kept, manifest_id=welcome["manifest_id"])))
             again = await receive(viewer)
             assert isinstance(again, dict)
             assert again["manifest"] == b""
@@ -104,7 +104,7 @@ def test_reader_that_stops_is_cut_off_and_holds_little_memory(server: Any, monke
             key = "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nSec-WebSocket-Version: 13\r\n\r\n"
             await loop.sock_sendall(reader, (upgrade + key).encode())
             assert (await loop.sock_recv(reader, 12)).endswith(b"101")
-            hello = encode(Hello(2, 1 << 26))
+            hello = encode(Hello(1, 1 << 26))
             await loop.sock_sendall(reader, bytes([0x82, 0x80 | len(hello), 0, 0, 0, 0]) + hello)
             events = select.poll()
             events.register(reader, select.POLLERR)  # a reset; nothing is read
@@ -129,12 +129,12 @@ def test_flood_of_seeks_is_read_no_faster_than_allowed(
     monkeypatch.setattr(StreamSession, "_seek", counted)
 
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 1 << 20)))
+        await socket.send(encode(Hello(1, 1 << 20)))
         await receive_all(socket, 1 << 20)
         for _ in range(3000):
             await socket.send(encode(Seek(2.5)))
         async with websockets.connect(f"ws://127.0.0.1:{socket.remote_address[1]}{PATH}") as viewer:
-            await viewer.send(encode(Hello(2, 1 << 20)))
+            await viewer.send(encode(Hello(1, 1 << 20)))
             await receive_all(viewer, 1 << 20)
         assert 0 < seeks <= stream.MESSAGE_BURST + 100
         socket.transport.abort()
@@ -149,7 +149,7 @@ def test_grants_for_every_frame_are_no_flood(
     monkeypatch.setattr(stream, "MESSAGE_BURST", 5.0)
 
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 4144)))
+        await socket.send(encode(Hello(1, 4144)))
         received, _ = await receive_all(socket, 4144)
         assert len(received) == len(chunks)
 
@@ -158,7 +158,7 @@ def test_grants_for_every_frame_are_no_flood(
 
 def test_viewers_are_told_when_their_scene_is_deleted(server: Any, manifest: bytes, chunks: list[bytes]) -> None:
     async def talk(socket: ClientConnection) -> None:
-        await socket.send(encode(Hello(2, 0)))  # it waits for credit, as a paused viewer does
+        await socket.send(encode(Hello(1, 0)))  # it waits for credit, as a paused viewer does
         welcome = await receive(socket)
         assert isinstance(welcome, dict)
         address = f"http://127.0.0.1:{socket.remote_address[1]}/v1/scenes/studio"
@@ -180,7 +180,7 @@ def test_stream_ends_with_a_bad_message_that_comes_together_with_a_good_one(
     server.artifacts.manifests["studio"] = manifest
     for chunk in chunks:
         server.artifacts.add_chunk(chunk)
-    hello = encode(Hello(2, 1 << 20, bytes_per_second=4096))  # the next frame waits for its time
+    hello = encode(Hello(1, 1 << 20, bytes_per_second=4096))  # the next frame waits for its time
     waiting = [{"bytes": b"\xff"}, {"bytes": encode(Ping(1))}, {"bytes": hello}, {"type": "websocket.connect"}]
     sent: list[Any] = []
 

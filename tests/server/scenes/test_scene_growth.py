@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from hgs_core.codec.format.growth import apply_growth, first_segments
+from hgs_core.codec.format.growth import first_segments
 from server.bench.bench_scene import made_up_scene
-from server.scenes.scene_growth import is_later, scene_growth
+from server.scenes.scene_growth import is_later
 from server.scenes.scene_index import SceneIndex, read_scene
 
 WHOLE = made_up_scene(240, static_bytes=1200, slice_bytes=90).manifest  # 120 segments, 960 chunks that move, 8 pages
@@ -41,8 +41,3 @@ def test_a_scene_that_has_no_pages_at_last_is_known_by_its_manifest() -> None:
     assert is_later(two, one)
     assert is_later(three, two)
     assert not is_later(two, three)
-
-
-def test_growth_makes_the_later_manifest_of_the_earlier_one() -> None:
-    growth = json.loads(scene_growth(SECOND, FIRST))
-    assert apply_growth(json.loads(FIRST.document), growth) == json.loads(SECOND.document)

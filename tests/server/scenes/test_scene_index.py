@@ -83,7 +83,7 @@ def test_pages_are_chunks_that_the_slices_need_first() -> None:
     assert (scene.bytes_total, scene.title) == (made_up.size, "Made up")
 
 
-def test_whole_scene_of_older_clients_is_the_same_without_pages() -> None:
+def test_the_whole_scene_is_the_same_without_pages() -> None:
     document = made_up_scene(120, static_bytes=1200, slice_bytes=90).document
     paged = read_scene("bench", document)
     whole = paged.whole

@@ -98,7 +98,7 @@ def test_whole_stream_is_in_the_order_of_a_look_at_every_slice(
     object.__setattr__(reference, "queue", PlainQueue([end for _, end in slices]))  # a cached property
     sessions = [StreamSession(scene), StreamSession(reference)]
     clock = 0.0
-    for message, wait in [(Hello(2, 1 << 20), 0.0), *steps, *[(None, 0.0)] * 40]:
+    for message, wait in [(Hello(1, 1 << 20), 0.0), *steps, *[(None, 0.0)] * 40]:
         clock += wait
         for session in sessions:
             if message is not None:
@@ -131,7 +131,7 @@ def test_work_for_a_frame_grows_by_the_logarithm_of_the_number_of_slices() -> No
     for count in (64, 1024):
         scene = scene_of([(float(k), k + 1.0) for k in range(count)])
         session = StreamSession(scene)
-        session.receive(encode(Hello(2, 1 << 24, time=count / 2)), 0.0)
+        session.receive(encode(Hello(1, 1 << 24, time=count / 2)), 0.0)
         session.take(0.0)
         session.take(0.0)
         work[count] = lines_run(lambda session=session: [session.take(0.0) for _ in range(20)])  # type: ignore[misc]

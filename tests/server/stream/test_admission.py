@@ -62,7 +62,7 @@ def conversing(server: Server, manifest: bytes, limit: int, talk: Callable[[str,
 
 
 async def greeted(socket: ClientConnection) -> None:
-    await socket.send(encode(Hello(2, 4144)))
+    await socket.send(encode(Hello(1, 4144)))
     await receive(socket)
 
 

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import dataclasses
-import gzip
 import hashlib
 import json
 from collections.abc import Callable
@@ -12,13 +11,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hgs_core.codec.format.growth import apply_growth, first_segments
+from hgs_core.codec.format.growth import first_segments
 from server.bench.bench_scene import made_up_scene
 from server.protocol.messages import (
     HEADER_BYTES,
     MAX_BALANCE,
     MAX_PAYLOAD,
     MIN_PAYLOAD,
+    PROTOCOL_VERSION,
     Credit,
     Hello,
     Limits,
@@ -49,7 +49,7 @@ def drain(session: StreamSession, clock: float = 0.0) -> list[Any]:
 
 def start(scene: SceneIndex, **fields: Any) -> StreamSession:
     session = StreamSession(scene)
-    session.receive(encode(Hello(**{"protocol": 2, "credits": WINDOW} | fields)), 0.0)
+    session.receive(encode(Hello(**{"protocol": PROTOCOL_VERSION, "credits": WINDOW} | fields)), 0.0)
     return session
 
 
@@ -88,7 +88,7 @@ def test_welcome_carries_the_manifest_and_what_remains(make_scene: MakeScene) ->
     welcome = drain(start(scene, have=frozenset({scene.static[1].id})))[0]
     assert welcome == {
         "type": "welcome",
-        "protocol": 2,
+        "protocol": 1,
         "scene": "studio",
         "manifest": scene.manifest,
         "manifest_id": hashlib.sha256(scene.manifest).digest(),
@@ -110,14 +110,6 @@ def test_bases_come_before_refinements_and_slices_are_marked_by_layer(make_scene
     assert marks_of(items) == [1, 0, 2]
     assert items[3] == {"type": "slice", "index": 0, "start": 0.0, "end": 1.0, "layer": 0}
     assert items[-1] == {"type": "end", "bytes": 10_030, "left_out": 0}
-
-
-def test_client_of_version_1_is_told_of_whole_slices(make_scene: MakeScene) -> None:
-    items = drain(start(make_scene([10, 20], THREE_SLICES), protocol=1))
-    assert items[0]["protocol"] == 1
-    assert marks_of(items, None) == [1, 0, 2]
-    assert {"type": "slice", "index": 1, "start": 1.5, "end": 2.0} in items
-    assert items[-1] == {"type": "end", "bytes": 10_030}
 
 
 def test_slices_begin_at_the_playhead_and_wrap_around(make_scene: MakeScene) -> None:
@@ -179,28 +171,6 @@ def test_have_list_is_not_sent_again(make_scene: MakeScene) -> None:
     items = drain(start(scene, have=have))
     assert not {chunk.id for chunk in chunks_of(items)} & have
     assert sorted(marks_of(items)) == [0, 1, 2]
-
-
-def test_chunks_that_bits_name_are_not_sent_again(make_scene: MakeScene) -> None:
-    scene = make_scene([10, 20], THREE_SLICES)
-    bits = bytes([0b100101, 0xFF])  # chunks 0, 2 and 5 of six
-    items = drain(start(scene, manifest_id=scene.manifest_id, have_bits=bits))
-    assert items[0]["remaining"] == 20 + 2000 + 3000
-    assert sorted(chunk.size for chunk in chunks_of(items)) == [20, 2000, 3000]
-
-
-def test_bits_of_another_manifest_mean_nothing(make_scene: MakeScene) -> None:
-    scene = make_scene([10], THREE_SLICES)
-    assert drain(start(scene, manifest_id=bytes(32), have_bits=b"\xff"))[0]["remaining"] == 10_010
-    assert drain(start(scene, have_bits=b"\xff"))[0]["remaining"] == 10_010
-
-
-def test_manifest_is_compressed_for_who_takes_it_so(make_scene: MakeScene) -> None:
-    scene = make_scene([10], [])
-    welcome = drain(start(scene, codings=("br", "gzip")))[0]
-    assert (welcome["coding"], gzip.decompress(welcome["manifest"])) == ("gzip", scene.manifest)
-    assert "coding" not in drain(start(scene, codings=("br",)))[0]
-    assert "coding" not in drain(start(scene, codings=("gzip",), manifest_id=scene.manifest_id))[0]
 
 
 def test_parts_that_the_client_keeps_are_not_sent_again(make_scene: MakeScene) -> None:
@@ -342,7 +312,7 @@ def test_hello_comes_first(make_scene: MakeScene, first: Any) -> None:
 def test_hello_comes_once(make_scene: MakeScene) -> None:
     session = start(make_scene([10], []))
     with pytest.raises(ProtocolError, match="hello"):
-        session.receive(encode(Hello(2, 0)), 0.0)
+        session.receive(encode(Hello(1, 0)), 0.0)
 
 
 def test_follower_gets_what_is_added_and_nothing_twice() -> None:
@@ -354,41 +324,19 @@ def test_follower_gets_what_is_added_and_nothing_twice() -> None:
         session.grow(scene, 1.0)  # the same again is no news
         added = drain(session, 1.0)
         assert added[0]["type"] == "grow"
-        document = apply_growth(json.loads(before.document), json.loads(added[0]["growth"]))
-        assert document == json.loads(scene.document)
-        assert added[0]["manifest_id"] == scene.whole.manifest_id
+        assert (added[0]["manifest"], added[0]["manifest_id"]) == (scene.manifest, scene.manifest_id)
         assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
         assert added[-1]["type"] == "end"
         assert marks_of(added) == [k for k in range(len(scene.slices)) if k >= len(before.slices)]
         items += added
     received = [chunk.id for chunk in chunks_of(items)]
-    assert len(received) == len(set(received)) == len(last.whole.sizes)
-
-
-def test_follower_of_version_3_gets_the_index_and_then_the_page_that_has_changed(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("server.stream.stream_session.scene_growth", None)  # which nobody here needs
-    first, last = growing_scene(1), growing_scene(3)
-    session = start(first, protocol=3, follow=True)
-    before = drain(session)
-    assert (before[0]["manifest"], before[0]["manifest_id"]) == (first.manifest, first.manifest_id)
-    session.grow(last, 1.0)
-    added = drain(session, 1.0)
-    assert {name: added[0][name] for name in ("type", "manifest", "manifest_id")} == {
-        "type": "grow",
-        "manifest": last.manifest,
-        "manifest_id": last.manifest_id,
-    }
-    assert added[0]["remaining"] == sum(chunk.size for chunk in chunks_of(added))
-    received = [chunk.id for chunk in chunks_of([*before, *added])]
     assert len(received) == len(set(received))
-    assert set(received) == first.sizes.keys() | last.sizes.keys()
+    assert set(received) == first.sizes.keys() | second.sizes.keys() | last.sizes.keys()
 
 
 def test_pages_are_sent_with_their_bytes_and_in_their_turn() -> None:
     scene = read_scene("bench", made_up_scene(120, static_bytes=12_000, slice_bytes=900).document)
-    items = [item for item in drain(start(scene, protocol=3)) if isinstance(item, ChunkPart)]
+    items = [item for item in drain(start(scene)) if isinstance(item, ChunkPart)]
     pages = {item.chunk.id: item.data for item in items if item.data is not None}
     assert pages == scene.page_bytes
     place = {item.chunk.id: number for number, item in enumerate(items)}
@@ -407,7 +355,7 @@ def test_page_that_another_one_has_replaced_is_not_gone_on_with() -> None:
         page_bytes={page.id: data.ljust(page.size, b"\0")},
     )
     have = frozenset(chunk.id for chunk in first.static)
-    session = start(first, protocol=3, follow=True, have=have, credits=HEADER_BYTES + 5000)
+    session = start(first, follow=True, have=have, credits=HEADER_BYTES + 5000)
     assert [part.chunk for part in step(session, 1)] == [page]
     session.grow(growing_scene(3), 0.0)
     session.receive(encode(Credit(WINDOW)), 0.0)
@@ -424,8 +372,8 @@ def test_who_does_not_follow_keeps_the_scene_as_it_was() -> None:
 def test_scene_that_grows_before_hello_is_welcomed_as_it_is() -> None:
     session = StreamSession(growing_scene(1))
     session.grow(growing_scene(2), 0.0)
-    session.receive(encode(Hello(2, WINDOW)), 0.0)
-    assert drain(session)[0]["manifest"] == growing_scene(2).document
+    session.receive(encode(Hello(1, WINDOW)), 0.0)
+    assert drain(session)[0]["manifest"] == growing_scene(2).manifest
 
 
 def test_older_version_is_no_news_and_another_scene_ends_the_stream(make_scene: MakeScene) -> None:

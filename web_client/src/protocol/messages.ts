@@ -3,7 +3,7 @@
 import { toHex } from "../codec/hex";
 import { pack, unpack } from "./msgpack";
 
-export const PROTOCOL = 3;
+export const PROTOCOL = 1;
 export const CHUNK_FRAME = 0x01;
 export const CHUNK_HEADER_BYTES = 48;
 /** Most entries of a hello's list. */

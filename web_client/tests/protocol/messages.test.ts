@@ -21,7 +21,7 @@ describe("control messages", () => {
   it("encodes a hello as one map with string keys", () => {
     const parts: [Uint8Array, number][] = [[fromHex(ID), 5]];
     const pages: [Uint8Array, Uint8Array][] = [[fromHex(ID), Uint8Array.of(5)]];
-    const hello = { type: "hello", protocol: 3, credits: 4096, pages, parts, time: 0.5, rate: 1 } as const;
+    const hello = { type: "hello", protocol: 1, credits: 4096, pages, parts, time: 0.5, rate: 1 } as const;
     const bytes = encodeMessage(hello);
     expect(decode(bytes)).toEqual(hello);
     expect(bytes[0]).not.toBe(0x01);

@@ -54,7 +54,7 @@ describe("SceneStream", () => {
   it("says hello with what it has, its credit and its playhead", () => {
     const { socket } = connect();
     socket.open();
-    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 3, parts: [], time: 0.5, rate: 1 });
+    expect(socket.sent[0]).toMatchObject({ type: "hello", protocol: 1, parts: [], time: 0.5, rate: 1 });
     expect(socket.sent[0].credits).toBeGreaterThanOrEqual(4144);
     expect(socket.binaryType).toBe("arraybuffer");
   });
@@ -88,7 +88,7 @@ describe("SceneStream", () => {
     socket.open();
     const manifest_id = new Uint8Array(32).fill(7);
     socket.receive(
-      encode({ type: "welcome", protocol: 3, scene: "s", manifest: PAGED.bytes, manifest_id, remaining: 1 }),
+      encode({ type: "welcome", protocol: 1, scene: "s", manifest: PAGED.bytes, manifest_id, remaining: 1 }),
     );
     socket.frame(id, 0, bytes.length, bytes.slice(0, 100));
     socket.frame(id, 100, bytes.length, bytes.slice(100));
@@ -216,7 +216,7 @@ describe("SceneStream", () => {
     socket.open();
     const manifest_id = new Uint8Array(32);
     const manifest = gzipSync(JSON.stringify(WHOLE));
-    socket.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest, manifest_id, remaining: 1 }));
+    socket.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest, manifest_id, remaining: 1 }));
     socket.frame(A, 0, 1, Uint8Array.of(1));
     expect(events.chunk).not.toHaveBeenCalled();
     await vi.waitFor(() => expect(events.chunk).toHaveBeenCalledOnce());
@@ -229,7 +229,7 @@ describe("SceneStream", () => {
     socket.open();
     const bytes = Uint8Array.from(manifest);
     const manifest_id = new Uint8Array(32);
-    socket.receive(encode({ type: "welcome", protocol: 3, scene: "s", manifest: bytes, manifest_id, remaining: 1 }));
+    socket.receive(encode({ type: "welcome", protocol: 1, scene: "s", manifest: bytes, manifest_id, remaining: 1 }));
     await vi.waitFor(() => expect(events.failed).toHaveBeenCalledWith("unreadable", expect.any(String)));
   });
 

@@ -18,7 +18,7 @@ const state = (fields: Partial<StreamState>): StreamState => ({
 it("says at first where the playhead is, and nothing of what it has", () => {
   expect(helloOf(9000, state({}))).toEqual({
     type: "hello",
-    protocol: 3,
+    protocol: 1,
     credits: 9000,
     parts: [],
     time: 0.5,

@@ -7,12 +7,9 @@ from typing import Any
 
 import pytest
 
-from hgs_core.base.errors import InputError
 from hgs_core.codec.format.growth import (
-    apply_growth,
     continues,
     first_segments,
-    growth_of,
     index_continues,
     replaces,
 )
@@ -41,12 +38,8 @@ def test_first_segments_are_a_manifest_of_their_own() -> None:
     assert read_manifest(COMPLETE).to_json() == LAST
 
 
-def test_growth_makes_the_later_manifest_of_the_earlier_one() -> None:
+def test_a_complete_scene_continues_its_first_segment() -> None:
     assert continues(LAST, FIRST)
-    growth = growth_of(LAST, FIRST)
-    assert apply_growth(FIRST, growth) == LAST
-    assert len(growth["segments"]) == 1
-    assert "static" not in growth
 
 
 def test_only_later_versions_continue() -> None:
@@ -65,18 +58,12 @@ def test_sound_grows_with_the_scene() -> None:
     audio = json.loads((Path(__file__).resolve().parents[3] / "vectors" / "audio.json").read_text("utf-8"))["audio"]
     before, after = FIRST | {"audio": audio | {"pieces": audio["pieces"][:2]}}, LAST | {"audio": audio}
     assert continues(after, before)
-    assert apply_growth(before, growth_of(after, before)) == after
 
 
 def test_slices_that_are_there_do_not_change() -> None:
     later = copy.deepcopy(LAST)
     later["slices"][0]["chunks"] = []
     assert not continues(later, FIRST)
-
-
-def test_growth_without_lists_is_refused() -> None:
-    with pytest.raises(InputError, match="segments"):
-        apply_growth(FIRST, {"end": 3.0})
 
 
 def test_damaged_manifests_are_no_later_versions() -> None:
