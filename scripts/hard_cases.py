@@ -1,7 +1,6 @@
-"""Prints the table of hard cases of docs/numerics.md, measured on this machine.
+"""Print the table of hard cases, measured on this machine; docs/numerics.md quotes the worst.
 
-    .venv/bin/python scripts/hard_cases.py                 # the table
-    .venv/bin/python scripts/hard_cases.py --write         # the same, into docs/numerics.md
+    .venv/bin/python scripts/hard_cases.py
 
 The cases are those of tests/hgs_core/render/hard_cases.py, which the test suite holds to the bounds.
 """
@@ -23,7 +22,6 @@ from tests.hgs_core.render.comparison import Result, differentiate, relative_err
 from tests.hgs_core.render.hard_cases import CASES, HardCase  # noqa: E402
 
 REPEATS = 3
-START, END = "<!-- hard cases: scripts/hard_cases.py -->\n", "<!-- end of hard cases -->\n"
 
 
 def measured(backend: str, dtype: torch.dtype, case: HardCase) -> tuple[Result, float]:
@@ -66,20 +64,11 @@ def table() -> str:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--write", action="store_true", help="put the table into docs/numerics.md")
-    arguments = parser.parse_args()
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     if library.instruction_set() is None:
         sys.exit("the table compares the compiled kernels, and there are none: see scripts/install")
     torch.set_num_threads(1)
-    text = table()
-    if not arguments.write:
-        print(text, end="")
-        return
-    path = ROOT / "docs" / "numerics.md"
-    before, _, rest = path.read_text().partition(START)
-    _, _, after = rest.partition(END)
-    path.write_text(before + START + text + END + after)
+    print(table(), end="")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Draw what `hgs bench raster --json FILE` measured: speed against error, and where the time goes.
 
-    .venv/bin/python scripts/plot_raster.py raster.json docs/figures/raster.svg
+    .venv/bin/python scripts/plot_raster.py raster.json raster.svg
 
 The SVG needs no other file and follows the reader's light or dark theme.
 """

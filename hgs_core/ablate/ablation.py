@@ -36,7 +36,7 @@ def ablate(ablation: Ablation, progress: ProgressCallback) -> dict[str, Any]:
     Everything is fixed before the first run starts: the last state of each is scored, and no score decides anything.
 
     Returns:
-        The fields of ablation.json (docs/ablation.md).
+        The fields of ablation.json (docs/evaluation.md).
 
     Raises:
         InputError: the capture, a config, the truth or a mask is unusable, or the folder is taken; found before

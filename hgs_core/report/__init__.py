@@ -1,3 +1,3 @@
-"""A finished run as one HTML page (docs/report.md)."""
+"""A finished run as one HTML page (docs/evaluation.md)."""
 
 __all__: list[str] = []

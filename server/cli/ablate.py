@@ -23,7 +23,7 @@ def add_parser(commands: Any) -> None:
     parser: argparse.ArgumentParser = commands.add_parser(
         "ablate",
         help="train and score with parts of the method changed",
-        description="Train and score one run per row and seed, each with one thing changed (docs/ablation.md). "
+        description="Train and score one run per row and seed, each with one thing changed (docs/evaluation.md). "
         "Run again to resume: finished runs are not repeated.",
     )
     parser.add_argument("capture", metavar="CAPTURE", type=Path, help="folder of a multi-view capture")

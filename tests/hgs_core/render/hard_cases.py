@@ -1,8 +1,8 @@
 """Scenes that break rasterizers: what must come out, and how far float32 may be from it.
 
-`CASES` is read by test_hard_cases.py and by scripts/hard_cases.py, which prints the table of docs/numerics.md. The
-bounds are a few times what was measured; none is wider than float32 itself asks for, and where a decision at a
-threshold (alpha 1/255, transmittance 1e-4) may fall differently the case says so.
+`CASES` is read by test_hard_cases.py and by scripts/hard_cases.py, which prints the errors. The bounds are a few
+times the measured errors; none is wider than float32 requires. A case says so where a decision at a threshold (alpha
+1/255, transmittance 1e-4) may fall differently.
 """
 
 from __future__ import annotations
