@@ -210,7 +210,7 @@ def check(scene_folder: Path, page: str, seconds: float | None) -> int:
     import numpy as np
     import torch
 
-    from hgs_core.bench.browser import capture_canvas, find_chromium, psnr
+    from benchmarks.viewers.browser import capture_canvas, find_chromium, psnr
     from hgs_core.codec import decode_scene, load_manifest
     from hgs_core.render import rasterize
     from hgs_core.scene.camera import Camera

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING
 
 from PIL import Image
 
+from benchmarks.viewers.browser import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
 from hgs_core import RunConfig, load_manifest, train_scene
-from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser, open_viewer
 from scripts.demo import HOLD_OUT, REPOSITORY, stop
 
 if TYPE_CHECKING:

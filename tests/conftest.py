@@ -56,7 +56,7 @@ def s3_url(s3_server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 @pytest.fixture(scope="module")  # while one is open, Playwright's event loop stands in the way of asyncio.run
 def browser() -> Iterator[Browser]:
     """A real browser without a window; the test is skipped where there is none."""
-    from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser
+    from benchmarks.viewers.browser import CHROMIUM_HINT, find_chromium, open_browser
 
     chromium = find_chromium()
     if chromium is None:

@@ -11,7 +11,7 @@ import pytest
 
 from tests.conftest import REPOSITORY
 
-PACKAGES = ("hgs_core", "jobs", "server")
+PACKAGES = ("hgs_core", "jobs", "server", "benchmarks")
 MODULES = sorted(path for package in PACKAGES for path in (REPOSITORY / package).rglob("*.py"))
 NAMES = {".".join(p.relative_to(REPOSITORY).with_suffix("").parts).removesuffix(".__init__"): p for p in MODULES}
 
@@ -167,7 +167,7 @@ def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
 WITHOUT_TESTS_OF_THEIR_NAME: dict[str, str] = {
     "hgs_core.base.arrays": "names of array types",
     "hgs_core.base.progress": "a report, a signal and a callback that does nothing",
-    "hgs_core.bench.raster.iteration_times": "run as a program by hgs_core.bench.against",
+    "benchmarks.against.iteration_times": "run as a program by benchmarks.against.comparison",
     "hgs_core.bench.raster.operations": "constants",
     "hgs_core.interchange.file_format": "records",
     "hgs_core.render.constants": "constants",
@@ -214,6 +214,6 @@ def test_no_two_modules_share_a_name() -> None:
     """An editor's tab shows the name alone."""
     seen: dict[str, list[str]] = {}
     for path in MODULES:
-        if path.stem != "__init__" and path.parent.name not in MIRRORS:
+        if not path.stem.startswith("__") and path.parent.name not in MIRRORS:
             seen.setdefault(path.stem, []).append(str(path.relative_to(REPOSITORY)))
     assert {name: paths for name, paths in seen.items() if len(paths) > 1} == {}

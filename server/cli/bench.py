@@ -1,25 +1,19 @@
-"""`hgs bench`: speed and error of rasterizers, codec, trainings and viewers on this machine."""
+"""`hgs bench`: speed and error of rasterizers, codec, trainings and streams on this machine."""
 
 from __future__ import annotations
 
 import argparse
 import math
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-from tqdm import tqdm
+from typing import Any
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.raster.raster_settings import BenchSettings, parse_backends, parse_threads
-from hgs_core.bench.raster.raster_sizes import DEFAULT_SIZES, Size, parse_picture_size, parse_sizes
+from hgs_core.bench.raster.raster_sizes import DEFAULT_SIZES, Size, parse_sizes
 from server.cli.bench_stream import add_parts
 from server.cli.json_output import JsonOutput
 from server.cli.progress_bars import ProgressBars
 from server.cli.training_options import add_training_options, training_config
-
-if TYPE_CHECKING:
-    from hgs_core.bench.viewers import ViewerPoint
 
 __all__ = ["add_parser"]
 
@@ -44,15 +38,7 @@ def add_parser(commands: Any) -> None:
     )
     raster.add_argument("--sizes", metavar="LIST", help="splats and pixels, like 20k@676x507,100k@1352x1014")
     raster.add_argument("--threads", metavar="LIST", help="numbers of threads; default: 1 and all")
-    raster.add_argument(
-        "--backends", metavar="LIST", help="cpu, reference, or triton alone; default: cpu and reference"
-    )
-    raster.add_argument(
-        "--against",
-        metavar="CHECKOUT",
-        help="another installed checkout: both train in turn, by processor time; "
-        "with --backends triton: gsplat, if it is installed",
-    )
+    raster.add_argument("--backends", metavar="LIST", help="cpu, reference or both; default: both")
     raster.add_argument(
         "--truth",
         metavar="LIST",
@@ -88,27 +74,10 @@ def add_parser(commands: Any) -> None:
     train.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
     add_training_options(train, hold_out="")
     train.set_defaults(run=_run_training)
-    viewer: argparse.ArgumentParser = parts.add_parser(
-        "viewer",
-        help="the browser viewer beside others",
-        description="Draw a scene with our viewer and others in headless Chromium: processor time of a frame, PSNR. "
-        "Needs a checkout, npm, Chromium and the dev extra.",
-    )
-    viewer.add_argument(
-        "source", metavar="RUN|FILE", type=Path, help="a finished run, a scene folder or a file of splats"
-    )
-    viewer.add_argument("--json", metavar="FILE", nargs="?", const="-", help="as of hgs bench raster")
-    viewer.add_argument("--viewers", metavar="LIST", help="like hgs,playcanvas; default: all")
-    viewer.add_argument("--size", metavar="WxH", default="640x480", help="pixels (default: 640x480)")
-    viewer.add_argument("--rounds", metavar="N", default="3", help="of all viewers in turn (default: 3)")
-    viewer.add_argument("--frames", metavar="N", default="20", help="of each measurement (default: 20)")
-    viewer.set_defaults(run=_run_viewers)
     add_parts(parts)
 
 
 def _run(options: argparse.Namespace) -> int:
-    if options.backends == "triton":
-        return _run_on_device(options)
     settings = BenchSettings.of(
         sizes=DEFAULT_SIZES if options.sizes is None else parse_sizes("--sizes", options.sizes),
         threads=() if options.threads is None else parse_threads("--threads", options.threads),
@@ -117,7 +86,6 @@ def _run(options: argparse.Namespace) -> int:
         seconds=_number("--seconds", options.seconds),
         dynamic_share=_number("--dynamic", options.dynamic),
         seed=_whole("--seed", options.seed),
-        against=None if options.against is None else Path(options.against),
     )
     output = JsonOutput(options.json)
     from hgs_core.bench.raster.raster_bench import bench_raster
@@ -143,21 +111,6 @@ def _run_codec(options: argparse.Namespace) -> int:
     return 0
 
 
-def _run_on_device(options: argparse.Namespace) -> int:
-    for name in ("threads", "truth"):
-        if getattr(options, name) is not None:
-            raise InputError(f"--{name}", "means nothing to --backends triton", "leave it out")
-    sizes = None if options.sizes is None else parse_sizes("--sizes", options.sizes)
-    seconds, seed = _number("--seconds", options.seconds), _whole("--seed", options.seed)
-    output = JsonOutput(options.json)
-    from hgs_core.bench.device_raster import DEVICE_SIZES, bench_device_raster, device_report_text
-
-    with ProgressBars() as bars:
-        report = bench_device_raster(sizes or DEVICE_SIZES, seconds, seed, options.against, bars)
-    output.show(report.to_json(), device_report_text(report))
-    return 0
-
-
 def _run_training(options: argparse.Namespace) -> int:
     config, output = training_config(options), JsonOutput(options.json)
     from hgs_core.bench.training_bench import bench_training, training_report_text
@@ -165,29 +118,6 @@ def _run_training(options: argparse.Namespace) -> int:
     with ProgressBars() as bars:
         report = bench_training(options.capture, config, options.device, bars)
     output.show(report.to_json(), training_report_text(report))
-    return 0
-
-
-def _run_viewers(options: argparse.Namespace) -> int:
-    rounds, frames = _whole("--rounds", options.rounds, 1), _whole("--frames", options.frames, 1)
-    output = JsonOutput(options.json)
-    from hgs_core.bench.viewers import VIEWERS, bench_viewers
-    from hgs_core.bench.viewers_table import viewer_line, viewers_text
-
-    def show(point: ViewerPoint, done: int) -> None:
-        tqdm.write(viewer_line(point, done, rounds), file=sys.stderr)
-
-    with ProgressBars() as bars:
-        report = bench_viewers(
-            options.source,
-            bars,
-            viewers=VIEWERS if options.viewers is None else options.viewers.split(","),
-            size=parse_picture_size("--size", options.size),
-            rounds=rounds,
-            frames=frames,
-            measured_one=show,
-        )
-    output.show(report.to_json(), viewers_text(report))
     return 0
 
 

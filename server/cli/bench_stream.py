@@ -1,4 +1,4 @@
-"""`hgs bench stream` and `hgs bench serve`: what viewers get on bad lines, and what many of them cost."""
+"""`hgs bench stream`: the start, the seeks and the pauses of viewers on slow lines."""
 
 from __future__ import annotations
 
@@ -14,32 +14,16 @@ __all__ = ["add_parts"]
 
 
 def add_parts(parts: Any) -> None:
-    """Add both to the parts of `hgs bench`."""
+    """Add it to the parts of `hgs bench`."""
     stream: argparse.ArgumentParser = parts.add_parser(
         "stream",
         help="what a viewer gets on bad lines",
-        description="Serve a scene to viewers without a picture on lines of given rates, with layers and without: "
+        description="Serve a scene to viewers without a picture on lines of given rates: "
         "when playing begins, how often it waits, how long seeks take, and what pictures lose meanwhile.",
     )
     _add_scene_and_output(stream)
     stream.add_argument("--seconds", metavar="S", type=float, default=60.0, help="to watch each line (default: 60)")
     stream.set_defaults(run=_run_stream)
-    serve: argparse.ArgumentParser = parts.add_parser(
-        "serve",
-        help="what many viewers cost the server",
-        description="Serve a scene to many viewers at once, each at the rate at which it plays: processor time and "
-        "memory of the server, and how late what is asked for comes.",
-    )
-    _add_scene_and_output(serve)
-    serve.add_argument("--viewers", metavar="N", type=int, default=50, help="at once (default: 50)")
-    serve.add_argument("--seconds", metavar="S", type=float, default=10.0, help="to watch (default: 10)")
-    serve.add_argument("--processes", metavar="N", type=int, default=1, help="servers (default: 1)")
-    serve.add_argument(
-        "--bad-clients",
-        action="store_true",
-        help="then let clients misbehave: that do not read, that open connections and wait, that seek all the time",
-    )
-    serve.set_defaults(run=_run_serve)
 
 
 def _add_scene_and_output(part: argparse.ArgumentParser) -> None:
@@ -70,28 +54,6 @@ def _run_stream(options: argparse.Namespace) -> int:
         for line, moments in zip(report["lines"], shown, strict=True):
             line["psnr"] = partial_psnr(scene.manifest, scene.chunks, _first_round(moments))
     output.show(report, stream_text(report))
-    return 0
-
-
-def _run_serve(options: argparse.Namespace) -> int:
-    for name in ("viewers", "processes"):
-        if (number := getattr(options, name)) < 1:
-            raise InputError(f"--{name}", f"{number} is too few", "give 1 or more")
-    seconds, minutes, output = _seconds(options.seconds), _minutes(options.minutes), JsonOutput(options.json)
-    from server.bench.serve_bench import bench_serve, serve_text
-
-    folder = None if options.run_folder is None else _scene_folder(options.run_folder)
-    report = asyncio.run(
-        bench_serve(
-            options.viewers,
-            seconds,
-            folder=folder,
-            minutes=minutes,
-            processes=options.processes,
-            bad_clients=options.bad_clients,
-        )
-    )
-    output.show(report, serve_text(report))
     return 0
 
 

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from playwright.sync_api import sync_playwright
 
-from hgs_core.bench.browser import find_chromium, open_viewer
-from hgs_core.bench.process_time import descendants_cpu_seconds
+from benchmarks.viewers.browser import find_chromium, open_viewer
+from benchmarks.viewers.process_time import descendants_cpu_seconds
 from hgs_core.bench.raster.synthetic_scenes import bench_scene
 from hgs_core.codec import encode_scene
 from hgs_core.scene import DynamicSplats, HybridScene, Segment

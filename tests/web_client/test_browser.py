@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from hgs_core.bench.browser import canvas_floats, canvas_pixels, open_viewer, psnr
+from benchmarks.viewers.browser import canvas_floats, canvas_pixels, open_viewer, psnr
 from tests.web_client.conftest import HEIGHT, WIDTH
 
 if TYPE_CHECKING:

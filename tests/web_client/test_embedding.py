@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
+from benchmarks.viewers.browser import canvas_pixels, open_viewer, psnr
 from hgs_core.codec.format.scene_folder import load_manifest
 from server.publishing.web_bucket import publish_to_bucket
 from server.publishing.web_folder import publish_to_folder

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.bench.browser import canvas_pixels, open_viewer
+from benchmarks.viewers.browser import canvas_pixels, open_viewer
 from hgs_core.codec import encode_scene
 from hgs_core.codec.format.scene_folder import load_manifest
 from server.publishing.web_folder import publish_to_folder

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.bench.browser import canvas_pixels, psnr
+from benchmarks.viewers.browser import canvas_pixels, psnr
 from tests.web_client.test_console_pages import violations
 from tests.web_client.test_view_page import PHONE, playing, viewing
 

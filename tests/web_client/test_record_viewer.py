@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hgs_core.bench.browser import open_viewer
+from benchmarks.viewers.browser import open_viewer
 from scripts import record_viewer
 from scripts.record_viewer import film, write_webp
 

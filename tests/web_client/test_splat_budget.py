@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_floats, canvas_pixels, psnr
+from benchmarks.viewers.browser import canvas_floats, canvas_pixels, psnr
 from tests.web_client.test_browser import reference_picture, view
 
 if TYPE_CHECKING:

@@ -21,7 +21,7 @@ import numpy.typing as npt
 import pytest
 from PIL import Image
 
-from hgs_core.bench.browser import psnr
+from benchmarks.viewers.browser import psnr
 from hgs_core.codec import load_manifest
 from tests.web_client.clicking_scene import FARTHEST, TAP, ahead, publish_clicks
 from tests.web_client.conftest import BACKGROUND, HEIGHT, REPOSITORY, WIDTH

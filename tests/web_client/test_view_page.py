@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_pixels
+from benchmarks.viewers.browser import canvas_pixels
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Locator, Page, Route

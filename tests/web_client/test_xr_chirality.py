@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_pixels, open_viewer
+from benchmarks.viewers.browser import canvas_pixels, open_viewer
 from hgs_core.codec import encode_scene
 from tests.chirality import assert_not_mirrored, letters, views
 from tests.web_client.conftest import Site, serving, site_of

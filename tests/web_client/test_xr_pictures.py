@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from hgs_core.bench.browser import psnr
+from benchmarks.viewers.browser import psnr
 from hgs_core.render import rasterize
 from tests.web_client.conftest import BACKGROUND, Site
 from tests.web_client.emulated_headset import headset_page

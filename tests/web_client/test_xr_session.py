@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_pixels, open_viewer, psnr
+from benchmarks.viewers.browser import canvas_pixels, open_viewer, psnr
 from tests.web_client.emulated_headset import headset_page, rotation
 from tests.web_client.test_xr_pictures import EYE_PSNR, STANDING, reference_picture
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from hgs_core.base.progress import Progress, ProgressCallback
-from hgs_core.bench.against import Comparison, compare, interpreter_of
 from hgs_core.bench.raster.accuracy import Errors, errors
 from hgs_core.bench.raster.operations import Operations
 from hgs_core.bench.raster.raster_settings import BenchSettings
@@ -88,24 +87,17 @@ class RasterReport:
     points: tuple[Point, ...]
     speedups: tuple[Speedup, ...]
     scaling: tuple[Scaling, ...]
-    comparisons: tuple[Comparison, ...]  # with the other checkout
 
     def to_json(self) -> dict[str, Any]:
         """Return plain dictionaries, lists, strings and numbers."""
         plain = dataclasses.asdict(self)
         for name in ("sizes", "truth"):
             plain["settings"][name] = [str(size) for size in getattr(self.settings, name)]
-        plain["settings"]["against"] = None if self.settings.against is None else str(self.settings.against)
         return plain
 
 
 def bench_raster(settings: BenchSettings, progress: ProgressCallback) -> RasterReport:
-    """Measure the whole matrix; `progress` is called after every point.
-
-    Raises:
-        InputError: the checkout to compare with is not installed, or does not run.
-    """
-    other = None if settings.against is None else interpreter_of(settings.against)
+    """Measure the whole matrix; `progress` is called after every point."""
     machine = machine_facts()
     peaks = {threads: fma_peak(threads) for threads in settings.threads} if "cpu" in settings.backends else {}
     backends = {
@@ -114,7 +106,6 @@ def bench_raster(settings: BenchSettings, progress: ProgressCallback) -> RasterR
     }
     total = sum(len(names) for names in backends.values()) * len(settings.threads)
     points: list[Point] = []
-    comparisons: list[Comparison] = []
     for size in settings.sizes:
         workload = Workload.of(size, settings.seed, settings.dynamic_share)
         found: dict[str, Errors] = {}
@@ -125,12 +116,8 @@ def bench_raster(settings: BenchSettings, progress: ProgressCallback) -> RasterR
             for threads in settings.threads:
                 with using_threads(threads, backend):
                     points.append(_measure(workload, backend, threads, settings.seconds, peaks, found.get(backend)))
-                if other is not None and backend == "cpu":
-                    comparisons.append(compare(settings, other, size, threads))
                 progress(Progress("bench", len(points), total, {"splats": size.splats, "threads": threads}))
-    return RasterReport(
-        machine, settings, Operations(), peaks, tuple(points), _speedups(points), _scaling(points), tuple(comparisons)
-    )
+    return RasterReport(machine, settings, Operations(), peaks, tuple(points), _speedups(points), _scaling(points))
 
 
 def _measure(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from pathlib import Path
 
 from hgs_core.base.errors import InputError
 from hgs_core.bench.raster.raster_sizes import DEFAULT_SIZES, Size
@@ -30,7 +29,6 @@ class BenchSettings:
     seconds: float  # of timing per point, after the warm-up
     dynamic_share: float  # of the splats, 0 to 0.9
     seed: int
-    against: Path | None = None  # another checkout, whose cpu backend is measured in turn with this one's
 
     @staticmethod
     def of(
@@ -42,7 +40,6 @@ class BenchSettings:
         seconds: float = 1.0,
         dynamic_share: float = 0.0,
         seed: int = 0,
-        against: Path | None = None,
     ) -> BenchSettings:
         """Fill in what depends on the machine or on other settings.
 
@@ -54,7 +51,6 @@ class BenchSettings:
             seconds: of timing per point.
             dynamic_share: share of the splats that move.
             seed: of the scenes.
-            against: an installed checkout to compare with.
 
         Raises:
             InputError: the cpu backend without compiled kernels, a truth size that is not measured, nothing to measure,
@@ -76,8 +72,6 @@ class BenchSettings:
             if size not in sizes:
                 raise InputError("--truth", f"{size} is not measured", f"choose from {', '.join(map(str, sizes))}")
         backends = backends or (BACKENDS if library.available() else ("reference",))
-        if against is not None and "cpu" not in backends:
-            raise InputError("--against", "compares the cpu backends of two checkouts", "add cpu to --backends")
         truth = tuple(size for size in sizes if size.affordable) if truth is None else truth
         if not truth and "cpu" not in backends:
             raise InputError(
@@ -91,7 +85,6 @@ class BenchSettings:
             seconds=seconds,
             dynamic_share=dynamic_share,
             seed=seed,
-            against=against,
         )
 
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Sequence
 
 from hgs_core.base.wording import counted
-from hgs_core.bench.against import Comparison
 from hgs_core.bench.raster.raster_bench import STAGES, Point, RasterReport
-from hgs_core.bench.raster.stage_times import TrainingTimes
 
-__all__ = ["aligned", "report_text"]
+__all__ = ["aligned", "milliseconds", "report_text"]
 
 
 def report_text(report: RasterReport) -> str:
@@ -27,8 +25,6 @@ def report_text(report: RasterReport) -> str:
         ("Relative L2 error against the float64 reference", _errors(report.points)),
         ("Times as fast as the batched torch path, forward and backward", _speedups(report)),
         ("Times as fast with more threads", _scaling(report)),
-        (f"In turn with {report.settings.against}: milliseconds of processor time", _comparisons(report.comparisons)),
-        ("Relative L2 error of both against the float64 reference", _compared_errors(report.comparisons)),
     ]
     for title, rows in tables:
         if len(rows) > 1:
@@ -39,8 +35,8 @@ def report_text(report: RasterReport) -> str:
 def _times(points: Iterable[Point]) -> list[list[str]]:
     rows = [["size", "backend", "threads", *STAGES, "iteration", "least", "per second"]]
     for p in points:
-        stages = [_milliseconds(p.stages[name]) for name in STAGES]
-        whole = _milliseconds(p.iteration), _milliseconds(p.iteration_least), f"{p.iterations_per_second:.1f}"
+        stages = [milliseconds(p.stages[name]) for name in STAGES]
+        whole = milliseconds(p.iteration), milliseconds(p.iteration_least), f"{p.iterations_per_second:.1f}"
         rows.append([p.size, p.backend, str(p.threads), *stages, *whole])
     return rows
 
@@ -90,29 +86,8 @@ def _scaling(report: RasterReport) -> list[list[str]]:
     return rows
 
 
-def _comparisons(comparisons: Iterable[Comparison]) -> list[list[str]]:
-    rows = [["size", "threads", "checkout", *TrainingTimes._fields]]
-    for c in comparisons:
-        for name, times in (("this one", c.here), ("other", c.other)):
-            rows.append([c.size, str(c.threads), name, *map(_milliseconds, times)])
-        bounds = zip(c.speed, c.slowest, c.fastest, strict=True)
-        ratios = (f"{middle:.2f} ({least:.2f}-{most:.2f})" for middle, least, most in bounds)
-        rows.append([c.size, str(c.threads), "times as fast", *ratios])
-    return rows
-
-
-def _compared_errors(comparisons: Iterable[Comparison]) -> list[list[str]]:
-    rows: dict[tuple[str, str], list[str]] = {}
-    names: list[str] = []
-    for c in comparisons:
-        for checkout, errors in (("this one", c.errors_here), ("other", c.errors_other)):
-            if errors is not None:
-                names = list(errors)
-                rows[c.size, checkout] = [c.size, checkout, *(f"{figure:.1e}" for figure in errors.values())]
-    return [["size", "checkout", *names], *rows.values()]
-
-
-def _milliseconds(seconds: float | None) -> str:
+def milliseconds(seconds: float | None) -> str:
+    """Return a time in milliseconds, with decimals below a tenth of a second; "-" for none."""
     return "-" if seconds is None else f"{seconds * 1e3:.2f}" if seconds < 0.1 else f"{seconds * 1e3:.0f}"
 
 

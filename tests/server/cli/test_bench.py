@@ -73,9 +73,6 @@ def test_a_training_needs_a_camera_to_score_on(tmp_path: Path, capsys: pytest.Ca
         (["--dynamic", "2"], "--dynamic"),
         (["--seed", "1.5"], "--seed"),
         (["--json", "/nowhere/raster.json"], "/nowhere/raster.json"),
-        (["--backends", "reference", "--against", "/nowhere"], "add cpu to --backends"),
-        (["--backends", "triton", "--threads", "1"], "--threads"),
-        (["--backends", "triton", "--truth", "none"], "--truth"),
     ],
 )
 def test_bad_arguments_are_refused(capsys: pytest.CaptureFixture[str], wrong: list[str], word: str) -> None:

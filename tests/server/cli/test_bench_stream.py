@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from server.bench import serve_bench, stream_bench
+from server.bench import stream_bench
 from server.cli import main
 from tests.hgs_core.codec.scenes import encode, scene
 from tests.synthetic import ring_of_cameras
@@ -32,30 +32,11 @@ def test_pictures_of_a_scene_are_told_for_the_first_time_round(
     assert line["psnr"][0] < line["psnr"][1] == 99.0
 
 
-def test_server_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    async def bench(viewers: int, seconds: float, **options: Any) -> dict[str, Any]:
-        return {"viewers": viewers, "seconds": seconds} | options
-
-    monkeypatch.setattr(serve_bench, "bench_serve", bench)
-    monkeypatch.setattr(serve_bench, "serve_text", str)
-    assert main(["bench", "serve", "--viewers", "3", "--seconds", "2", "--processes", "2", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {
-        "viewers": 3,
-        "seconds": 2.0,
-        "folder": None,
-        "minutes": 1.0,
-        "processes": 2,
-        "bad_clients": False,
-    }
-
-
 @pytest.mark.parametrize(
     ("wrong", "word"),
     [
         (["stream", "--seconds", "0"], "--seconds"),
-        (["serve", "--viewers", "0"], "--viewers"),
-        (["serve", "--processes", "0"], "--processes"),
-        (["serve", "--minutes", "0"], "--minutes"),
+        (["stream", "--minutes", "0"], "--minutes"),
         (["stream", "nowhere"], "nowhere"),
     ],
 )

@@ -36,9 +36,7 @@ ablate {capture} --out {free} --hold-out 1 --json {out}
 bench raster --json {out}
 bench codec {run} --json {out}
 bench train {capture} --json {out}
-bench viewer {run} --json {out}
 bench stream --json {out}
-bench serve --json {out}
 """.strip().splitlines()
 
 # What writes beside what it reads.
@@ -90,7 +88,6 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
         "hgs_core.report.write.write_report",
         "hgs_core.bench.raster.raster_bench.bench_raster",
         "hgs_core.bench.codec.codec_bench.bench_codec",
-        "hgs_core.bench.viewers.bench_viewers",
         "hgs_core.bench.training_bench.bench_training",
     ):
         monkeypatch.setattr(name, work)

@@ -2,10 +2,8 @@ from __future__ import annotations
 
 import dataclasses
 
-from hgs_core.bench.against import Comparison
 from hgs_core.bench.raster.raster_bench import RasterReport
 from hgs_core.bench.raster.raster_table import aligned, report_text
-from hgs_core.bench.raster.stage_times import TrainingTimes
 
 
 def table(text: str, title: str) -> list[list[str]]:
@@ -44,13 +42,3 @@ def test_speedups_and_scaling_are_ratios_without_units(report: RasterReport) -> 
     (row,) = table(report_text(only), "Times as fast with more threads")
     assert row[:2] == [scaling.size, scaling.backend]
     assert (" ".join(row[2:5]), row[-1]) == ("2 against 1", "1.41")
-
-
-def test_another_checkout_stands_below_this_one(report: RasterReport) -> None:
-    here, other, ratio = (TrainingTimes(*(scale * part for part in (8, 3, 2, 2, 1))) for scale in (1e-3, 2e-3, 1))
-    found = Comparison("7@8x9", 1, 3, here, other, ratio, ratio, ratio, {"image": 1e-7}, {"image": 2e-7})
-    text = report_text(dataclasses.replace(report, comparisons=(found,)))
-    rows = table(text, "In turn with")
-    assert [row[-5] for row in rows[:2]] == ["8.00", "16.00"]
-    assert rows[2][4:8] == ["fast", "8.00", "(8.00-8.00)", "3.00"]
-    assert [row[-1] for row in table(text, "Relative L2 error of both")] == ["1.0e-07", "2.0e-07"]

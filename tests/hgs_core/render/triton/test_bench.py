@@ -1,4 +1,4 @@
-"""`hgs bench raster --backends triton`, on a scene too small to say anything about speed."""
+"""`benchmarks.device_raster` with Triton itself, on a scene too small for figures of speed."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ import json
 
 import pytest
 
-from server.cli import main
+from benchmarks.device_raster import main
 
 
 def test_the_point_is_within_the_bounds(capsys: pytest.CaptureFixture[str]) -> None:
-    """With Triton itself; what is measured of it is tested in tests/hgs_core/bench/test_device_raster.py."""
-    arguments = ["--backends", "triton", "--sizes", "8@16x16", "--seconds", "0.001", "--json"]
-    assert main(["bench", "raster", *arguments]) == 0
+    """With Triton itself; what is measured of it is tested in tests/benchmarks/test_device_raster.py."""
+    arguments = ["--sizes", "8@16x16", "--seconds", "0.001", "--json"]
+    assert main(arguments) == 0
     (point,) = json.loads(capsys.readouterr().out)["points"]
     assert (point["size"], point["rasterizer"]) == ("8@16x16", "triton")
     assert point["image_error"] <= 1e-6

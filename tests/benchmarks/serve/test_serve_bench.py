@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from server.bench import serve_bench
-from server.bench.serve_bench import bench_serve, serve_text
+from benchmarks.serve import serve_bench
+from benchmarks.serve.serve_bench import bench_serve, serve_text
 
 
 def test_viewers_and_the_server_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:

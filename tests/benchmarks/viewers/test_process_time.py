@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from hgs_core.bench.process_time import descendants_cpu_seconds
+from benchmarks.viewers.process_time import descendants_cpu_seconds
 
 
 def _process(proc: Path, pid: int, parent: int, user: int, system: int, name: str = "a") -> None:

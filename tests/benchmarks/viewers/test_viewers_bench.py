@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.viewers.viewers_bench import bench_viewers, turned_camera
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import silent
-from hgs_core.bench.viewers import bench_viewers, turned_camera
 
 CAMERA = {"eye": [0, 1, 4], "target": [0, 1, 0], "up": [0, 1, 0], "fovY": 90.0, "near": 0.1}
 

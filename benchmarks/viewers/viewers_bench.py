@@ -23,12 +23,12 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from benchmarks.viewers.bench_pages import build_pages, served
+from benchmarks.viewers.browser import CHROMIUM_HINT, find_chromium, open_browser, psnr
+from benchmarks.viewers.process_time import descendants_cpu_seconds
 from hgs_core.base.arrays import Floats
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback, silent
-from hgs_core.bench.browser import CHROMIUM_HINT, find_chromium, open_browser, psnr
-from hgs_core.bench.process_time import descendants_cpu_seconds
-from hgs_core.bench.viewer_pages import build_pages, served
 from hgs_core.codec import decode_scene, load_manifest
 from hgs_core.interchange.export_scene import export_scene
 from hgs_core.interchange.still_moment import scene_at

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import asyncio
 
-from server.bench.bad_clients import idling, pings, stalled
-from server.bench.measured_server import BenchServer
+from benchmarks.serve.bad_clients import idling, pings, stalled
+from benchmarks.serve.measured_server import BenchServer
 
 
 def test_bad_clients_are_there_while_they_are_wanted() -> None:

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.serve import measured_server as bench_server
+from benchmarks.serve.bad_clients import pings
+from benchmarks.serve.measured_server import BenchServer
 from hgs_core.base.errors import InputError
-from server.bench import measured_server as bench_server
-from server.bench.bad_clients import pings
 from server.bench.bench_scene import made_up_scene
-from server.bench.measured_server import BenchServer
 
 
 def test_server_tells_what_it_has_cost() -> None:

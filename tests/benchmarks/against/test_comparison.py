@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.against.comparison import Comparison, compare, interpreter_of
 from hgs_core.base.errors import InputError
-from hgs_core.bench.against import Comparison, compare, interpreter_of
 from hgs_core.bench.raster.raster_settings import BenchSettings
 from hgs_core.bench.raster.raster_sizes import Size
 from hgs_core.bench.raster.stage_times import TrainingTimes

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.viewers.bench_pages import build_pages, served
 from hgs_core.base.errors import InputError
-from hgs_core.bench.viewer_pages import build_pages, served
 
 
 def test_pages_are_served_so_that_viewers_may_share_memory(tmp_path: Path) -> None:

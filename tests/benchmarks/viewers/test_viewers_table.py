@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from hgs_core.bench.viewers import ViewerPoint, ViewerReport
-from hgs_core.bench.viewers_table import viewer_line, viewers_text
+from benchmarks.viewers.viewers_bench import ViewerPoint, ViewerReport
+from benchmarks.viewers.viewers_table import viewer_line, viewers_text
 
 MACHINE = {"cpu": "A processor", "cores": 4, "load": 0.5}
 

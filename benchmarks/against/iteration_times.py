@@ -1,4 +1,4 @@
-"""Times training iterations on demand: one of the processes of `hgs_core.bench.against`.
+"""Times training iterations on demand: one of the processes of `benchmarks.against.comparison`.
 
 Run as a file by the interpreter of a checkout, so that it measures that checkout's code, which may be older than this
 one. Reads one JSON request per line and answers each with a line of JSON.

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 import torch
 
+from benchmarks import device_raster
+from benchmarks.device_raster import DevicePoint, DeviceReport, bench_device_raster, device_report_text
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, silent
-from hgs_core.bench import device_raster
-from hgs_core.bench.device_raster import DevicePoint, DeviceReport, bench_device_raster, device_report_text
 from hgs_core.bench.raster.raster_sizes import Size
 
 SIZES = (Size(20, 16, 12), Size(30, 20, 12))

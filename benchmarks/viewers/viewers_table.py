@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from benchmarks.viewers.viewers_bench import DEGREES, ViewerPoint, ViewerReport
 from hgs_core.bench.raster.raster_table import aligned
-from hgs_core.bench.viewers import DEGREES, ViewerPoint, ViewerReport
 
 __all__ = ["viewer_line", "viewers_text"]
 

@@ -2,28 +2,33 @@
 
 from __future__ import annotations
 
+import argparse
 import dataclasses
 import importlib.util
 import statistics
+import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import torch
 from torch import Tensor
 
+from benchmarks.refusals import refusing
 from hgs_core.base.errors import InputError
 from hgs_core.base.progress import Progress, ProgressCallback
 from hgs_core.bench.raster.accuracy import errors
-from hgs_core.bench.raster.raster_sizes import Size
+from hgs_core.bench.raster.raster_sizes import Size, parse_sizes
 from hgs_core.bench.raster.workload import BACKGROUND, Workload
 from hgs_core.native.machine import machine_facts
 from hgs_core.render.rasterize import rasterize
 from hgs_core.render.triton.device import require_device
 from hgs_core.scene.splats import StaticSplats
+from server.cli.json_output import JsonOutput
+from server.cli.progress_bars import ProgressBars
 
-__all__ = ["DEVICE_SIZES", "DevicePoint", "DeviceReport", "bench_device_raster", "device_report_text"]
+__all__ = ["DEVICE_SIZES", "DevicePoint", "DeviceReport", "bench_device_raster", "device_report_text", "main"]
 
 DEVICE_SIZES = tuple(
     Size(splats, width, height)
@@ -187,3 +192,28 @@ def device_report_text(report: DeviceReport) -> str:
         times = f"{p.forward * 1e3:>12.2f}{p.forward_backward * 1e3:>15.2f}"
         lines.append(f"{p.size:<18}{p.rasterizer:<12}{times}{peak:>10}{p.image_error:>13.1e}{gradient:>10}")
     return "\n".join(lines)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the benchmark and return the exit status."""
+    parser = argparse.ArgumentParser(prog="benchmarks.device_raster", description=__doc__)
+    parser.add_argument("--json", metavar="FILE", nargs="?", const="-", help="write JSON to FILE or standard output")
+    parser.add_argument("--sizes", metavar="LIST", help="splats and pixels, like 20k@676x507,100k@1352x1014")
+    parser.add_argument("--against", metavar="RASTERIZER", help="gsplat, if it is installed")
+    parser.add_argument("--seconds", metavar="S", type=float, default=1.0, help="of timing per point (default: 1)")
+    parser.add_argument("--seed", metavar="N", type=int, default=0, help="seed of the scenes (default: 0)")
+    options = parser.parse_args(arguments)
+
+    def run() -> int:
+        sizes = DEVICE_SIZES if options.sizes is None else parse_sizes("--sizes", options.sizes)
+        output = JsonOutput(options.json)
+        with ProgressBars() as bars:
+            report = bench_device_raster(sizes, options.seconds, options.seed, options.against, bars)
+        output.show(report.to_json(), device_report_text(report))
+        return 0
+
+    return refusing(run)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from benchmarks.serve.bad_clients import flooding, idling, pings, resting, stalled
+from benchmarks.serve.measured_server import BenchServer
+from benchmarks.serve.paced_viewers import Crowd, Pace
 from hgs_core.codec.format.manifest import Manifest
-from server.bench.bad_clients import flooding, idling, pings, resting, stalled
-from server.bench.measured_server import BenchServer
-from server.bench.paced_viewers import Crowd, Pace
 from server.client.viewing import play
 from server.protocol.messages import HEADER_BYTES, MIN_PAYLOAD
 
@@ -46,7 +46,7 @@ async def bench_serve(
         folder: of the scene; None: one that is made up.
         minutes: length of the made-up scene.
         processes: servers.
-        bad_clients: afterwards, let clients misbehave as `server.bench.bad_clients` lists; this takes three minutes.
+        bad_clients: afterwards, let clients misbehave as `benchmarks.serve.bad_clients` lists: three minutes.
     """
     servers = [BenchServer(folder, minutes) for _ in range(processes)]
     try:

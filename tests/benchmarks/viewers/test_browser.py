@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hgs_core.bench.browser import canvas_floats, canvas_pixels, find_chromium, psnr
+from benchmarks.viewers.browser import canvas_floats, canvas_pixels, find_chromium, psnr
 
 
 def program(folder: Path, name: str) -> str:

@@ -2,9 +2,9 @@ from __future__ import annotations
 
 import asyncio
 
+from benchmarks.serve.paced_viewers import Crowd, CrowdFigures, Pace
 from server.bench.bench_scene import made_up_scene
 from server.bench.one_scene_server import serving
-from server.bench.paced_viewers import Crowd, CrowdFigures, Pace
 
 SCENE = made_up_scene(10, static_bytes=120_000, slice_bytes=30_000)
 

@@ -26,9 +26,9 @@ def build_pages(out: Path, web_client: Path = WEB_CLIENT) -> None:
     """
     folder = web_client / "bench" / "viewers"
     if not (folder / "package.json").is_file():
-        raise InputError("hgs bench viewer", f"{folder} is not there", "run it from a checkout of HGS")
+        raise InputError("benchmarks.viewers", f"{folder} is not there", "run it from a checkout of HGS")
     if shutil.which("npm") is None:
-        raise InputError("hgs bench viewer", "needs npm", "install Node 20 or newer, or run scripts/install")
+        raise InputError("benchmarks.viewers", "needs npm", "install Node 20 or newer, or run scripts/install")
     if not (web_client / "node_modules").is_dir():
         _run(["npm", "ci", "--no-audit", "--no-fund", "--loglevel=error"], web_client)
     if not (folder / "node_modules").is_dir():

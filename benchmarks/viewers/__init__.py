@@ -1,0 +1,3 @@
+"""Our viewer beside others in one browser: `python -m benchmarks.viewers RUN`."""
+
+__all__: list[str] = []
