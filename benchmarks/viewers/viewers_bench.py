@@ -112,7 +112,7 @@ def bench_viewers(
         load_manifest(_scene_folder(source))  # a wrong path is told before the pages are built
     chromium = find_chromium()
     if chromium is None:
-        raise InputError("hgs bench viewer", CHROMIUM_HINT)
+        raise InputError("benchmarks.viewers", CHROMIUM_HINT)
     with tempfile.TemporaryDirectory(prefix="hgs-bench-") as scratch:
         pages = Path(scratch) / "pages"
         build_pages(pages)

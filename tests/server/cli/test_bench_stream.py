@@ -1,4 +1,4 @@
-"""`hgs bench stream` and `hgs bench serve`; what is measured is tested in tests/server/bench/test_stream_bench.py."""
+"""`hgs bench stream`; what is measured is tested in tests/server/bench/test_stream_bench.py."""
 
 from __future__ import annotations
 

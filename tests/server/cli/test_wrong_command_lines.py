@@ -324,7 +324,6 @@ bench raster --seconds inf
 bench raster --dynamic 2
 bench raster --dynamic nan
 bench raster --seed -1
-bench raster --against {none}
 bench raster --json {none}/x.json
 bench codec
 bench codec {none}

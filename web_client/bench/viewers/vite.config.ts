@@ -3,7 +3,7 @@ import { defineConfig } from "vite";
 import { leanShaders } from "../../plugins/lean_shaders.ts";
 import { zstdWasmFile } from "../../plugins/zstd_wasm.ts";
 
-// Run by `hgs bench viewer` in web_client/, with this folder as the root.
+// Run by `python -m benchmarks.viewers` in web_client/, with this folder as the root.
 export default defineConfig({
   root: fileURLToPath(new URL(".", import.meta.url)),
   base: "./",
