@@ -1,4 +1,4 @@
-"""The messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
+"""Messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
 
 A control message is one msgpack map whose `type` names its dataclass; a chunk frame is a fixed header and raw bytes.
 """
@@ -50,7 +50,7 @@ __all__ = [
 ]
 
 PROTOCOL_VERSION = 3
-PROTOCOL_VERSIONS = (1, 2, 3)  # that this server speaks
+PROTOCOL_VERSIONS = (1, 2, 3)  # all supported versions
 LAST_WITHOUT_PAGES = 2  # the manifest comes as a whole until then
 
 MAX_MESSAGE_BYTES = 1 << 20  # a client's message; holds a full have-list
@@ -61,7 +61,7 @@ MAX_BALANCE = 1 << 26  # bytes of credit
 MAX_RATE = 16.0  # scene seconds per second
 MAX_PAYLOAD = 1 << 16  # bytes in one chunk frame: a seek waits for at most one of them
 MIN_RATE_LIMIT = 1 << 12  # bytes per second
-MIN_PAYLOAD = 1 << 12  # smaller pieces would spend the line on headers
+MIN_PAYLOAD = 1 << 12  # smaller pieces would waste the connection on headers
 DEFAULT_RATE = 1.0
 
 CHUNK_FRAME = 0x01  # first byte of a chunk frame; no msgpack map begins with it
@@ -87,23 +87,23 @@ class Hello:
     type: ClassVar[str] = "hello"
     protocol: int
     credits: int  # bytes: the first grant
-    have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
-    parts: Mapping[bytes, int] = field(default_factory=dict)  # first bytes of chunks that it keeps: id -> how many
-    pages: Mapping[bytes, bytes] = field(default_factory=dict)  # that it keeps, and a bit for each chunk they list
-    manifest_id: bytes | None = None  # SHA-256 of the index, or manifest, that it keeps
+    have: frozenset[bytes] = frozenset()  # ids of complete cached chunks
+    parts: Mapping[bytes, int] = field(default_factory=dict)  # sizes of the parts of partly cached chunks, by id
+    pages: Mapping[bytes, bytes] = field(default_factory=dict)  # cached pages, and a bit for each chunk they list
+    manifest_id: bytes | None = None  # SHA-256 of the cached index or manifest
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
     have_bits: bytes | None = None  # version 2: of the manifest's chunks in order those it keeps, lowest bit first
-    codings: tuple[str, ...] = ()  # version 2: in which it takes the manifest, beside the manifest as it is
-    splats: int | None = None  # of a picture, that the client can draw; None is any number
-    bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
+    codings: tuple[str, ...] = ()  # version 2: accepted content codings of the manifest, besides identity
+    splats: int | None = None  # largest number of splats per picture; None is any number
+    bytes_per_second: int | None = None  # highest rate of chunk frames; None is any rate
     audio: bool = False  # whether the client wants the scene's sound
-    follow: bool = False  # whether the client takes what is added to a scene that grows
+    follow: bool = False  # whether the client accepts additions to a growing scene
 
 
 @dataclass(frozen=True)
 class Credit:
-    """A grant of `bytes` more of chunk frames, headers included."""
+    """A grant of `bytes` more bytes of chunk frames, headers included."""
 
     type: ClassVar[str] = "credit"
     bytes: int
@@ -111,7 +111,7 @@ class Credit:
 
 @dataclass(frozen=True)
 class Seek:
-    """Move the playhead to `time` seconds and send what is alive there first."""
+    """Move the playhead to `time` seconds, and send the chunks visible there first."""
 
     type: ClassVar[str] = "seek"
     time: float
@@ -119,7 +119,7 @@ class Seek:
 
 @dataclass(frozen=True)
 class Play:
-    """The playhead runs from `time` seconds at `rate`."""
+    """Start the playhead from `time` seconds at `rate`."""
 
     type: ClassVar[str] = "play"
     time: float
@@ -128,7 +128,7 @@ class Play:
 
 @dataclass(frozen=True)
 class Pause:
-    """The playhead stands at `time` seconds."""
+    """Stop the playhead at `time` seconds."""
 
     type: ClassVar[str] = "pause"
     time: float
@@ -136,18 +136,18 @@ class Pause:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the client can take from now on, in place of what it has said before; None is no limit, or not known."""
+    """The client's current limits, which replace earlier ones; None is no limit, or unknown."""
 
     type: ClassVar[str] = "limits"
-    splats: int | None = None  # of a picture
-    bytes_per_second: int | None = None  # of chunk frames
-    measured: int | None = None  # bytes per second that the line brings
+    splats: int | None = None  # splats per picture
+    bytes_per_second: int | None = None  # rate of chunk frames
+    measured: int | None = None  # measured throughput of the connection, bytes per second
     audio: bool = False  # whether the client wants the scene's sound
 
 
 @dataclass(frozen=True)
 class Ping:
-    """Answered at once by a `Pong` of the same id."""
+    """A ping; the server answers at once with a `Pong` of the same id."""
 
     type: ClassVar[str] = "ping"
     id: int
@@ -155,7 +155,7 @@ class Ping:
 
 @dataclass(frozen=True)
 class Welcome:
-    """Answers `Hello`: the scene's index, or manifest, and how many bytes of chunks are to come."""
+    """The answer to `Hello`: the scene's index or manifest, and the number of chunk bytes to come."""
 
     type: ClassVar[str] = "welcome"
     protocol: int
@@ -168,7 +168,7 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Grow:
-    """The scene has grown."""
+    """Notice that the scene has grown."""
 
     type: ClassVar[str] = "grow"
     manifest_id: bytes  # the SHA-256 of the new index, or manifest
@@ -202,7 +202,7 @@ class Missing:
 
 @dataclass(frozen=True)
 class Pong:
-    """Answers `Ping`."""
+    """The answer to `Ping`."""
 
     type: ClassVar[str] = "pong"
     id: int
@@ -210,7 +210,7 @@ class Pong:
 
 @dataclass(frozen=True)
 class End:
-    """The client has the scene but for what its limits leave out; `bytes` of chunks were sent on this connection."""
+    """Notice that the client has the scene, except for data beyond its limits; `bytes` of chunks were sent."""
 
     type: ClassVar[str] = "end"
     bytes: int
@@ -219,7 +219,7 @@ class End:
 
 @dataclass(frozen=True)
 class Error:
-    """Why the connection is about to be closed."""
+    """The reason for closing the connection."""
 
     type: ClassVar[str] = "error"
     code: str

@@ -1,4 +1,4 @@
-"""Whether a scene is a later version of another one, and what makes the one of the other."""
+"""Comparison of two versions of a growing scene."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from server.scenes.scene_index import SceneIndex
 
 __all__ = ["is_later", "scene_growth"]
 
-_KEPT = 16  # answers: all who watch a scene ask for the same
+_KEPT = 16  # cached results: all viewers of a scene request the same ones
 
 
 def is_later(scene: SceneIndex, earlier: SceneIndex) -> bool:
-    """Return whether a scene is a later version of one that grows.
+    """Return whether a scene is a later version of a growing one.
 
-    Of scenes in pages the index and two pages tell: a tenth of a second less than the manifests of an hour.
+    Scenes in pages are compared by their indices and two pages: 0.1 s faster than by the manifests of an hour.
     """
     place = len(earlier.pages) - 1
     if not 0 <= place < len(scene.pages):
@@ -26,7 +26,7 @@ def is_later(scene: SceneIndex, earlier: SceneIndex) -> bool:
 
 
 def scene_growth(scene: SceneIndex, earlier: SceneIndex) -> bytes:
-    """Return as JSON what makes the manifest of a scene of that of an earlier version, for whom pages say nothing."""
+    """Return the JSON patch from an earlier manifest, for clients without pages."""
     return _growth(scene.document, earlier.document)
 
 
