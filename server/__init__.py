@@ -1,4 +1,4 @@
-"""The service's front: REST, streaming over WebSockets, and the `hgs` command line.
+"""HTTP and WebSocket service, and the `hgs` command line.
 
 The process that serves the API never imports torch; only the commands that train or measure do.
 """

@@ -1,4 +1,4 @@
-"""The ASGI application: `create_app` puts the service and its routes together."""
+"""The ASGI application: `create_app` assembles the service and its routes."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ from server.uploads.uploads import Uploads
 
 __all__ = ["create_app"]
 
-SWEEP_SECONDS = 600.0  # between two looks for uploads that nobody goes on with
+SWEEP_SECONDS = 600.0
 
 log = logging.getLogger("hgs.server")
 
@@ -76,7 +76,7 @@ def create_app(
     viewer: Path = VIEWER,
     root: str = "",
 ) -> FastAPI:
-    """Return the application that serves `home`; creates the home and its tables where they are missing.
+    """Return the application that serves `home`; create the home and its tables if they are missing.
 
     `captures` are the folders that jobs may read, `uploads` how much clients may send, `origins` the pages of other
     hosts that may read scenes and chunks (`*` for all), `hosts` the names that the server answers to, by default
@@ -163,11 +163,11 @@ def create_app(
 
 
 async def _sweep(service: Service) -> None:
-    """Delete uploads that nobody goes on with, now and then."""
+    """Delete abandoned uploads from time to time."""
     uploads = service.uploads
     while True:
         try:
             await service.long_work.run(uploads.sweep)
-        except Exception as error:  # whatever it is, the next look may be a good one
-            log.warning("uploads cannot be looked after: %r", error)
+        except Exception as error:  # a later sweep may succeed
+            log.warning("cannot delete abandoned uploads: %r", error)
         await asyncio.sleep(SWEEP_SECONDS)

@@ -1,4 +1,4 @@
-"""The queue and the store as the API uses them: protocols that its rooms share, and that tests implement."""
+"""Protocols of the job queue and the artifact store, shared by the rooms of the server and implemented by tests."""
 
 # ruff: noqa: D102 -- JobClient and ArtifactStore document these methods
 

@@ -1,4 +1,4 @@
-"""What the routes share: the queue, the store, and what is kept of them in memory."""
+"""Shared state of the routes: the queue, the store and their caches."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ __all__ = ["Service", "ServiceDep"]
 
 @dataclass
 class Service:
-    """One running server's state; `stopping` is set when it begins to shut down, so that endless answers end."""
+    """State of one running server; `stopping` is set when shutdown begins, so that endless responses end."""
 
     home: Home
     jobs: Jobs
@@ -56,14 +56,14 @@ class Service:
     capture_list: CaptureList = field(init=False)
     capture_checks: CaptureChecks = field(default_factory=CaptureChecks)
     submissions: Submissions = field(default_factory=Submissions)
-    long_work: SlowWork = field(default_factory=lambda: SlowWork("long", 4))  # on whole captures and runs
-    file_work: SlowWork = field(default_factory=lambda: SlowWork("file", 8))  # with pieces of files that arrive
+    long_work: SlowWork = field(default_factory=lambda: SlowWork("long", 4))  # whole captures and runs
+    file_work: SlowWork = field(default_factory=lambda: SlowWork("file", 8))  # pieces of arriving files
     watchers: SceneWatchers = field(default_factory=SceneWatchers)
     live: LiveScenes = field(init=False)
     runs: RunReader = field(init=False)
 
     def __post_init__(self) -> None:
-        """Make what is kept in memory of the queue and the store."""
+        """Create the in-memory views of the queue and the store."""
         self.runs = run_reader(self.home)
         self.followers = JobFollowers(self.jobs, self.stopping)
         self.catalogue = SceneCatalogue(self.artifacts, self.jobs)
@@ -76,14 +76,14 @@ class Service:
         Raises:
             ProblemError: 404, there is no such job.
         """
-        # Whatever else a client asks for, not every database can look up.
+        # Not every database can look up arbitrary text.
         job = self.jobs.get(job_id) if SCENE_ID.fullmatch(job_id) else None
         if job is None:
             raise ProblemError(404, "job-not-found", f"job {job_id[:64]}: no such job")
         return job
 
     def key_of(self, connection: HTTPConnection) -> str:
-        """Return the id of the key that a request came with; "" of all that need none, who count as one."""
+        """Return the id of a request's key, or "" for all requests that need none: they count as one client."""
         visitor: Visitor | None = connection.scope.get("state", {}).get("visitor")
         return visitor.key.id if visitor is not None and visitor.key is not None else ""
 

@@ -1,4 +1,4 @@
-"""Which names the server answers to: a page elsewhere whose name is made to point here must not pass for our own."""
+"""Allowed host names: protection against DNS rebinding, where a foreign page resolves its own name to this server."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _HOST = re.compile(rf"(?:({_NAME})\.?|\[([0-9a-f:.]+)\])(?::[0-9]{{1,5}})?", re.
 
 @dataclass(frozen=True)
 class AllowedHosts:
-    """Host names in lower case. Besides them every IP address is allowed: no one else's name can be behind it."""
+    """Host names in lower case. IP addresses are always allowed, since no foreign name can resolve through them."""
 
     names: frozenset[str] = frozenset({"localhost"})
 
@@ -35,7 +35,7 @@ class AllowedHosts:
     def configured(
         cls, bound: str = "localhost", given: Iterable[str] = (), environment: Mapping[str, str] = os.environ
     ) -> Self:
-        """Return localhost, the name the server is bound to, those `given`, and those of `HGS_ALLOW_HOSTS`.
+        """Return localhost, the bound name, the `given` names and those of `HGS_ALLOW_HOSTS`.
 
         A server bound to all addresses answers to the machine's own name too.
 
@@ -49,7 +49,7 @@ class AllowedHosts:
         return cls(frozenset(names))
 
     def allows(self, host: str | None) -> bool:
-        """Return whether a request with this Host header is meant for this server; one without comes from no page."""
+        """Return whether this Host header names this server; requests without one do not come from a page."""
         if host is None:
             return True
         match = _HOST.fullmatch(host)
@@ -61,12 +61,12 @@ class AllowedHosts:
 
 def _checked(name: str) -> str:
     try:
-        ascii_name = name.lower().encode("idna").decode()  # as browsers send it
+        ascii_name = name.lower().encode("idna").decode()  # the form browsers send
     except UnicodeError:
         ascii_name = ""
     if not re.fullmatch(_NAME, ascii_name):
         cure = "give names without scheme and port, such as hgs.example.org"
-        raise InputError(f"--allow-host or {SETTING}", f"{name!r} is not the name of a host", cure)
+        raise InputError(f"--allow-host or {SETTING}", f"{name!r} is not a host name", cure)
     return ascii_name
 
 
@@ -79,7 +79,7 @@ def _is_address(name: str) -> bool:
 
 
 class HostCheck:
-    """ASGI middleware that refuses requests and WebSockets to a host that is not allowed, before anything else."""
+    """ASGI middleware that rejects requests and WebSockets for other hosts before anything else."""
 
     def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
         self._app = app

@@ -1,4 +1,4 @@
-"""Requests that come from this machine by themselves: a server without keys is open to these alone.
+"""Detection of direct requests from this machine: a server without keys is open to these alone.
 
 A proxy on the same machine connects from a loopback address, too, and brings anybody's requests. What it says of itself
 in headers, and how it speaks, gives most proxies away; docs/access.md tells of those that nothing does.
@@ -25,7 +25,7 @@ _HOST = re.compile(r"(?:\[([^\]]*)\]|([^:]*))(?::[0-9]{1,5})?")
 
 
 def sign_of_proxy(connection: HTTPConnection) -> str | None:
-    """Return what shows that a request may be somebody's elsewhere, as "the header Via"; None: it is this machine's."""
+    """Return a sign that a request may come from elsewhere, such as "the header Via"; None if it is this machine's."""
     headers = connection.headers
     if connection.client is None or not _is_loopback(connection.client.host):
         return "an address that is not this machine's"
@@ -35,25 +35,26 @@ def sign_of_proxy(connection: HTTPConnection) -> str | None:
     host = headers.get("Host", "")
     if not _is_here(host):
         return f"the Host {host!r:.100}" if host else "no Host"
-    if connection.scope.get("http_version", "1.1") == "1.0":  # nginx speaks it unless it is told otherwise
+    if connection.scope.get("http_version", "1.1") == "1.0":  # the default of nginx
         return "HTTP/1.0"
     options = {option.strip().lower() for option in headers.get("Connection", "").split(",")}
-    if "close" in options:  # nginx keeps no connection unless it is told to
+    if "close" in options:  # nginx's default: it keeps no connection
         return "Connection: close"
-    if "upgrade" in options and "Upgrade" not in headers:  # as nginx says in front of WebSockets, of all requests
+    if "upgrade" in options and "Upgrade" not in headers:  # the usual nginx setting for WebSockets
         return "Connection: upgrade"
+    # Some proxies forward a Host of their own; the page's address reveals them.
     if headers.get("Sec-Fetch-Site") == "same-origin" and not all(map(_is_here, _pages(headers))):
-        return "a page that has another address"  # of a browser that asks a proxy which tells us the Host it asks
+        return "a page that has another address"
     return None
 
 
 def _pages(headers: Mapping[str, str]) -> list[str]:
-    """Return the hosts of the page that a browser asks for."""
+    """Return the hosts of the requesting page."""
     return [headers[name].split("/")[2] for name in ("Origin", "Referer") if headers.get(name, "").count("/") >= 2]
 
 
 def _is_here(host: str) -> bool:
-    """Return whether a Host header, with a port or without, names this machine as only itself can."""
+    """Return whether a Host header, with or without a port, names this machine by a loopback name or address."""
     match = _HOST.fullmatch(host)
     name = (match[1] or match[2] or "").lower().removesuffix(".") if match else ""
     return name == "localhost" or name.endswith(".localhost") or _is_loopback(name)

@@ -1,4 +1,4 @@
-"""The door: every request and WebSocket is asked for a key that allows it, before any route is looked up."""
+"""Access control of every request and WebSocket, before any route is looked up."""
 
 from __future__ import annotations
 
@@ -19,21 +19,21 @@ from server.protocol.messages import Error, encode
 
 __all__ = ["AccessControl"]
 
-CHECK_SECONDS = 5.0  # between two looks at whether a long answer's key still holds
+CHECK_SECONDS = 5.0
 GONE = 4003  # a WebSocket whose key or link holds no more
 _LONG = re.compile(r"/v1/jobs/[^/]+/events")
 _CHUNK = re.compile(r"/v1/chunks/([0-9a-f]{64})")
 
 
 class AccessControl:
-    """ASGI middleware: 401 without a key, 403 with one that does not allow what is asked for."""
+    """ASGI middleware: 401 without a key, 403 with a key of too narrow a scope."""
 
     def __init__(self, app: ASGIApp, access: Access, chunks_of: Callable[[str], frozenset[str]]) -> None:
-        """Guard `app`; `chunks_of` returns the ids of a scene's chunks, none if there is no such scene."""
+        """Guard `app`; `chunks_of` returns the ids of a scene's chunks, or none if there is no such scene."""
         self._app, self._access, self._chunks_of = app, access, chunks_of
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer, or pass the request on."""
+        """Respond, or pass the request on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -57,7 +57,7 @@ class AccessControl:
             await self._app(scope, receive, _private(send))
 
     async def _let_in(self, connection: HTTPConnection) -> Visitor | None:
-        """Return who asks; None where no key is asked for.
+        """Return the visitor, or None where no key is required.
 
         Raises:
             ProblemError: 401 or 403.
@@ -69,11 +69,11 @@ class AccessControl:
             return None
         visitor = await self._access.visitor(connection)
         if visitor is None:
-            detail = "a key is needed, or this one holds no more; send it as Authorization: Bearer KEY"
+            detail = "a key is needed, or this one is no longer valid; send it as Authorization: Bearer KEY"
             if LINK in connection.query_params:
-                detail = "this link has expired, or is no link of this server"
+                detail = "this link has expired, or was not made by this server"
             if (why := self._access.why_closed(connection)) is not None:
-                detail = f"this server asks for a key: {why}; make one there with: hgs keys add NAME --scope admin"
+                detail = f"this server requires a key: {why}; make one there with: hgs keys add NAME --scope admin"
             headers = {"WWW-Authenticate": 'Bearer realm="hgs"', "Cache-Control": "no-store"}
             raise ProblemError(401, "key-needed", detail, headers=headers)
         if not visitor.allows(needed) or not await self._opens(visitor, scope["path"]):
@@ -85,7 +85,7 @@ class AccessControl:
         return visitor
 
     async def _opens(self, visitor: Visitor, path: str) -> bool:
-        """Return whether a link is one to what is asked for; a key is no link."""
+        """Return whether a visitor's link, if any, covers the requested path."""
         if visitor.link is None:
             return True
         if (chunk := _CHUNK.fullmatch(path)) is not None:
@@ -93,7 +93,7 @@ class AccessControl:
         return scene_of(path) == visitor.link.scene
 
     async def _while_it_holds(self, scope: Scope, receive: Receive, send: Send, visitor: Visitor) -> None:
-        """Pass a long conversation on, and end it as soon as what let it in holds no more."""
+        """Pass on a long conversation, and end it as soon as its key or link is no longer valid."""
         accepted = False
 
         async def watched(message: Message) -> None:
@@ -118,7 +118,7 @@ class AccessControl:
         elif scope["type"] == "http":
             await send({"type": "http.response.body", "body": b"", "more_body": False})
         elif accepted:
-            text = "the link has expired" if visitor.link else "the key holds no more"
+            text = "the link has expired" if visitor.link else "the key is no longer valid"
             await send({"type": "websocket.send", "bytes": encode(Error("access-ended", text))})
             await send({"type": "websocket.close", "code": GONE})
 
@@ -130,7 +130,7 @@ class AccessControl:
 
 
 def _private(send: Send) -> Send:
-    """Return a `send` that keeps what needed a key out of shared caches."""
+    """Return a `send` that keeps guarded responses out of shared caches."""
 
     async def send_privately(message: Message) -> None:
         if message["type"] == "http.response.start":

@@ -1,4 +1,4 @@
-"""The origin policy: pages of other hosts may read scenes where they are allowed to, and may change nothing."""
+"""Origin policy: pages of other hosts may read scenes if their origin is allowed, and may never change anything."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["OriginPolicy"]
 
 @dataclass(frozen=True)
 class OriginPolicy:
-    """The origins whose pages may read scenes beside the server's own, e.g. https://example.org; "*" allows all."""
+    """Origins with read access besides the server's own, e.g. https://example.org; "*" allows all."""
 
     readers: frozenset[str] = frozenset()
 
     def same_site(self, connection: HTTPConnection) -> bool:
-        """Return whether the request comes from no page, or from a page of this server."""
+        """Return whether the request comes from a page of this server, or from no page."""
         origin = connection.headers.get("Origin")
         return origin is None or origin.partition("://")[2] == connection.headers.get("Host")
 
@@ -33,5 +33,5 @@ class OriginPolicy:
             raise ProblemError(403, "origin-not-allowed", detail)
 
     def may_read(self, connection: HTTPConnection) -> bool:
-        """Return whether the requesting page, if any, may read scenes: browsers do not guard WebSockets themselves."""
+        """Return whether the requesting page, if any, may read scenes: browsers do not apply CORS to WebSockets."""
         return self.same_site(connection) or connection.headers["Origin"] in self.readers or "*" in self.readers

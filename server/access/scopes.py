@@ -1,4 +1,4 @@
-"""Which scope each request needs. What is not named needs `admin`, so that a new route is closed until it is named."""
+"""Required scope of each request: `admin` unless listed here, so a new route is closed by default."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ __all__ = ["needed_scope", "scene_of"]
 _READS = frozenset({"GET", "HEAD"})
 _SCENE = r"[a-z0-9][a-z0-9_-]{0,63}"
 
-# Methods, path, scope; the first that fits counts. None: nobody is asked for a key.
+# Methods, path, scope; the first match counts. None: no key is required.
 _RULES: tuple[tuple[frozenset[str] | None, re.Pattern[str], Scope | None], ...] = (
     (_READS, re.compile(r"/v1/health|/healthz|/readyz"), None),
-    (None, re.compile(r"/v1/session"), None),  # where a key is given
+    (None, re.compile(r"/v1/session"), None),  # the sign-in route
     (
         _READS,
         re.compile(r"/(?!v1(?:/|$)|metrics$|openapi\.json$).*", re.DOTALL),
@@ -37,7 +37,7 @@ _SCENE_PATH = re.compile(rf"/v1/scenes/({_SCENE})(?:/(?:manifest|index\.hgs|thum
 
 
 def needed_scope(method: str, path: str) -> Scope | None:
-    """Return the scope that a key needs for a request; None where none is asked for. `WEBSOCKET` counts as a method."""
+    """Return the scope required by a request, or None if no key is required. `WEBSOCKET` counts as a method."""
     for methods, pattern, scope in _RULES:
         if (methods is None or method in methods) and pattern.fullmatch(path):
             return scope
@@ -45,6 +45,6 @@ def needed_scope(method: str, path: str) -> Scope | None:
 
 
 def scene_of(path: str) -> str | None:
-    """Return the scene that a path that a link may open is about; None if it is about no single scene."""
+    """Return the scene named by a path that a link may open, or None for other paths."""
     found = _SCENE_PATH.fullmatch(path)
     return found and found[1]

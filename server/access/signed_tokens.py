@@ -1,4 +1,4 @@
-"""Texts that only a server with the secret can make, and that expire: links to scenes, and sessions of browsers."""
+"""Signed, expiring tokens for links to scenes and browser sessions."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ LONGEST = 512  # characters
 
 @dataclass(frozen=True)
 class SignedToken:
-    """What a token says."""
+    """Fields of a token."""
 
     kind: Literal["link", "session"]
-    expires: int  # seconds since the epoch; from then on it says nothing
-    key: str  # id of the key that it was made with, and is revoked with; "" for the command line
-    scene: str = ""  # of a link
+    expires: int  # seconds since the epoch; invalid from then on
+    key: str  # id of the key that made it and revokes it; "" for the command line
+    scene: str = ""  # links only
 
 
 def sign_token(token: SignedToken, secret: bytes) -> str:
-    """Return the token as text of URLs: its fields and their HMAC-SHA-256."""
+    """Return the token as URL-safe text: its fields and their HMAC-SHA-256."""
     fields = json.dumps([token.kind, token.expires, token.key, token.scene], separators=(",", ":")).encode()
     return f"{_text(fields)}.{_text(hmac.digest(secret, fields, hashlib.sha256))}"
 
 
 def read_token(text: str, secret: bytes, now: float) -> SignedToken | None:
-    """Return what a text says; None if it was not signed with the secret, or has expired."""
+    """Return the token in a text, or None if its signature is wrong or it has expired."""
     if len(text) > LONGEST:
         return None
     try:

@@ -1,4 +1,4 @@
-"""Who may do what: keys, sessions of browsers, links, and whether keys are asked for at all."""
+"""Visitors and their permissions: keys, browser sessions and links."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ log = logging.getLogger("hgs.server")
 
 COOKIE = "hgs_session"
 LINK = "link"  # parameter of the query
-FRESH_SECONDS = 1.0  # for which keys are kept: a revoked one works no longer than this
-AT_ONCE_SECONDS = 0.1  # the same, where somebody has a key that is not known: it may be new
-STALE_SECONDS = 60.0  # for which the last known keys do where the database cannot be reached
+FRESH_SECONDS = 1.0  # longest time that a revoked key keeps working
+AT_ONCE_SECONDS = 0.1  # age of the cached keys that allows a reload for an unknown key: it may be new
+STALE_SECONDS = 60.0  # longest use of cached keys while the database is down
 SESSION_SECONDS = 30 * 24 * 3600
 
 
 class Asking(Enum):
-    """When a key is asked for."""
+    """Conditions under which a key is required."""
 
     NEVER = "never"  # --open
-    IF_ANY = "if any"  # on loopback: once there are keys, or where a request may be of somebody elsewhere
+    IF_ANY = "if any"  # loopback: once keys exist, or where a request may come from elsewhere
     ALWAYS = "always"
 
 
@@ -46,24 +46,24 @@ class Keys(Protocol):
 
 @dataclass(frozen=True)
 class Visitor:
-    """Who asks: somebody with a key, or with a link to one scene, or anybody where no key is asked for."""
+    """A visitor with a key, with a link to one scene, or anonymous where no key is required."""
 
     key: Key | None = None
     link: SignedToken | None = None
-    by_cookie: bool = False  # which browsers send whatever page asks
+    by_cookie: bool = False  # browsers send the cookie for any page
 
     def allows(self, scope: Scope) -> bool:
-        """Return whether the visitor may do what needs `scope`; links allow looking, at their scene alone."""
+        """Return whether the visitor has `scope`; a link has only VIEW, for its own scene."""
         if self.key is not None:
             return self.key.allows(scope)
         return self.link is None or scope is Scope.VIEW
 
 
 class Access:
-    """The keys of a server, as its processes know them."""
+    """Cached keys of a server."""
 
     def __init__(self, keys: Keys | None, asking: Asking, clock: Callable[[], float] = time.time) -> None:
-        """Ask for keys as `asking` says; without a table of keys, never. `clock` gives seconds since the epoch."""
+        """Require keys as `asking` says, or never without a table of keys. `clock` returns seconds since the epoch."""
         self._table, self._asking, self._clock = keys, asking if keys is not None else Asking.NEVER, clock
         self._keys: dict[str, Key] = {}
         self._secret = b""
@@ -71,14 +71,14 @@ class Access:
 
     @property
     def asking(self) -> Asking:
-        """When a key is asked for."""
+        """Condition under which a key is required."""
         return self._asking
 
     async def open_to(self, connection: HTTPConnection) -> bool:
         """Return whether a request needs no key.
 
         Raises:
-            OperationalError: the database cannot be reached, and it is too long ago that it could.
+            OperationalError: the database has been unreachable for more than `STALE_SECONDS`.
         """
         if self._asking is Asking.NEVER:
             return True
@@ -86,13 +86,14 @@ class Access:
         return self._asking is Asking.IF_ANY and not self._keys and sign_of_proxy(connection) is None
 
     def why_closed(self, connection: HTTPConnection) -> str | None:
-        """Return why a server that has no keys lets nobody in by this request; None where it has some."""
+        """Return why a server without keys rejects this request; None if the server has keys."""
         if self._asking is not Asking.IF_ANY or self._keys:
             return None
-        return f"it has no keys, and is open to its own machine alone; this request shows {sign_of_proxy(connection)}"
+        sign = sign_of_proxy(connection)
+        return f"it has no keys yet, so it accepts only requests from its own machine; this request shows {sign}"
 
     async def visitor(self, connection: HTTPConnection) -> Visitor | None:
-        """Return who asks, by `Authorization: Bearer KEY`, a link in the query, or a cookie; None: nobody knows.
+        """Return the visitor with this `Authorization: Bearer KEY`, link or cookie; None if none of them is valid.
 
         Raises:
             OperationalError: as `open_to`.
@@ -111,7 +112,7 @@ class Access:
         return None
 
     async def session(self, text: str) -> tuple[str, Key] | None:
-        """Return a session's token for a key, and the key; None if it is no key of this server."""
+        """Return a session token and its key, or None for an unknown key."""
         await self._refresh()
         key = await self._found(text)
         if key is None:
@@ -121,7 +122,7 @@ class Access:
         return sign_token(SignedToken("session", int(expires), key.id), self._secret), key
 
     async def link(self, scene: str, seconds: int, key: Key | None) -> SignedToken:
-        """Return what a link to a scene for so long says; it ends with the key that it was made with."""
+        """Return the token of a link to a scene, valid for `seconds` and at most as long as the key that made it."""
         await self._refresh()
         return SignedToken("link", int(self._clock()) + seconds, key.id if key else "", scene)
 
@@ -132,12 +133,12 @@ class Access:
         return sign_token(token, self._secret)
 
     def seconds_left(self, visitor: Visitor) -> float:
-        """Return for how long what a visitor was let in with holds; at most 0 if it does no more."""
+        """Return the seconds until a visitor's key or link expires; 0 or less if it has expired."""
         ends = [end for end in (visitor.key and visitor.key.expires, visitor.link and visitor.link.expires) if end]
         return min(ends, default=float("inf")) - self._clock()
 
     async def _found(self, text: str) -> Key | None:
-        """Return the key of a text; a new one works at once."""
+        """Return the key with this text; reload the table if it may be new."""
         identity = key_id(text)
         if identity is not None and identity not in self._keys:
             await self._refresh(AT_ONCE_SECONDS)
@@ -160,7 +161,7 @@ class Access:
             if not self._secret:
                 self._secret = await run_in_threadpool(self._table.secret)
         except OperationalError as error:
-            log.error("the database of keys does not answer: %s", error.orig)
+            log.error("the key database does not respond: %s", error.orig)
             if now - self._read > STALE_SECONDS:
                 raise
             return

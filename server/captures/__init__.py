@@ -1,3 +1,3 @@
-"""Captures as the API lists and checks them, in processes of their own."""
+"""Listing and checking of captures for the API, in separate processes."""
 
 __all__: list[str] = []

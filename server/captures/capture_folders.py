@@ -1,4 +1,4 @@
-"""Which folders of the server's disk the API may read captures from."""
+"""Folders of captures that the API may read."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ __all__ = ["CaptureFolders"]
 
 SETTING = "HGS_CAPTURES"
 
-_MOST_ENTRIES = 500_000  # of one capture that are looked at for links
-_DEEPEST = 6  # folders below a capture; its readers look into three, and into a few deeper ones by name
+_MOST_ENTRIES = 500_000  # files and folders checked for links, per capture
+_DEEPEST = 6  # levels below a capture; its readers use three, and a few deeper ones by name
 
 
 @dataclass(frozen=True)
 class CaptureFolders:
-    """The folders, absolute and with symbolic links resolved, in the order in which relative paths are looked up."""
+    """Absolute folders without symbolic links, in the lookup order of relative paths."""
 
     folders: tuple[Path, ...]
-    uploaded: Path | None = None  # where uploads become captures; looked up last
+    uploaded: Path | None = None  # folder of uploaded captures, searched last
 
     @classmethod
     def configured(cls, home: Path, given: str = "", environment: Mapping[str, str] = os.environ) -> Self:
-        """Return the folders `given` as a path list, else those of `HGS_CAPTURES`, else the defaults.
+        """Return the folders `given` as a path list, or those of `HGS_CAPTURES`, or the defaults.
 
         The defaults are captures/ in the service's home, and samples/ of the repository when run from a checkout.
         """
@@ -41,7 +41,7 @@ class CaptureFolders:
 
     @property
     def readable(self) -> tuple[Path, ...]:
-        """All folders that captures may lie in."""
+        """All folders that may contain captures."""
         return self.folders if self.uploaded is None else (*self.folders, self.uploaded)
 
     def allows(self, path: Path) -> bool:
@@ -49,7 +49,7 @@ class CaptureFolders:
         return any(path.is_relative_to(folder) for folder in self.readable)
 
     def shown(self, text: str) -> str:
-        """Return a line for clients: captures by their names, without the paths of the server's folders."""
+        """Return a line for clients, with captures named relative to the server's folders."""
         for folder in sorted(map(str, self.readable), key=len, reverse=True):
             if folder != "/":
                 text = re.sub(rf"(?<![\w.~-]){re.escape(folder)}(?:/|(?![\w.-]))", _name_of(folder), text)
@@ -66,7 +66,7 @@ class CaptureFolders:
             candidates = [(folder / capture).resolve() for folder in self.readable]
             inside = [path for path in candidates if self.allows(path)]
             found = next((path for path in inside if path.is_dir()), None)
-        except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, no text of the file system
+        except (OSError, RuntimeError, ValueError) as error:  # too long, a loop of links, not valid text
             raise InputError("capture", f"{capture[:80]!r} is not a path") from error
         if not inside:
             raise _outside("capture", capture)
@@ -75,7 +75,7 @@ class CaptureFolders:
         return found
 
     def locate_file(self, where: str, file: str, capture: Path) -> Path:
-        """Return the absolute path of a file named by a client in the field `where`, looked up in `capture` first.
+        """Return the absolute path of a file named by a client in the field `where`, searched in `capture` first.
 
         Raises:
             ProblemError: 403, the path lies outside the folders, by `..` or a symbolic link too.
@@ -89,15 +89,15 @@ class CaptureFolders:
         if not inside:
             raise _outside(where, file)
         if found is None:
-            raise InputError(where, f"there is no file {file!r}", "give its path in the capture, or the whole path")
+            raise InputError(where, f"there is no file {file!r}", "give its path in the capture, or its absolute path")
         return found
 
     def require_inner_links(self, capture: Path) -> None:
-        """Refuse links that lead out: whoever may write into a capture must not read what else the server can.
+        """Reject links to the outside: a capture's author must not read other files of the server through them.
 
         Raises:
-            ProblemError: 403, there is one.
-            InputError: there is too much to look at.
+            ProblemError: 403, there is such a link.
+            InputError: there are too many files.
         """
         waiting, looked_at = [(capture, 0)], 0
         while waiting:
@@ -133,4 +133,4 @@ def _entries(folder: Path) -> list[os.DirEntry[str]]:
         with os.scandir(folder) as entries:
             return list(entries)
     except OSError:
-        return []  # opening the capture says why
+        return []  # opening the capture reports the reason

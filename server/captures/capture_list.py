@@ -1,6 +1,6 @@
-"""The captures that lie in the folders which the server may read, for people to choose from.
+"""The list of captures in the folders that the server may read.
 
-Processes of their own open the files (`server.captures.capture_readers`), again only where a capture has changed.
+Separate processes open the files (`server.captures.capture_readers`), and only those of new or changed captures.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from server.http.problem_error import ProblemError
 
 __all__ = ["CaptureList"]
 
-LOOKED_AT = "is being looked at; ask again in a few seconds"
+LOOKED_AT = "is being read; try again in a few seconds"
 
-_PATIENCE = 5.0  # seconds that an answer waits for captures that nothing is known of yet
-_FIND_SECONDS = 60.0  # that a look into the folders may take
-_SECONDS = 20  # of processor time that one capture may take
-_WALL_SECONDS = 120.0  # that it may take in all
-_TOGETHER = 16  # captures that one process describes
-_KEPT_SECONDS = 600.0  # for which it is kept that a capture has ended its reader: the machine may have been at fault
+_PATIENCE = 5.0  # seconds to wait for captures not described yet
+_FIND_SECONDS = 60.0  # longest scan of the folders
+_SECONDS = 20  # processor time per capture
+_WALL_SECONDS = 120.0  # wall time per capture
+_TOGETHER = 16  # captures described by one process
+_KEPT_SECONDS = 600.0  # time to remember that a capture crashed its reader: the machine may have been at fault
 
 
 @dataclass(frozen=True)
 class _Known:
-    """What was said of a capture whose files had this mark; until then, seconds of the monotonic clock."""
+    """Description of a capture with these files, valid until a moment in seconds of the monotonic clock."""
 
     mark: str
     description: dict[str, Any]
@@ -41,31 +41,31 @@ class _Known:
 
 
 class CaptureList:
-    """Finds and describes the captures; used from an event loop alone."""
+    """Finds and describes the captures; for one event loop."""
 
     def __init__(self, folders: CaptureFolders, readers: CaptureReaders, patience: float = _PATIENCE) -> None:
-        """Look at nothing yet; `patience` is how many seconds an answer waits for captures that are new."""
+        """Read nothing yet; responses wait up to `patience` seconds for new captures."""
         self.folders = folders
         self._readers, self._patience = readers, patience
         self._threads = ThreadPoolExecutor(2, "captures")  # one finds, one describes
         self._known: dict[str, _Known] = {}
-        self._wanted: dict[str, dict[str, Any]] = {}  # to be described, by path
+        self._wanted: dict[str, dict[str, Any]] = {}  # captures to describe, by path
         self._describing: asyncio.Task[None] | None = None
         self._finding = asyncio.Lock()
         self._next: asyncio.Task[dict[str, Any]] | None = None
 
     async def describe(self) -> dict[str, Any]:
-        """Return the answer of `GET /v1/captures`.
+        """Return the body of `GET /v1/captures`.
 
-        Captures that nothing is known of yet have `looking` true after a few seconds. Callers that come during a look
-        into the folders share the next one.
+        Captures not described within a few seconds have `looking` true. Callers that arrive during a scan share
+        the next one.
 
         Raises:
-            ProblemError: 503, the folders do not answer.
+            ProblemError: 503, the folders cannot be scanned.
         """
         if self._next is None or self._next.done():
             self._next = asyncio.create_task(self._find())
-        found = await asyncio.shield(self._next)  # a caller that leaves does not take it from the others
+        found = await asyncio.shield(self._next)  # a caller that leaves must not cancel the scan of the others
         self._want(found["captures"])
         patient_until = time.monotonic() + self._patience
         while time.monotonic() < patient_until and any(self._of(one) is None for one in found["captures"]):
@@ -76,19 +76,19 @@ class CaptureList:
         return answer
 
     def close(self) -> None:
-        """Take no more work; what runs ends with the readers."""
+        """Start no further work; running work ends with the readers."""
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     async def _find(self) -> dict[str, Any]:
         async with self._finding:
-            self._next = None  # who comes from now on may ask for what this look does not see
+            self._next = None  # later callers may expect newer captures than this scan finds
             return await asyncio.get_running_loop().run_in_executor(self._threads, self._found)
 
     def _found(self) -> dict[str, Any]:
         try:
             (found,) = self._readers.read("find", self._request(), _FIND_SECONDS)
         except ReaderEndedError as error:
-            detail = f"the folders of captures do not answer ({error.reason}); try again later"
+            detail = f"the capture folders cannot be read ({error.reason}); try again later"
             raise ProblemError(503, "captures-unavailable", detail, headers={"Retry-After": "30"}) from error
         return found
 
@@ -97,7 +97,7 @@ class CaptureList:
         return {"folders": [str(one) for one in self.folders.folders], "uploaded": uploaded and str(uploaded)}
 
     def _of(self, found: dict[str, Any]) -> dict[str, Any] | None:
-        """Return what is known of a capture as it is now."""
+        """Return the description of a capture, if it is still current."""
         known = self._known.get(found["capture"])
         fits = known is not None and known.mark == found["mark"] and time.monotonic() < known.until
         return known.description if fits and known is not None else None
@@ -111,7 +111,7 @@ class CaptureList:
         return named | unknown | {"problem": f"{found['name']}: {LOOKED_AT}", "looking": True}
 
     def _want(self, captures: Sequence[dict[str, Any]]) -> None:
-        """Have described what is not known, and forget what is gone."""
+        """Start describing new captures, and forget those that are gone."""
         there = {one["capture"]: one for one in captures}
         for gone in set(self._known) - set(there):
             del self._known[gone]
@@ -126,7 +126,7 @@ class CaptureList:
             self._wanted = {path: one for path, one in self._wanted.items() if path not in described}
 
     def _describe(self, wanted: list[dict[str, Any]]) -> None:
-        """Have captures described, by a new process where one of them ends it."""
+        """Describe captures; restart the process after one that ended it."""
         while wanted:
             request = self._request() | {"captures": [one["capture"] for one in wanted], "seconds": _SECONDS}
             fresh = True
@@ -136,7 +136,7 @@ class CaptureList:
                     fresh = False
                 return
             except ReaderEndedError as error:
-                if fresh:  # else another capture may have left the process unwell: this one is read by a new one
+                if fresh:  # otherwise an earlier capture may be at fault: a new process reads this one
                     self._keep_problem(wanted.pop(0), error)
 
     def _keep(self, found: dict[str, Any], answer: dict[str, Any]) -> None:

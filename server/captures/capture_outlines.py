@@ -1,7 +1,7 @@
-"""What lies in the folders that the server may read: which folders are captures, and what their lists and headers say.
+"""Capture folders below the readable roots, with their cameras and lengths from lists and headers.
 
 For the limited process of `server.captures.capture_reader` alone: the API's own process opens no file of a capture.
-A look is bounded in folders, files and depth, and decodes no picture.
+A scan is bounded in folders, files and depth, and decodes no picture.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ __all__ = ["FoundCapture", "describe_capture", "find_captures", "require_bounded
 
 _VIDEOS_ALONE = "videos without poses"
 _MOST_CAPTURES = 300
-_DEEPEST = 3  # folders below one that the server may read
-_MOST_FOLDERS = 2000  # that one look goes into
-_MOST_FILES = 20_000  # of one folder; its name alone says what a capture is
-_LARGEST_TABLE = 64 << 20  # bytes of a file that is parsed as a whole
+_DEEPEST = 3  # levels below a readable root
+_MOST_FOLDERS = 2000  # folders per scan
+_MOST_FILES = 20_000  # files per folder; the names alone reveal a capture
+_LARGEST_TABLE = 64 << 20  # largest file that is parsed as a whole, bytes
 _TABLES = (".json", ".toml", ".yml", ".yaml", ".xml")
-_TABLE_FOLDERS = 2  # below the capture, in which files of cameras lie
+_TABLE_FOLDERS = 2  # levels below the capture that may contain camera files
 
 
 @dataclass(frozen=True)
 class FoundCapture:
-    """A folder that seems to be a capture, or an upload that may be none, as far as the names of its files tell."""
+    """A folder that seems to be a capture, or any upload, judged by its file names."""
 
     name: str
     path: Path
-    mark: str  # another one when its files change
-    layout: str | None  # None: of an upload that is no capture
+    mark: str  # changes when its files change
+    layout: str | None  # None: an upload that is not a capture
     cameras: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Folder:
-    """What a look finds in one folder."""
+    """Files and folders of one folder."""
 
     files: dict[str, tuple[int, int]]  # size in bytes and time of change in ns, by name
     folders: dict[str, int]  # time of change in ns, by name
@@ -55,13 +55,13 @@ class _Folder:
 
 @dataclass(frozen=True)
 class _Content:
-    """A file of cameras, or videos whose poses a job can find, or neither in an upload."""
+    """A camera file, or videos without poses, or neither in an upload."""
 
     cameras: tuple[CameraFormat, Path] | None = None
-    videos: tuple[str, ...] = ()  # without poses
+    videos: tuple[str, ...] = ()  # names of videos that have no poses
 
     def found(self, name: str, path: Path, folder: _Folder) -> FoundCapture:
-        """Return the capture that these files make."""
+        """Return the capture made of these files."""
         if self.cameras is not None:
             return FoundCapture(name, path, _mark(folder, self.cameras[1]), self.cameras[0].name)
         layout = _VIDEOS_ALONE if self.videos else None
@@ -69,7 +69,7 @@ class _Content:
 
 
 def find_captures(folders: CaptureFolders) -> tuple[list[FoundCapture], bool]:
-    """Return the captures, folder by folder and by name, and whether these are all."""
+    """Return the captures by folder and name, and whether the list is complete."""
     found: list[FoundCapture] = []
     for capture in _candidates(folders):
         if capture is None or len(found) == _MOST_CAPTURES:
@@ -79,13 +79,13 @@ def find_captures(folders: CaptureFolders) -> tuple[list[FoundCapture], bool]:
 
 
 def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
-    """Return layout, cameras, frames and seconds of a capture as `GET /v1/captures` tells them, its problem being null.
+    """Return layout, cameras, frames and seconds of a capture for `GET /v1/captures`, with a null problem.
 
     Raises:
-        InputError: it cannot be read, or is none.
-        ProblemError: a link in it leads out of the folders.
+        InputError: it cannot be read, or is not a capture.
+        ProblemError: one of its links leads outside the folders.
     """
-    folders.require_inner_links(path)  # before anything is opened
+    folders.require_inner_links(path)  # must come first
     require_bounded_tables(path)
     content = _content(path, _look(path) or _Folder({}, {})) or _Content()
     if content.cameras is not None:
@@ -94,14 +94,14 @@ def describe_capture(path: Path, folders: CaptureFolders) -> dict[str, Any]:
         return _description(camera_format.name, list(told.cameras), told.frames, told.seconds)
     if not content.videos:
         open_capture(path)
-        raise InputError(path, "is no capture")  # it has become one meanwhile
+        raise InputError(path, "is not a capture")  # unless it has just become one
     frames, rate = announced_length(path / content.videos[0])
     seconds = frames / rate if frames is not None and rate is not None else None
     return _description(_VIDEOS_ALONE, [Path(name).stem for name in content.videos], frames, seconds)
 
 
 def require_bounded_tables(capture: Path) -> None:
-    """Refuse files of cameras that would take much memory to parse.
+    """Reject camera files that would take too much memory to parse.
 
     Raises:
         InputError: one is too large.
@@ -115,7 +115,7 @@ def require_bounded_tables(capture: Path) -> None:
                 raise InputError(
                     folder / name,
                     f"is larger than {_LARGEST_TABLE >> 20} MiB, too large for a file of cameras",
-                    "write nothing but the cameras and their frames into it, or give it another ending",
+                    "keep only the cameras and their frames in it, or rename it if it is not a camera file",
                 )
         if here is not None and depth < _TABLE_FOLDERS:
             waiting += [(folder / name, depth + 1) for name in here.folders]
@@ -126,7 +126,7 @@ def _description(layout: str, cameras: list[str], frames: int | None, seconds: f
 
 
 def _candidates(folders: CaptureFolders) -> Iterator[FoundCapture | None]:
-    """Yield the captures in order; None last where a bound is met."""
+    """Yield the captures in order; a final None means that a bound was reached."""
     seen: set[Path] = set()
     for root in folders.folders:
         yield from _below(folders, root, 0, root, seen)
@@ -143,7 +143,7 @@ def _candidates(folders: CaptureFolders) -> Iterator[FoundCapture | None]:
 def _below(
     folders: CaptureFolders, start: Path, start_depth: int, root: Path, seen: set[Path]
 ) -> Iterator[FoundCapture | None]:
-    """Yield the captures in a folder, the folder itself among them, by their paths below `root`."""
+    """Yield the captures in a folder, including the folder itself, with paths relative to `root`."""
     waiting = [(start, start_depth)]
     while waiting:
         path, depth = waiting.pop()
@@ -166,7 +166,7 @@ def _below(
 
 
 def _inside(folders: CaptureFolders, path: Path) -> Path | None:
-    """Return a folder as a job would name it, or None if a link leads out of what the server may read."""
+    """Return a folder under the name that jobs use, or None if a link leads outside the readable folders."""
     try:
         resolved = path.resolve()
     except (OSError, RuntimeError):
@@ -175,7 +175,7 @@ def _inside(folders: CaptureFolders, path: Path) -> Path | None:
 
 
 def _look(path: Path) -> _Folder | None:
-    """Return what is in a folder, as far as the bound; None where it cannot be read."""
+    """Return the content of a folder, up to the bound; None if it cannot be read."""
     files: dict[str, tuple[int, int]] = {}
     folders: dict[str, int] = {}
     try:
@@ -196,7 +196,7 @@ def _look(path: Path) -> _Folder | None:
 
 
 def _content(path: Path, found: _Folder) -> _Content | None:
-    """Return what is known of a folder that seems to be a capture; None if it does not."""
+    """Return the content of a folder that seems to be a capture, or None."""
     try:
         cameras = next(calibration(path), None)
     except (InputError, OSError):
@@ -208,7 +208,7 @@ def _content(path: Path, found: _Folder) -> _Content | None:
 
 
 def _mark(found: _Folder, cameras: Path | None = None) -> str:
-    """Return what changes with the files of a capture, and with its file of cameras, which may lie deeper."""
+    """Return a mark that changes with a capture's files, including a camera file in a subfolder."""
     try:
         status = None if cameras is None else cameras.stat()
     except OSError:

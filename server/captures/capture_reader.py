@@ -1,14 +1,14 @@
-"""What opens the captures of strangers for the API: `python -P -m server.captures.capture_reader OPERATION NOTE`.
+"""Reader process for untrusted captures: `python -P -m server.captures.capture_reader OPERATION NOTE`.
 
-A process of its own, under the limits of a stage and narrower ones: what a hostile file ends or fills is this process.
-It speaks with the server by plain means:
+It has the limits of a stage and narrower ones, so a hostile file can only crash or fill this process.
+It communicates with the server as follows:
 
-- stdin: one line of JSON, the request; when it closes the server is gone, and the process ends at once;
+- stdin: one line of JSON, the request; when it closes, the server is gone and the process exits at once;
 - stdout: lines of JSON, the answers;
-- the file descriptor NOTE: the path of the file that is open now, so that the server can say which one ended it.
+- the file descriptor NOTE: the path of the file opened last, so that the server can name it if it ends the process.
 
-The operations are `find` (which folders are captures), `describe` (what their lists and headers say) and `create` (the
-beginning of a run: all that is checked of a capture before there is a job).
+The operations are `find` (list the captures), `describe` (read their lists and headers) and `create` (the
+start of a run: all checks of a capture before there is a job).
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ from server.http.problem_error import ProblemError
 
 __all__ = ["STAGE", "main"]
 
-STAGE = "initialise"  # of a job, whose limits a reader has
-_MEMORY = 4 << 30  # bytes, unless HGS_STAGE_MEMORY gives the stage another number
+STAGE = "initialise"  # the stage of a job that has the same limits
+_MEMORY = 4 << 30  # bytes, unless HGS_STAGE_MEMORY is set
 _NICENESS = 10  # viewers come first
 _ORPHANED = 70
-_OF_THE_SERVER = (errno.ENOSPC, errno.EDQUOT)  # faults that no capture is to blame for
+_OF_THE_SERVER = (errno.ENOSPC, errno.EDQUOT)  # the server's faults, not the capture's
 
 _last_opened = b""
 
@@ -50,7 +50,7 @@ log = logging.getLogger("hgs.server")
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Do what the command line and stdin say, and return the exit status."""
+    """Run the operation of the command line on the request from stdin, and return the exit status."""
     operation, note = arguments or sys.argv[1:]
     home = Home.from_environment()
     limit_stage(home, STAGE)
@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
     os.nice(_NICENESS)
     logging.basicConfig(level=logging.WARNING, format="%(message)s")
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)  # whatever libraries print
+    os.dup2(2, 1)  # redirects the prints of libraries
     lines: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     when_parent_is_gone(_end, lines.put)
     request = json.loads(lines.get())
@@ -129,7 +129,7 @@ def _folders(request: dict[str, Any]) -> CaptureFolders:
 
 
 def _told(read: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Return what a capture says, or why it cannot be read, whatever its files bring about in the libraries."""
+    """Return the content of a capture, or the reason why it cannot be read, after any exception of a library."""
     try:
         return {"found": read()}
     except ProblemError as error:
@@ -139,21 +139,21 @@ def _told(read: Callable[[], dict[str, Any]]) -> dict[str, Any]:
     except Exception as error:
         if isinstance(error, OSError) and error.errno in _OF_THE_SERVER:
             return {"errno": error.errno, "error": str(error)}
-        with suppress(Exception):  # there may be little memory left even for this
+        with suppress(Exception):  # memory may be too short even for this
             traceback.print_exception(error, limit=-20)
         return {"unreadable": _reason(error), "file": os.fsdecode(_last_opened)}
 
 
 def _reason(error: Exception) -> str:
     if out_of_memory(error):
-        return "needs more memory than a capture may take to be read"
+        return "needs more memory to read than a capture may use"
     if isinstance(error, RecursionError):
         return "is nested too deeply to be read"
     return f"cannot be read ({type(error).__name__}: {' '.join(str(error).split())[:300]})"
 
 
 def _note_files(note: int) -> None:
-    """Keep note of the file that is opened last: by Python itself, and by the library that opens videos."""
+    """Record the file opened last, by Python itself or by the video library."""
 
     def opened(event: str, arguments: tuple[Any, ...]) -> None:
         if event == "open" and isinstance(arguments[0], str | bytes):
@@ -180,7 +180,7 @@ def _limit(kind: int, most: int) -> None:
 
 
 def _limit_processor(seconds: int) -> None:
-    """Let the next look take so many seconds of processor time; the system ends the process after that."""
+    """Limit the next operation to this much processor time; beyond that the system ends the process."""
     used = resource.getrusage(resource.RUSAGE_SELF)
     _limit(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime) + 1 + seconds)
 

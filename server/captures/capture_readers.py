@@ -1,4 +1,4 @@
-"""The processes that open captures for the API: what they answer, and what is to be said where a file ended one."""
+"""Reader processes for the API: their results, and the error to report when a file ends one."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from server.http.problem_error import ProblemError
 
 __all__ = ["NOTE_BYTES", "CaptureReaders", "ReaderEndedError", "answered"]
 
-NOTE_BYTES = 4096  # of the path of the file that a reader has opened last
+NOTE_BYTES = 4096  # longest path of a reader's last file
 
 _CURE = "export the file again, or leave it out"
 _LONGEST_ANSWER = 64 << 20  # bytes
-_LOGGED = 4000  # bytes of what a reader has written to stderr
+_LOGGED = 4000  # bytes of a reader's stderr
 
 log = logging.getLogger("hgs.server")
 
 
 class ReaderEndedError(Exception):
-    """A reader ended before it had answered: a file has ended it, or a limit."""
+    """A reader ended before it had finished, because of a file or a limit."""
 
     def __init__(self, file: str, reason: str) -> None:
-        """Keep the path of the file that it had opened last, "" if none is known, and what to say of it."""
+        """Keep the path of the file opened last, or "", and the reason for the user."""
         self.file, self.reason = file, reason
         super().__init__(f"{file}: {reason}")
 
     def of(self, capture: Path) -> InputError:
-        """Return what is wrong with the capture that was read."""
+        """Return the error of the capture that was read."""
         return InputError(_inside(self.file, capture), self.reason, _CURE)
 
 
@@ -50,10 +50,10 @@ def _command(operation: str, note: int) -> list[str]:
 
 
 class CaptureReaders:
-    """Starts the readers and knows those that run; safe to use from several threads. Its methods block."""
+    """Starts and tracks the readers; safe to use from several threads. Its methods block."""
 
     def __init__(self, home: Home, command: Callable[[str, int], Sequence[str]] = _command) -> None:
-        """Start nothing yet; tests give a `command` of their own, for an operation and a descriptor."""
+        """Start nothing yet; tests pass a `command` of their own, for an operation and a descriptor."""
         self._command = command
         self._environment = without_secrets({**os.environ, **home.environment()})
         self._running: set[ProcessTree] = set()
@@ -61,10 +61,10 @@ class CaptureReaders:
         self._closed = False
 
     def read(self, operation: str, request: dict[str, Any], patience: float) -> Iterator[dict[str, Any]]:
-        """Yield the answers of a `server.captures.capture_reader` to a request, each within `patience` seconds.
+        """Yield the results of a `server.captures.capture_reader` for a request, each within `patience` seconds.
 
         Raises:
-            ReaderEndedError: it ended before it had answered all.
+            ReaderEndedError: it ended before it had finished.
         """
         with tempfile.TemporaryFile() as note, tempfile.TemporaryFile() as errors:
             process = subprocess.Popen(
@@ -99,7 +99,7 @@ class CaptureReaders:
                 raise _reason(_noted(note), ended, late.is_set(), patience)
 
     def close(self) -> None:
-        """End those that run, and each that is started afterwards."""
+        """End all readers, including any started later."""
         with self._lock:
             self._closed, running = True, list(self._running)
         for tree in running:
@@ -107,10 +107,10 @@ class CaptureReaders:
 
 
 def answered(answer: dict[str, Any], capture: Path) -> dict[str, Any]:
-    """Return what a reader found in a capture.
+    """Return the content of a capture from a reader's result.
 
     Raises:
-        InputError: the capture is refused, or cannot be read.
+        InputError: the capture is rejected, or cannot be read.
         ProblemError: it may not be read.
         OSError: the disk is full, or the like.
     """
@@ -137,9 +137,9 @@ def _answers(
     assert process.stdout is not None
     try:
         process.stdin.write(json.dumps(request).encode() + b"\n")
-        process.stdin.flush()  # and left open: a reader whose server is gone ends by that
+        process.stdin.flush()  # left open: a reader whose server is gone exits when it closes
     except OSError:
-        return  # it has ended, which its exit status says
+        return  # it has ended; its exit status tells why
     while True:
         timer = threading.Timer(patience, end)
         timer.start()
@@ -167,11 +167,11 @@ def _reason(file: str, status: int, late: bool, patience: float) -> ReaderEndedE
     if late:
         return ReaderEndedError(file, f"takes longer to read than {patience:.0f} s")
     if status == -signal.SIGXCPU:
-        return ReaderEndedError(file, "takes more processor time to read than a capture may")
+        return ReaderEndedError(file, "takes more processor time to read than a capture may use")
     told = signal.Signals(-status).name if -status in set(signal.Signals) else f"status {status}"
-    return ReaderEndedError(file, f"is damaged, or made to do harm: it ended the process that read it ({told})")
+    return ReaderEndedError(file, f"is damaged or malicious: reading it crashed the reader process ({told})")
 
 
 def _inside(file: str, capture: Path) -> Path:
-    """Return the file, or the capture itself where the file is none of its own."""
+    """Return the file, or the capture itself if the file lies outside it."""
     return Path(file) if Path(file).is_relative_to(capture) else capture

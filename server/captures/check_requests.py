@@ -1,6 +1,6 @@
-"""The check of a capture before a job is made of it.
+"""Checks of captures requested by clients before they submit a job.
 
-It runs as `hgs check` in a process of its own, one at a time, since it takes seconds to minutes of processor time and
+A check runs as `hgs check` in its own process, one at a time, since it takes seconds to minutes of processor time and
 imports torch.
 """
 
@@ -24,11 +24,11 @@ from server.http.problems import ProblemError
 
 __all__ = ["CaptureCheckRun", "CaptureChecks"]
 
-_STAGE = "initialise"  # of a job, whose limits a check has
-_LONGEST = 1800.0  # seconds that a check may take
+_STAGE = "initialise"  # the stage of a job that has the same limits
+_LONGEST = 1800.0  # longest duration of a check, seconds
 _MOST_WAITING = 20
-_MOST_KEPT = 200  # captures whose check is remembered
-_SHOWN = ("cameras", "findings", "stops", "frames", "width")  # of what a check found; the rest is for pictures
+_MOST_KEPT = 200  # captures with a remembered check
+_SHOWN = ("cameras", "findings", "stops", "frames", "width")  # fields sent to clients
 
 log = logging.getLogger("hgs.server")
 
@@ -40,12 +40,12 @@ class CaptureCheckRun:
     capture: Path
     state: Literal["waiting", "running", "done", "failed"] = "waiting"
     found: dict[str, Any] | None = None
-    error: str | None = None  # one line, where it failed
+    error: str | None = None  # one line, if it failed
     began: float = field(default_factory=time.monotonic)
     ended: float | None = None
 
     def end(self, error: str | None) -> None:
-        """Note that nothing more happens; `error` says in one line what failed."""
+        """Record the end of the check; `error` is one line if it failed."""
         self.state, self.error, self.ended = "failed" if error else "done", error, time.monotonic()
 
     def to_json(self) -> dict[str, Any]:
@@ -64,10 +64,10 @@ def _command(capture: Path) -> list[str]:
 
 
 class CaptureChecks:
-    """The checks of one server; used from its event loop alone."""
+    """The checks of one server; for its event loop."""
 
     def __init__(self, command: Callable[[Path], list[str]] = _command, longest: float = _LONGEST) -> None:
-        """Start nothing yet; tests give a `command` of their own."""
+        """Start nothing yet; tests pass a `command` of their own."""
         self._command = command
         self._longest = longest
         self._checks: OrderedDict[Path, CaptureCheckRun] = OrderedDict()
@@ -79,16 +79,16 @@ class CaptureChecks:
         return self._checks.get(capture)
 
     def start(self, capture: Path) -> CaptureCheckRun:
-        """Begin a check, unless one is under way for the capture: that one is returned, then.
+        """Start a check and return it, or return the running one of this capture.
 
         Raises:
-            ProblemError: 503, too many wait.
+            ProblemError: 503, too many checks are waiting.
         """
         before = self._checks.get(capture)
         if before is not None and before.ended is None:
             return before
         if len(self._tasks) >= _MOST_WAITING:
-            detail = f"{len(self._tasks)} captures wait for their check; try again later"
+            detail = f"{len(self._tasks)} captures are waiting to be checked; try again later"
             raise ProblemError(503, "checks-waiting", detail, headers={"Retry-After": "30"})
         check = self._checks[capture] = CaptureCheckRun(capture)
         self._checks.move_to_end(capture)
@@ -101,12 +101,12 @@ class CaptureChecks:
         return check
 
     async def close(self) -> None:
-        """Stop what runs."""
+        """Stop all checks."""
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
         for check in self._checks.values():
-            if check.ended is None:  # it waited
+            if check.ended is None:  # still waiting
                 check.end("the server stopped")
 
     async def _run(self, check: CaptureCheckRun) -> None:
@@ -118,11 +118,11 @@ class CaptureChecks:
             check.end("the server stopped")
             raise
         except Exception:
-            log.exception("the check of capture %s", check.capture)
-            check.end("a fault of the server; its log says more")
+            log.exception("cannot check capture %s", check.capture)
+            check.end("internal server error; see the server's log")
 
     async def _process(self, check: CaptureCheckRun) -> str | None:
-        """Run the check and keep what it found; return what failed, if anything."""
+        """Run the check and keep its result; return the error, if any."""
         pipe = asyncio.subprocess.PIPE
         process = await asyncio.create_subprocess_exec(
             *module_command("jobs.process.limited", _STAGE),
@@ -146,16 +146,16 @@ class CaptureChecks:
             crowded.cancel()
             tree.kill()
             await asyncio.gather(ended, crowded, return_exceptions=True)
-        if output.strip():  # with exit status 2 where it stops: what it found counts
+        if output.strip():  # also after exit status 2, which means that the capture cannot be trained
             found = json.loads(output)
             check.found = {name: found[name] for name in _SHOWN}
             return None
         told = errors.decode(errors="replace")
-        log.warning("the check of capture %s: %s", check.capture, told[-4000:])
+        log.warning("check of capture %s: %s", check.capture, told[-4000:])
         return _last_line(told) or f"ended with status {process.returncode}"
 
 
 def _last_line(text: str) -> str:
-    """Return the line in which `hgs` says what is wrong."""
+    """Return the line with the error message of `hgs`."""
     lines = [line for line in text.splitlines() if line.startswith("hgs: ")]
     return lines[-1].removeprefix("hgs: ")[:2000] if lines else ""

@@ -1,7 +1,7 @@
-"""What was submitted and is being looked at: a few at a time, in threads of their own, and only so many of one key.
+"""Submissions being checked: a few at a time, in their own threads, and a limited number per key.
 
-A capture is looked at before a job is made of it, which takes from less than a second to minutes. Whoever submits it
-gets an answer at once, with an address where the job, or why there is none, can be asked for.
+A capture is checked before it becomes a job, which takes from less than a second to minutes. The client gets an
+immediate response, with a URL that later returns the job, or the reason why there is none.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from server.http.problem_error import ProblemError
 
 __all__ = ["PendingSubmission", "Submissions"]
 
-MOST_OF_ONE = 16  # that one key may have waiting
+MOST_OF_ONE = 16  # pending submissions per key
 MOST_WAITING = 128
-KEPT_SECONDS = 600.0  # for which the end of a submission can be asked for
+KEPT_SECONDS = 600.0  # time to remember the result of a submission
 
 _AT_ONCE = 2
 _MOST_KEPT = 1000
@@ -30,12 +30,12 @@ _MOST_KEPT = 1000
 
 @dataclass(eq=False)
 class PendingSubmission:
-    """One submission: `job` is what was made of it, `error` why there is none, and before both are None."""
+    """One submission: its result is `job` or `error`, and both are None until then."""
 
     id: str
-    of: str  # who sent it: the id of a key, "" for all who need none
-    capture: str  # as it was named
-    wish: str  # what tells it from others with the same idempotency key
+    of: str  # id of the sender's key, "" without keys
+    capture: str  # the submitted text
+    wish: str  # distinguishes submissions with the same idempotency key
     running: bool = False
     job: Job | None = None
     error: Exception | None = None
@@ -54,10 +54,10 @@ class PendingSubmission:
 
 
 class Submissions:
-    """The submissions of one server; used from its event loop alone."""
+    """The submissions of one server; for its event loop."""
 
     def __init__(self, at_once: int = _AT_ONCE) -> None:
-        """Look at `at_once` captures at a time, and at one of each key."""
+        """Check `at_once` captures at a time, and one per key."""
         self._threads = ThreadPoolExecutor(at_once, "submission")
         self._lanes = asyncio.Semaphore(at_once)
         self._turns: dict[str, asyncio.Semaphore] = {}
@@ -69,25 +69,27 @@ class Submissions:
         return self._all.get(submission_id)
 
     def require_room(self, of: str) -> None:
-        """Refuse what is not looked at for long, before any work is put into it.
+        """Reject a submission that would wait too long, before any work is put into it.
 
         Raises:
-            ProblemError: 429, this key has too many that wait; 503, all together have, or the server stops.
+            ProblemError: 429, this key has too many pending submissions; 503, all keys have, or the server is stopping.
         """
         under_way = [one for one in self._all.values() if one.ended is None]
         waiting = sum(one.of == of for one in under_way)
         if waiting >= MOST_OF_ONE:
-            detail = f"{waiting} submissions of yours are being looked at already; send this one again later"
+            detail = f"{waiting} of your submissions are still being checked; send this one again later"
             raise ProblemError(429, "submissions-waiting", detail, headers={"Retry-After": "10"})
         if len(under_way) >= MOST_WAITING or self._closed:
-            reason = "the server stops" if self._closed else f"{len(under_way)} submissions wait to be looked at"
+            reason = (
+                "the server is stopping" if self._closed else f"{len(under_way)} submissions are waiting to be checked"
+            )
             detail = f"{reason}; send this one again later"
             raise ProblemError(503, "server-busy", detail, headers={"Retry-After": "30"})
 
     def start(self, of: str, capture: str, wish: str, work: Callable[[], Job]) -> PendingSubmission:
-        """Have `work` done, in a thread, when it is its turn.
+        """Run `work` in a thread when its turn comes.
 
-        A submission that is under way for the same `wish`, which is not "", is returned instead.
+        A pending submission with the same non-empty `wish` is returned instead.
 
         Raises:
             ProblemError: as `require_room`.
@@ -103,13 +105,13 @@ class Submissions:
         return submission
 
     async def wait(self, submission: PendingSubmission, seconds: float) -> None:
-        """Wait for the end of a submission that is being looked at; one whose turn has not come is not waited for."""
+        """Wait for the end of a running submission; return at once if its turn has not come."""
         await asyncio.sleep(0)  # let it take its turn
         if submission.task is not None and submission.running:
             await asyncio.wait({submission.task}, timeout=seconds)
 
     async def close(self) -> None:
-        """Give up what waits, and wait for what runs; its readers have been ended."""
+        """Cancel waiting submissions, and wait for the running ones, their readers have been ended."""
         self._closed = True
         tasks = [one.task for one in self._all.values() if one.task is not None and one.ended is None]
         for one in self._all.values():
@@ -125,16 +127,16 @@ class Submissions:
                 submission.running = True
                 submission.job = await asyncio.get_running_loop().run_in_executor(self._threads, work)
         except asyncio.CancelledError:
-            detail = "the server stopped before it was looked at; send it again"
+            detail = "the server stopped before the capture was checked; submit it again"
             submission.error = ProblemError(503, "server-busy", detail, headers={"Retry-After": "30"})
             raise
-        except Exception as error:  # whoever asks gets it
+        except Exception as error:  # reported by the next request for it
             submission.error = error
         finally:
             submission.running, submission.ended = False, time.monotonic()
 
     def _forget(self) -> None:
-        """Keep no more than what runs, and what has ended lately."""
+        """Drop old results."""
         now = time.monotonic()
         ended = [one for one in self._all.values() if one.ended is not None]
         for one in ended:

@@ -1,6 +1,6 @@
-"""The beginning of a run by a process of its own, which is what checks a capture that somebody submits.
+"""Creation of runs by a separate process, which checks the submitted captures.
 
-What was found is kept: the same capture with the same wishes is not opened again while none of its files has changed.
+Results are cached: a capture with the same settings is not opened again until one of its files changes.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from server.captures.capture_readers import CaptureReaders, ReaderEndedError, an
 
 __all__ = ["LimitedCreation", "files_mark"]
 
-_SECONDS = 600  # of processor time: every packet of hours of video is looked at
+_SECONDS = 600  # processor time: every packet of hours of video is read
 _WALL_SECONDS = 1800.0
 _MOST_KEPT = 200
 _LARGEST_KEPT = 1 << 20  # bytes of a run.json
-_KEPT_SECONDS = 600.0  # for which it is kept that a capture has ended its reader: the machine may have been at fault
-_DEEPEST = 6  # folders below a capture
+_KEPT_SECONDS = 600.0  # time to remember that a capture crashed its reader: the machine may have been at fault
+_DEEPEST = 6  # levels below a capture
 
 
 @dataclass(frozen=True)
 class _Kept:
-    """What came of a look: the run.json of a capture that can be trained, or why it cannot."""
+    """Result of a check: the run.json of a trainable capture, or the error."""
 
     config: RunConfig | None = None
     spec: bytes = b""
@@ -41,7 +41,7 @@ class _Kept:
 
 
 class LimitedCreation:
-    """Begins runs without opening their captures; safe to use from several threads."""
+    """Creates runs without opening their captures in this process; safe to use from several threads."""
 
     def __init__(self, readers: CaptureReaders) -> None:
         self._readers = readers
@@ -88,13 +88,13 @@ class LimitedCreation:
             return _Kept(refusal=error.of(capture), until=time.monotonic() + _KEPT_SECONDS)
         except InputError as error:
             return _Kept(refusal=error)
-        alone = [one.name for one in run.iterdir()] == [spec.name]  # else there is more than can be kept here
+        alone = [one.name for one in run.iterdir()] == [spec.name]  # otherwise there are files that are not cached
         kept = alone and spec.stat().st_size <= _LARGEST_KEPT
         return _Kept(RunConfig.from_json(found["config"]), spec.read_bytes() if kept else b"")
 
 
 def files_mark(path: Path) -> str:
-    """Return what changes with the names, sizes and times of the files at and below a path."""
+    """Return a mark that changes with the names, sizes and times of the files at and below a path."""
     found: list[tuple[str, int, int]] = []
     waiting = [(str(path), 0)]
     while waiting:
@@ -104,6 +104,6 @@ def files_mark(path: Path) -> str:
             found.append((here, status.st_size, status.st_mtime_ns))
             with os.scandir(here) as entries:
                 waiting += [(entry.path, depth + 1) for entry in entries if depth < _DEEPEST]
-        except OSError:  # a file, or what cannot be read
+        except OSError:  # a file, or an unreadable folder
             continue
     return hashlib.sha256(repr(sorted(found)).encode()).hexdigest()

@@ -1,3 +1,3 @@
-"""HTTP apart from our data: problems, conditions, codings, logs, limits."""
+"""HTTP building blocks that know nothing of scenes or jobs: problems, conditions, codings, logs, limits."""
 
 __all__: list[str] = []

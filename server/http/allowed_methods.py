@@ -1,4 +1,4 @@
-"""Which methods an address of the API takes, whatever route takes each of them."""
+"""Allowed methods of an API path, over all its routes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["allowed_methods"]
 
 
 def allowed_methods(request: Request) -> list[str]:
-    """Return the methods that the path of a request takes, sorted; none if no route of `app.state.api` is there."""
+    """Return the methods of a request's path, sorted; none if no route of `app.state.api` matches."""
     found: set[str] = set()
     for route in getattr(request.app.state, "api", ()):
         if isinstance(route, Route) and route.matches(request.scope)[0] != Match.NONE:

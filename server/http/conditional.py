@@ -15,7 +15,7 @@ from server.http.problems import ProblemError
 __all__ = ["byte_range", "entity_tag", "respond", "respond_compressed", "respond_json"]
 
 _RANGE = re.compile(r"bytes\s*=\s*([0-9]*)\s*-\s*([0-9]*)\s*", re.IGNORECASE)
-_DIGITS = 18  # more than any body's size has; Python refuses to read numbers of more than 4300
+_DIGITS = 18  # more than any body size has; Python refuses to parse more than 4300
 _WORTH_COMPRESSING = 1024  # bytes: less fits into one packet anyway
 
 
@@ -25,13 +25,13 @@ def entity_tag(body: bytes) -> str:
 
 
 def respond_json(request: Request, value: Any) -> Response:
-    """Answer GET or HEAD with JSON, compressed for those who ask, or 304 if the client has it."""
+    """Respond to GET or HEAD with JSON, compressed if the client accepts it, or with 304 if the client has it."""
     body = json.dumps(value, separators=(",", ":"), ensure_ascii=False, allow_nan=False).encode(errors="replace")
     return respond_compressed(request, body, "application/json")
 
 
 def respond_compressed(request: Request, body: bytes, media_type: str) -> Response:
-    """Answer GET or HEAD with text of any size in the coding that the client likes best, or 304 if it has that."""
+    """Respond to GET or HEAD with text of any size in the client's preferred coding, or with 304 if it has that."""
     available = MADE_CODINGS if len(body) >= _WORTH_COMPRESSING else ()
     coding = preferred_coding(request.headers.get("Accept-Encoding"), available)
     coded = body if coding == IDENTITY else compress(body, coding)
@@ -48,19 +48,19 @@ def respond(
     coding: str | None = None,
     ranges: bool = False,
 ) -> Response:
-    """Answer GET or HEAD with the body, the asked part of it (206), or 304 if the client has it.
+    """Respond to GET or HEAD with the body, the requested range (206), or 304 if the client has it.
 
     Args:
-        request: what is answered.
+        request: the request.
         body: the bytes to send, in the content coding `coding`.
-        media_type: of the body before it was coded.
-        etag: names exactly these bytes.
-        cache_control: how long it may be kept.
-        coding: what was chosen by the request's Accept-Encoding; None where there is nothing to choose from.
-        ranges: whether parts of the body may be asked for.
+        media_type: media type of the body before coding.
+        etag: entity tag of exactly these bytes.
+        cache_control: value of the Cache-Control header.
+        coding: coding negotiated by Accept-Encoding; None where there is no choice.
+        ranges: whether range requests are allowed.
 
     Raises:
-        ProblemError: 416, a range that begins behind the end.
+        ProblemError: 416, the range begins after the end.
     """
     headers = {"ETag": etag, "Cache-Control": cache_control}
     if coding is not None:
@@ -81,12 +81,12 @@ def respond(
 
 
 def byte_range(header: str, size: int) -> range | None:
-    """Return the bytes that a Range header asks for, or None where the whole body is the answer.
+    """Return the bytes requested by a Range header, or None to send the whole body.
 
-    Several ranges, other units and what does not parse are answered with the whole, as RFC 9110 allows.
+    Several ranges, other units and malformed headers get the whole body, as RFC 9110 allows.
 
     Raises:
-        ProblemError: 416, the range begins behind the end of the `size` bytes, or is empty.
+        ProblemError: 416, the range begins after the end of the `size` bytes, or is empty.
     """
     match = _RANGE.fullmatch(header)
     if match is None or not (match[1] or match[2]):
@@ -109,12 +109,12 @@ def byte_range(header: str, size: int) -> range | None:
 
 
 def _number(digits: str) -> int:
-    """Read a position; those that lie behind the end of everything become any such one."""
+    """Parse a position; positions too long for any body are cut, and still lie after its end."""
     return int(digits.lstrip("0")[: _DIGITS + 1] or "0")
 
 
 def _matches(header: str | None, etag: str) -> bool:
-    """Compare weakly, as If-None-Match asks for."""
+    """Compare weakly, as If-None-Match requires."""
     if header is None:
         return False
     return header.strip() == "*" or etag in (tag.strip().removeprefix("W/") for tag in header.split(","))

@@ -1,4 +1,4 @@
-"""JSON values that every answer can carry, whatever a stored row or manifest holds."""
+"""Sanitising of JSON values, so that any stored row or manifest can be sent."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["encodable"]
 
 
 def encodable(value: Any) -> Any:
-    """Return a JSON value with null for NaN and infinities, and with U+FFFD for halves of surrogate pairs."""
+    """Return a JSON value with null for NaN and infinities, and with U+FFFD for lone surrogates."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""The server's log: lines on standard error, in which a fault that repeats does not drown the others."""
+"""The server's log on standard error, with limits on repeated messages."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ class _Kind:
 
 
 class RepeatFilter(logging.Filter):
-    """Lets through, of each kind of message, five different lines or one traceback a minute, and counts the others.
+    """Log filter that passes five different lines or one traceback per kind and minute, and counts the rest.
 
-    Messages are of one kind if they come from the same logger with the same text before values are put in, and with an
-    exception raised at the same place, if any.
+    Messages are of one kind if they share the logger, the text before formatting and, for exceptions, the type and the
+    line that raised it.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
@@ -56,7 +56,7 @@ class RepeatFilter(logging.Filter):
         now, text = self._clock(), record.getMessage()
         kind = self._kinds.get(key)
         if kind is None or now - kind.since >= SECONDS:
-            # Kinds are few, but for messages whose text a library has put together itself.
+            # Kinds are few, except for messages formatted by a library.
             if len(self._kinds) >= KINDS:
                 del self._kinds[next(iter(self._kinds))]
             if kind is not None and kind.left_out:

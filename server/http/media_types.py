@@ -7,9 +7,9 @@ from collections.abc import Mapping
 __all__ = ["MEDIA_TYPES", "OCTET_STREAM"]
 
 OCTET_STREAM = "application/octet-stream"
-"""Of chunks, pages and indexes, which have no type of their own."""
+"""Media type of chunks, pages and indexes, which have none of their own."""
 
-# Ours, because the system's table may lack .wasm or name .js text/plain, and browsers then refuse both.
+# The system's table may lack .wasm or call .js text/plain, and browsers then refuse both.
 MEDIA_TYPES: Mapping[str, str] = {
     ".css": "text/css; charset=utf-8",
     ".html": "text/html; charset=utf-8",
@@ -26,4 +26,4 @@ MEDIA_TYPES: Mapping[str, str] = {
     ".webp": "image/webp",
     ".woff2": "font/woff2",
 }
-"""By the suffix of a file's name."""
+"""Media types by file suffix."""

@@ -1,4 +1,4 @@
-"""What the server counts of itself, for Prometheus: names and meanings are those of docs/operation.md."""
+"""Prometheus metrics of the server; names and meanings are in docs/operation.md."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["CONTENT_TYPE", "Metrics"]
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 
-LAG_INTERVAL = 0.25  # seconds between two looks at the event loop
+LAG_INTERVAL = 0.25  # seconds between two measurements of the event loop
 _SECONDS = (0.001, 0.005, 0.025, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0, 30.0)
 
 
@@ -29,7 +29,7 @@ class Metrics:
         )
         self.request_seconds = Histogram(
             "hgs_request_seconds",
-            "From a request to the end of its answer",
+            "Seconds from a request to the end of its response",
             ["route"],
             buckets=_SECONDS,
             registry=registry,
@@ -39,27 +39,27 @@ class Metrics:
         self.stream_closes = Counter("hgs_stream_closes", "Streams that ended, by code", ["code"], registry=registry)
         self.stream_send_seconds = Histogram(
             "hgs_stream_send_seconds",
-            "How long a message waited for its client's line",
+            "Seconds that a message waited for its client's connection",
             buckets=_SECONDS,
             registry=registry,
         )
         self.stream_waits = Counter(
-            "hgs_stream_waits", "Clients that stopped playing while data was on its way to them", registry=registry
+            "hgs_stream_waits", "Clients that stopped playing while data was in transit", registry=registry
         )
         self.refused = Counter("hgs_refused_streams", "Streams refused with 503", registry=registry)
         self.lag_seconds = Gauge(
-            "hgs_event_loop_lag_seconds", "By how much the server was late, the largest of late", registry=registry
+            "hgs_event_loop_lag_seconds", "Recent peak delay of the event loop, in seconds", registry=registry
         )
         self.jobs = Gauge("hgs_jobs", "Jobs by state", ["state"], registry=registry)
         self.workers = Gauge("hgs_workers", "Workers that are alive", registry=registry)
         self.lag = 0.0
 
     def text(self) -> bytes:
-        """Return everything in Prometheus's text format."""
+        """Return all metrics in Prometheus's text format."""
         return generate_latest(self.registry)
 
     async def watch_lag(self) -> None:
-        """Measure for ever by how much the event loop is late; what was late fades within seconds."""
+        """Measure the event loop's delay for ever; a peak decays within seconds."""
         while True:
             asked = time.monotonic()
             await asyncio.sleep(LAG_INTERVAL)

@@ -1,4 +1,4 @@
-"""The exception that a request is refused with; light, so that processes without a web library can raise it."""
+"""The exception of a rejected request; it imports no web library."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ __all__ = ["ProblemError"]
 
 
 class ProblemError(Exception):
-    """A request that is answered with a problem document; the codes are those of docs/protocol.md."""
+    """A request that is answered with a problem document; docs/protocol.md lists the codes."""
 
     def __init__(
         self, status: int, code: str, detail: str, *, field: str = "", headers: dict[str, str] | None = None
     ) -> None:
-        """Keep the HTTP status, the code for programs, one line for people and, if there is one, the bad field."""
+        """Keep the HTTP status, the code for programs, one line for people and, if there is one, the invalid field."""
         self.status = status
         self.code = code
         self.detail = detail

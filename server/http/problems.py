@@ -1,4 +1,4 @@
-"""Problem documents (RFC 9457): the one form of every error answer."""
+"""Problem documents (RFC 9457), the form of every error response."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ log = logging.getLogger("hgs.server")
 PROBLEM_JSON = "application/problem+json"
 
 _OF_ROUTES = (HTTPStatus.NOT_FOUND, HTTPStatus.METHOD_NOT_ALLOWED)
-_LONGEST_PATH = 300  # characters that an answer repeats
+_LONGEST_PATH = 300  # characters repeated in a response
 
 
 def install_problem_handlers(app: FastAPI) -> None:
-    """Answer every exception that leaves a route with a problem document."""
+    """Answer every uncaught exception of a route with a problem document."""
 
     @app.exception_handler(ProblemError)
     def on_problem(request: Request, error: ProblemError) -> Response:
@@ -68,13 +68,13 @@ def install_problem_handlers(app: FastAPI) -> None:
 
     @app.exception_handler(OperationalError)
     def on_database(request: Request, error: OperationalError) -> Response:
-        log.error("the job database does not answer: %s", error.orig)
+        log.error("the job database does not respond: %s", error.orig)
         detail = "the job database cannot be reached; try again later"
         return problem_response(request, ProblemError(503, "queue-unavailable", detail, headers={"Retry-After": "5"}))
 
     @app.exception_handler(ClientDisconnect)
     def on_disconnect(request: Request, error: ClientDisconnect) -> Response:
-        return Response(status_code=400)  # nobody is there to read it
+        return Response(status_code=400)  # nobody is left to read it
 
     @app.exception_handler(OSError)
     def on_storage(request: Request, error: OSError) -> Response:
@@ -87,11 +87,11 @@ def install_problem_handlers(app: FastAPI) -> None:
     @app.exception_handler(Exception)
     def on_fault(request: Request, error: Exception) -> Response:
         # Starlette raises the exception again after this answer, so the server logs its traceback.
-        return problem_response(request, ProblemError(500, "internal", "a fault of the server; its log says more"))
+        return problem_response(request, ProblemError(500, "internal", "internal server error; see the server's log"))
 
 
 def _short(path: str) -> str:
-    """Return a path as far as it tells people anything: clients may send one of any length."""
+    """Return a path, shortened if need be: clients may send one of any length."""
     return path if len(path) <= _LONGEST_PATH else f"{path[:_LONGEST_PATH]}…"
 
 
@@ -102,9 +102,9 @@ def problem_response(request: HTTPConnection, problem: ProblemError) -> Response
 
 
 def problem_document(problem: ProblemError, path: str, root: str = "") -> bytes:
-    """Return the problem document about a request for `path`, as it was unquoted; "" where there was no request.
+    """Return the problem document of a request for the unquoted `path`; "" if there was no request.
 
-    `root` is the path, quoted, under which a proxy has put the server.
+    `root` is the quoted path under which a proxy serves the site.
     """
     body = {
         "type": "about:blank",
@@ -116,5 +116,5 @@ def problem_document(problem: ProblemError, path: str, root: str = "") -> bytes:
     }
     if problem.field:
         body["field"] = problem.field
-    # What a client sent may hold halves of characters, which JSON can name and UTF-8 cannot carry.
+    # A client's text may hold lone surrogates, which JSON can express and UTF-8 cannot.
     return json.dumps(body, separators=(",", ":"), ensure_ascii=False).encode(errors="replace")

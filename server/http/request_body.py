@@ -1,4 +1,4 @@
-"""Bodies of requests: bounded, JSON, and checked against a model."""
+"""Request bodies: size limit, JSON, and validation against a model."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from server.http.problems import ProblemError
 __all__ = ["MAX_BODY_BYTES", "read_json"]
 
 MAX_BODY_BYTES = 64 << 10
-_WHOLE_DIGITS = 19  # of whole numbers that are kept as they are: those of 64 bits
+_WHOLE_DIGITS = 19  # digits of the largest 64-bit integers
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -23,14 +23,14 @@ Model = TypeVar("Model", bound=BaseModel)
 async def read_json(request: Request, model: type[Model], *, bounded: str = "") -> Model:
     """Read a request's JSON body as `model`.
 
-    `bounded` names a field whose numbers the caller compares with ranges of their own: they may be infinite or NaN,
+    `bounded` names a field with numbers that the caller checks against ranges of its own: they may be infinite or NaN,
     so that the refusal can name the range.
 
     Raises:
         ProblemError: 413 too large, 415 or 400 not JSON, 422 a bad field; also NaN, infinities, NUL and half
             surrogate pairs, anywhere.
     """
-    # Asking for the media type also keeps out forms of other sites, which cannot send it without asking first.
+    # Requiring this type also stops other sites' forms, which cannot send it without a preflight.
     media_type = request.headers.get("Content-Type", "").partition(";")[0].strip().lower()
     if media_type != "application/json":
         raise ProblemError(415, "body-not-json", f"Content-Type is {media_type or 'missing'}; send application/json")
@@ -56,24 +56,24 @@ async def _read(request: Request) -> bytes:
 
 
 def _whole_number(digits: str) -> float:
-    """Return an int, or beyond 64 bits a float, infinite if need be: Python reads no int of thousands of digits."""
+    """Return an int, or beyond 64 bits a float, possibly infinite: Python refuses ints of thousands of digits."""
     return int(digits) if len(digits) <= _WHOLE_DIGITS else float(digits)
 
 
 def _require_plain(value: Any, bounded: str) -> None:
-    """Refuse what no database and no answer could hold, by the path of the field that holds it."""
-    waiting: list[tuple[str, Any]] = [("", value)]  # a stack of our own: depth is the sender's choice
+    """Reject values that no database or response can hold, and name their field."""
+    waiting: list[tuple[str, Any]] = [("", value)]  # an explicit stack: the sender chooses the depth
     while waiting:
         path, value = waiting.pop()
         elsewhere = bool(bounded) and path.startswith(f"{bounded}.")
         if isinstance(value, float) and not math.isfinite(value) and not elsewhere:
-            raise _bad_field(path, f"{value} is no finite number")
+            raise _bad_field(path, f"{value} is not a finite number")
         if isinstance(value, str) and not is_storable(value):
-            raise _bad_field(path, f"{value[:80]!a} holds NUL or half a surrogate pair")
+            raise _bad_field(path, f"{value[:80]!a} contains NUL or half a surrogate pair")
         if isinstance(value, dict):
             for name in value:
                 if not is_storable(name):
-                    raise _bad_field(path, f"the name {name[:80]!a} holds NUL or half a surrogate pair")
+                    raise _bad_field(path, f"the name {name[:80]!a} contains NUL or half a surrogate pair")
             waiting += ((f"{path}.{name}" if path else name, one) for name, one in value.items())
         elif isinstance(value, list):
             waiting += ((f"{path}.{place}", one) for place, one in enumerate(value))

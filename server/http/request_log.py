@@ -1,4 +1,4 @@
-"""Every request gets an id, is counted, and may be written to the access log, a line of JSON each."""
+"""Request ids, request metrics and the access log, one line of JSON per request."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _GIVEN = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
 def configure_access_log(stream: TextIO = sys.stderr) -> None:
-    """Write the access log to a stream; without this it is not written."""
+    """Write the access log to a stream; it is off by default."""
     handler = logging.StreamHandler(stream)
     handler.setFormatter(logging.Formatter("%(message)s"))
     log.addHandler(handler)
@@ -34,13 +34,13 @@ def configure_access_log(stream: TextIO = sys.stderr) -> None:
 
 
 class RequestLog:
-    """ASGI middleware. A proxy's `X-Request-Id` is kept; a path is written without its query, which may hold a link."""
+    """ASGI middleware. A proxy's `X-Request-Id` is kept; the query is not logged, since it may hold a link."""
 
     def __init__(self, app: ASGIApp, metrics: Metrics) -> None:
         self._app, self._metrics = app, metrics
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass the request on, and note what became of it."""
+        """Pass the request on, and record its outcome."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return

@@ -1,4 +1,4 @@
-"""What browsers may do with the answers: content security policies and their companions."""
+"""Content security policies and related response headers."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ EMBEDDABLE_POLICY = "; ".join(
         "script-src 'self' 'wasm-unsafe-eval'",  # chunks are decompressed by WebAssembly
         "worker-src 'self'",
         "style-src 'self'",
-        "img-src 'self' data:",  # the build puts small pictures into the style sheet
+        "img-src 'self' data:",  # the build embeds small pictures in the style sheet
         "connect-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
     )
 )
-"""Of pages of the viewer that any site may show in a frame, and of what they load."""
+"""Policy of the viewer's pages that any site may embed, and of their resources."""
 
 CONSOLE_POLICY = f"{EMBEDDABLE_POLICY}; frame-ancestors 'none'"
-"""Of pages on which jobs are cancelled: in a frame, a click could be borrowed."""
+"""Policy of pages that can cancel jobs: never in a frame, where clicks could be hijacked."""
 
 REPORT_POLICY = "; ".join(
     (
-        "sandbox allow-scripts",  # of an origin of its own: whatever it holds can change nothing on this server
+        "sandbox allow-scripts",  # an origin of its own: its scripts can change nothing on this server
         "default-src 'none'",
         "img-src data:",
         "style-src 'unsafe-inline'",
@@ -36,23 +36,23 @@ REPORT_POLICY = "; ".join(
         "frame-ancestors 'none'",
     )
 )
-"""Of a run's report, one page with all that it shows inside."""
+"""Policy of a run's report, a self-contained page."""
 
 _HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",  # what is no page of ours loads nothing
+    "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",  # everything but our pages loads nothing
     "Referrer-Policy": "same-origin",
     "X-Content-Type-Options": "nosniff",
 }
 
 
 class SecurityHeaders:
-    """ASGI middleware that adds to every answer the headers that it does not have."""
+    """ASGI middleware that adds missing security headers to every response."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass the request on and complete its answer."""
+        """Pass the request on and complete the headers of its response."""
 
         async def send_with_headers(message: Message) -> None:
             if message["type"] in ("http.response.start", "websocket.http.response.start"):

@@ -1,4 +1,4 @@
-"""Where a proxy has put the server: the path in front of all addresses, which answers that name addresses need."""
+"""The path prefix under which a proxy serves the site."""
 
 from __future__ import annotations
 
@@ -16,58 +16,58 @@ from hgs_core.base.errors import InputError
 __all__ = ["SiteRoot", "configured_root", "site_root"]
 
 SETTING = "HGS_ROOT_PATH"
-TOLD = "X-Forwarded-Prefix"  # of proxies that take the path off
+TOLD = "X-Forwarded-Prefix"  # sent by proxies that strip the prefix
 
-_SAFE = "/-._~!$&'()*+,=:@"  # and no ";", which would end a cookie's path
+_SAFE = "/-._~!$&'()*+,=:@"  # no ";", which would end a cookie's path
 _PART = re.compile(r"(?!\.{1,2}$)[^/?#\\\x00-\x20\x7f]+(?: +[^/?#\\\x00-\x20\x7f]+)*")
 _LONGEST = 200  # characters
 
 
 def configured_root(given: str = "", environment: Mapping[str, str] = os.environ) -> str:
-    """Return the path under which a proxy passes requests on, as `given` or as `HGS_ROOT_PATH` has it; "" for none.
+    """Return the path prefix of a proxy, from `given` or `HGS_ROOT_PATH`; "" for none.
 
     Raises:
-        InputError: it is no path.
+        InputError: it is not a path.
     """
     text = given or environment.get(SETTING, "")
     root = _checked(text)
     if root is None:
         cure = "give the path of the proxy's location, such as /hgs"
-        raise InputError(f"--root-path or {SETTING}", f"{text!r:.100} is no path of an address", cure)
+        raise InputError(f"--root-path or {SETTING}", f"{text!r:.100} is not a URL path", cure)
     return root
 
 
 def site_root(connection: HTTPConnection) -> str:
-    """Return the path before `/v1` in the addresses that the client knows, quoted, such as `/hgs`; "" for none."""
+    """Return the quoted path before `/v1` in the client's URLs, such as `/hgs`; "" for none."""
     root: str = connection.scope.get("state", {}).get("site_root", "")
     return quote(root, safe=_SAFE)
 
 
 class SiteRoot:
-    """ASGI middleware that takes the root off the paths of requests, where the proxy has left it there.
+    """ASGI middleware that strips the root from request paths, unless the proxy has stripped it.
 
-    Requests without it are answered, too: such come from the machine itself, and from proxies that take it off.
+    Requests without the root are served, too: from this machine, and from proxies that strip it.
     """
 
     def __init__(self, app: ASGIApp, root: str = "") -> None:
-        """Answer below `root`, unquoted and without a slash at its end."""
+        """Serve below `root`, unquoted and without a trailing slash."""
         self._app, self._root = app, root
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Pass the request on; to the root without its slash the answer is where it is with one."""
+        """Pass the request on; redirect the root without its trailing slash."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
         root, path = self._root, scope["path"]
         if root and path == root and scope["type"] == "http":
             query = scope["query_string"].decode("latin-1")
-            # Relative, as another proxy may have taken off what stands before it.
+            # Relative, since another proxy may have stripped an outer prefix.
             target = f"{quote(root.rpartition('/')[2], safe=_SAFE)}/{'?' if query else ''}{query}"
             await Response(status_code=308, headers={"Location": target})(scope, receive, send)
             return
         kept = bool(root) and path.startswith(f"{root}/")
         told = _checked(HTTPConnection(scope).headers.get(TOLD, "")) or ""
-        # With two proxies, the first may take its own path off and tell it, while the second leaves its own.
+        # With two proxies, the first may strip and announce its own path while the second leaves its own.
         whole = root if told in ("", root) else told + root
         state = {**scope.get("state", {}), "site_root": whole}
         scope = {**scope, "state": state}
@@ -80,7 +80,7 @@ class SiteRoot:
 
 
 def _checked(text: str) -> str | None:
-    """Return a path unquoted, with a slash before it and none after it; "" for the root, None if it is none."""
+    """Return a path unquoted, with a leading and no trailing slash; "" for the root, None if invalid."""
     parts = [part for part in unquote(text).strip("/").split("/") if part]
     good = len(text) <= _LONGEST and "//" not in text and all(_PART.fullmatch(part) for part in parts)
     return "".join(f"/{part}" for part in parts) if good else None

@@ -1,4 +1,4 @@
-"""Threads for what may take seconds, apart from those that pages, scenes and readiness share."""
+"""Thread pools for slow work, separate from the threads of pages, scenes and readiness."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ Result = TypeVar("Result")
 
 
 class SlowWork:
-    """A pool of its own: what waits for a thread of it keeps nobody else waiting."""
+    """A separate thread pool: waiting for one of its threads blocks nothing else."""
 
     def __init__(self, name: str, at_once: int) -> None:
-        """Do so many things at once; threads start when they are needed."""
+        """Run up to `at_once` tasks in parallel; threads start on demand."""
         self._threads = ThreadPoolExecutor(at_once, name)
 
     async def run(self, work: Callable[..., Result], *arguments: object) -> Result:
-        """Do something in one of the threads, and return or raise what it does."""
+        """Run a function in a thread of the pool, and return or raise its result."""
         return await asyncio.get_running_loop().run_in_executor(self._threads, work, *arguments)
 
     def close(self) -> None:
-        """Begin nothing more."""
+        """Start no further tasks."""
         self._threads.shutdown(wait=False, cancel_futures=True)

@@ -1,4 +1,4 @@
-"""How often a client may ask: a token bucket."""
+"""A token bucket, to limit the rate of a client's requests."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ __all__ = ["TokenBucket"]
 
 
 class TokenBucket:
-    """Holds at most `capacity` tokens, is full at first, and gains `rate` tokens per second."""
+    """A bucket of at most `capacity` tokens, full at first, that gains `rate` tokens per second."""
 
     def __init__(self, rate: float, capacity: float) -> None:
         self._rate = rate
@@ -15,13 +15,13 @@ class TokenBucket:
         self._clock: float | None = None
 
     def earn(self, tokens: float) -> None:
-        """Put tokens in; what does not fit is lost."""
+        """Add tokens, up to the capacity."""
         self._tokens = min(self._capacity, self._tokens + tokens)
 
     def spend(self, tokens: float, clock: float) -> float:
-        """Take tokens at the moment `clock`, in seconds of any monotonic clock; return how long to wait, in seconds.
+        """Take tokens at the moment `clock`, in seconds of any monotonic clock; return the seconds to wait.
 
-        The wait is 0 while the bucket has what is asked; else it is the time until the debt is paid.
+        The wait is 0 while the bucket holds enough tokens; otherwise it is the time until the debt is repaid.
         """
         if self._clock is not None:
             self.earn(self._rate * (clock - self._clock))

@@ -1,4 +1,4 @@
-"""Jobs and workers as JSON, in the form that the API documents."""
+"""JSON descriptions of jobs and workers, as documented for the API."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["describe_job", "describe_worker", "revision"]
 
 
 def describe_job(job: Job) -> dict[str, Any]:
-    """Return the job object of docs/protocol.md; what no answer could carry of it is replaced."""
+    """Return the job object of docs/protocol.md, with replacements for values that JSON cannot hold."""
     figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
     progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
     description = {

@@ -1,4 +1,4 @@
-"""The followers of jobs: server-sent events, and one task that polls the queue for all of them."""
+"""Followers of jobs: server-sent events, and one task that polls the queue for all of them."""
 
 from __future__ import annotations
 
@@ -23,24 +23,23 @@ log = logging.getLogger("hgs.server")
 
 
 class _Follower:
-    """What one follower was told last, and a bell that rings when there is more to tell, or no more."""
+    """State last sent to a follower, and an event set when it changes or ends."""
 
     def __init__(self, job: Job) -> None:
         self.job: Job | None = job
         self.bell = asyncio.Event()
 
     def tell(self, job: Job | None) -> None:
-        """Bring news of the job, or None: it is gone, or nobody looks any more."""
+        """Set the job's new state, or None if the job is gone or polling has ended."""
         if job != self.job:
             self.job = job
             self.bell.set()
 
 
 class JobFollowers:
-    """Everybody who follows a job, and the task that asks the queue for all of them while there is anybody.
+    """All followers of jobs, and the task that polls the queue while there are any.
 
-    A question costs one query and one thread of the pool, however many follow. A queue that does not answer is asked
-    again.
+    A poll costs one query and one thread of the pool for any number of followers. A failed poll is repeated.
     """
 
     def __init__(self, jobs: Jobs, stopping: asyncio.Event) -> None:
@@ -52,7 +51,7 @@ class JobFollowers:
 
     @contextlib.contextmanager
     def join(self, job: Job) -> Iterator[_Follower]:
-        """Follow a job, from the state that the caller knows, inside the `with` block."""
+        """Follow a job inside the `with` block, from the state known to the caller."""
         follower = _Follower(job)
         self._followers.add(follower)
         if self._asking is None or self._asking.done():
@@ -65,13 +64,13 @@ class JobFollowers:
     async def _ask(self) -> None:
         answered = True
         while not await self._stops_within(POLL_SECONDS) and self._followers:
-            # Whoever joins while the queue answers may know more than the answer: those are told the next time.
+            # A follower that joins while the queue responds may be newer than the response, and waits for the next one.
             asking = [(follower.job.id, follower) for follower in self._followers if follower.job is not None]
             try:
                 jobs = await run_in_threadpool(self._jobs.many, {job_id for job_id, _ in asking})
             except Exception as error:
                 if answered:
-                    log.warning("followers of jobs wait: the queue does not answer: %s", error)
+                    log.warning("followers of jobs are waiting: the job queue does not respond: %s", error)
                 answered = False
                 continue
             answered = True
@@ -88,13 +87,14 @@ class JobFollowers:
 
 
 async def job_events(followers: JobFollowers, job: Job) -> AsyncIterator[bytes]:
-    """Yield an event now and after each change, until the job is finished, gone, or the server stops."""
+    """Yield an event now and after each change, until the job is finished or gone, or the server stops."""
     yield _event(job)
     if job.state.finished:
         return
     with followers.join(job) as follower:
         while True:
-            try:  # not wait_for, which loses a cancellation that comes together with news (before Python 3.12)
+            # wait_for loses a cancellation that arrives together with the event (before Python 3.12).
+            try:
                 async with asyncio.timeout(KEEP_ALIVE_SECONDS):
                     await follower.bell.wait()
             except TimeoutError:

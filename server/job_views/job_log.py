@@ -15,12 +15,12 @@ MOST_LOG_LINES = 1000
 _MOST_BYTES = 256 << 10
 _LONGEST_LINE = 2000  # characters
 
-# Colours are left out, and a progress bar is what it was last drawn as.
+# Colours are dropped, and a progress bar is reduced to its last state.
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f]")
 
 
 def log_tail(run: Path, count: int) -> dict[str, Any]:
-    """Return at most `count` lines from the end of what the stages of a run wrote, as docs/protocol.md says."""
+    """Return at most `count` lines from the end of a run's stage logs, as documented in docs/protocol.md."""
     tail = last_lines(run / "stage.log", count, _MOST_BYTES)
     return {"lines": [_shown(line) for line in tail.lines], "complete": tail.whole}
 

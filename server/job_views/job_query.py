@@ -1,4 +1,4 @@
-"""The query of `GET /v1/jobs`: which jobs, how many, and from where on."""
+"""Query parameters of `GET /v1/jobs`: filters, page size and cursor."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from server.http.problems import ProblemError
 
 __all__ = ["JobQuery", "cursor"]
 
-_LIMIT = 100  # jobs on a page, if the client does not say
+_LIMIT = 100  # jobs per page by default
 _MOST = 1000
 _KNOWN = ("after", "capture", "find", "label", "limit", "since", "state", "until")
-_LONGEST_TEXT = 4096  # characters, as of a path
+_LONGEST_TEXT = 4096  # characters; the longest path
 _SECONDS = re.compile(r"[0-9]{1,12}(\.[0-9]{1,20})?")
 _CURSOR = re.compile(r"([012])/([0-9]{1,12}\.[0-9]{1,20})/([a-z0-9_-]{1,64})")
 
@@ -52,7 +52,7 @@ class JobQuery:
         if not re.fullmatch("[1-9][0-9]{0,3}", limit) or int(limit) > _MOST:
             _refuse("limit", f"limit: {limit[:40]!a} is not a number of jobs; give 1 to {_MOST}")
         if state is not None and state not in list(JobState):
-            _refuse("state", f"state: {state[:40]!a} is no state of a job; use one of {', '.join(JobState)}")
+            _refuse("state", f"state: {state[:40]!a} is not a job state; use one of {', '.join(JobState)}")
         wanted = JobFilter(
             _labels(labels), _text(given, "capture"), _text(given, "find"), _date(given, "since"), _date(given, "until")
         )
@@ -60,7 +60,7 @@ class JobQuery:
 
 
 def cursor(job: Job) -> str:
-    """Return what a client gives as `after` to get the jobs behind this one."""
+    """Return the `after` parameter of the page that follows this job."""
     place = Place.of(job)
     return f"{place.turn}/{place.created!r}/{place.job_id}"
 
@@ -70,7 +70,7 @@ def _place(text: str | None) -> Place | None:
         return None
     parts = _CURSOR.fullmatch(text)
     if parts is None:
-        _refuse("after", f"after: {text[:80]!a} is not the `next` of a list of jobs")
+        _refuse("after", f"after: {text[:80]!a} is not the `next` value of a page of jobs")
     return Place(int(parts[1]), float(parts[2]), parts[3])
 
 
@@ -91,7 +91,7 @@ def _text(given: dict[str, str], name: str) -> str:
 def _date(given: dict[str, str], name: str) -> float:
     text = given.get(name, "0")
     if not _SECONDS.fullmatch(text):
-        _refuse(name, f"{name}: {text[:40]!a} is no date; give seconds since 1970-01-01 UTC")
+        _refuse(name, f"{name}: {text[:40]!a} is not a date; give seconds since 1970-01-01 UTC")
     return float(text)
 
 

@@ -1,4 +1,4 @@
-"""How many connections may be open, for how long they may keep the server waiting, and which one makes room."""
+"""Limits on open connections and idle times, and eviction of the connection that has waited longest."""
 
 from __future__ import annotations
 
@@ -19,25 +19,26 @@ log = logging.getLogger("hgs.server")
 
 MOST_CONNECTIONS = 8192
 MOST_SPARE_FILES = 2048
-MOST_TOGETHER = 32  # connections that are accepted at once: a millisecond or two, in which nobody else is served
+MOST_TOGETHER = 32  # connections per batch: a millisecond or two that blocks everything else
 ENDED_TOGETHER = 8
 
 
 @dataclass(frozen=True)
 class ConnectionLimits:
-    """Limits of one server, by default those that docs/protocol.md names."""
+    """Limits of one server; the defaults are those of docs/protocol.md."""
 
     total: int
     per_address: int
-    batch: int  # connections that are accepted together, before the first of them is looked at
-    head_seconds: float = 10.0  # from a connection's start, or a later request's first byte, to the end of the headers
-    body_seconds: float = 20.0  # for the rest of a request, or 64 KiB of it
-    idle_seconds: int = 15  # between two requests
-    stall_seconds: float = 30.0  # for a client that takes nothing of its answer
+    batch: int  # connections accepted before the first of them is served
+    head_seconds: float = 10.0  # limit on a request's headers, counted from the connection's start or their first byte
+    body_seconds: float = 20.0  # limit on the rest of a request, or on 64 KiB of it
+    idle_seconds: int = 15  # longest pause between two requests
+    stall_seconds: float = 30.0  # longest time that a client may read nothing of its response
 
     @classmethod
     def for_files(cls, files: int, per_address: int | None = None) -> Self:
-        """Return the limits of a process that may open `files` files: some are left for the store and the database.
+        """Return the limits of a process that may open `files` files, with some reserved for the store and the
+        database.
 
         Without `per_address`, an address may have a quarter of all connections.
         """
@@ -59,7 +60,7 @@ def raise_open_file_limit() -> None:
 
 
 class Connection(Protocol):
-    """What `OpenConnections` keeps account of."""
+    """A connection as `OpenConnections` tracks it."""
 
     @property
     def address(self) -> str:
@@ -71,10 +72,10 @@ class Connection(Protocol):
 
 
 class OpenConnections(ServerState):
-    """Uvicorn's state of a server, with an account of what each address has open.
+    """Uvicorn's server state, with a count of each address's open connections.
 
-    Where there is no room, the connection that has kept the server waiting for a request the longest makes room: those
-    who ask are served, however many connections others hold open and do not use.
+    When all places are taken, the connection that has waited longest for a request is closed: active clients are
+    served, however many idle connections others hold.
     """
 
     def __init__(self, limits: ConnectionLimits) -> None:
@@ -82,26 +83,26 @@ class OpenConnections(ServerState):
         self.limits = limits
         self._places: set[Connection] = set()
         self._of_address: Counter[str] = Counter()
-        # Those that wait for their client's request, the longest first; all, and by address.
+        # Connections waiting for a request, the longest first: all, and by address.
         self._waiting: dict[Connection, None] = {}
         self._waiting_of: defaultdict[str, dict[Connection, None]] = defaultdict(dict)
         self._ends: deque[Callable[[], None]] = deque()
 
     def admit(self, connection: Connection) -> bool:
-        """Give a new connection a place, and return whether there was one to give."""
+        """Give a new connection a place; return whether there was one."""
         limits, address = self.limits, connection.address
         if self._of_address[address] >= limits.per_address:
             full = f"{address} has {limits.per_address} connections; --connections-per-address allows more"
             waiting = self._waiting_of[address]
         elif len(self._places) >= limits.total:
-            full, waiting = f"{limits.total} connections are open, as many as there may be", self._waiting
+            full, waiting = f"{limits.total} connections are open, which is the limit", self._waiting
         else:
             full, waiting = "", {}
         if full and not waiting:
-            log.warning("a connection is refused, since all are in use: %s", full)
+            log.warning("connection refused, all places are in use: %s", full)
             return False
         if full:
-            log.warning("the connection that waits the longest makes room: %s", full)
+            log.warning("closed the connection that waited longest: %s", full)
             last = next(iter(waiting))
             self.release(last)
             last.drop()
@@ -110,17 +111,17 @@ class OpenConnections(ServerState):
         return True
 
     def waits(self, connection: Connection) -> None:
-        """Note that from now on the connection waits for its client's request."""
+        """Record that the connection waits for its client's request."""
         if connection in self._places:
             self._waiting[connection] = self._waiting_of[connection.address][connection] = None
 
     def works(self, connection: Connection) -> None:
-        """Note that the connection is in use."""
+        """Record that the connection is in use."""
         if connection in self._waiting:
             del self._waiting[connection], self._waiting_of[connection.address][connection]
 
     def in_turn(self, end: Callable[[], None]) -> None:
-        """Call `end` soon, a few of them at a time: thousands of connections that time out together hold up nobody."""
+        """Call `end` soon, a few at a time, so that thousands of simultaneous time-outs block nothing."""
         self._ends.append(end)
         if len(self._ends) == 1:
             asyncio.get_running_loop().call_soon(self._end_some)
@@ -133,11 +134,11 @@ class OpenConnections(ServerState):
             loop.call_soon(self._end_some)
 
     def release(self, connection: Connection) -> None:
-        """Take the place of a connection that has ended, if it still has one."""
+        """Release the place of a connection that has ended, if it still has one."""
         if connection not in self._places:
             return
         self.works(connection)
         self._places.remove(connection)
         self._of_address[connection.address] -= 1
-        if not self._of_address[connection.address]:  # else addresses would be remembered for ever
+        if not self._of_address[connection.address]:  # empty entries would be kept for ever
             del self._of_address[connection.address], self._waiting_of[connection.address]

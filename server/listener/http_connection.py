@@ -1,4 +1,4 @@
-"""HTTP connections that end when their client keeps the server waiting, and WebSockets that are counted with them."""
+"""HTTP connections with time-outs, which WebSockets leave behind while they keep their place."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from server.listener.websocket_protocol import WebSocketProtocol
 
 __all__ = ["BODY_BYTES", "HttpConnection", "WebSocketConnection"]
 
-BODY_BYTES = 64 << 10  # of a body that is not complete, within `body_seconds`: as much as all but uploads may have
+BODY_BYTES = 64 << 10  # least progress of a body within `body_seconds`
 
 
 class HttpConnection(H11Protocol):
-    """Uvicorn's HTTP/1.1 with time-outs for requests and answers, and with a place among the open connections.
+    """Uvicorn's HTTP/1.1 connection, with time-outs and a place among the open connections.
 
-    The limits are those of the server's state, an `OpenConnections`. A WebSocket that begins here leaves the time-outs
-    behind and keeps the place.
+    The limits are those of the server's state, an `OpenConnections`. A WebSocket that starts here drops the time-outs
+    and keeps the place.
     """
 
     def __init__(
@@ -42,11 +42,11 @@ class HttpConnection(H11Protocol):
         self._awaited: object | None = None  # IDLE: the headers, SEND_BODY: the body, None: neither
         self._request_timer: asyncio.TimerHandle | None = None
         self._received = 0  # bytes, in all
-        self._received_before = 0  # when the timer of a body was set
+        self._received_before = 0  # value when the timer of a body was set
         self._drain_timer: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Wait for a request, or refuse to."""
+        """Wait for a request, or refuse the connection."""
         super().connection_made(transport)
         self.address = self.client[0] if self.client else ""
         if self._open.admit(self):
@@ -55,7 +55,7 @@ class HttpConnection(H11Protocol):
             self._refuse(ProblemError(503, "too-many-connections", "too many connections; try again later"))
 
     def data_received(self, data: bytes) -> None:
-        """Take bytes of a request."""
+        """Receive bytes of a request."""
         self._received += len(data)
         super().data_received(data)
         if self.transport.get_protocol() is self:
@@ -73,24 +73,24 @@ class HttpConnection(H11Protocol):
             self._look()
 
     def timeout_keep_alive_handler(self) -> None:
-        """Close the connection, which no request came over, when it is its turn."""
+        """Close the idle connection when its turn comes."""
         timer = self.timeout_keep_alive_task
 
         def end() -> None:
-            if timer is self.timeout_keep_alive_task:  # else a request has come after all
+            if timer is self.timeout_keep_alive_task:  # otherwise a request has arrived meanwhile
                 super(HttpConnection, self).timeout_keep_alive_handler()
                 self._watch_drain()
 
         self._open.in_turn(end)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:
-        """Hand the connection over."""
+        """Hand the connection over to the WebSocket."""
         self._await(None)
         super().handle_websocket_upgrade(event)
         cast(WebSocketConnection, self.transport.get_protocol()).began_as = self
 
     def send_400_response(self, msg: str) -> None:
-        """Answer what is not HTTP, and say why it is not."""
+        """Reject a malformed request with the reason."""
         refusal = self.conn.refusal
         if refusal is None:
             self._refuse(ProblemError(400, "bad-request", msg))
@@ -98,12 +98,12 @@ class HttpConnection(H11Protocol):
             self._refuse(ProblemError(refusal.error_status_hint, "bad-request", str(refusal)))
 
     def pause_writing(self) -> None:
-        """Wait for the client to take what is written."""
+        """Wait for the client to read pending data."""
         super().pause_writing()
         self._watch_drain()
 
     def resume_writing(self) -> None:
-        """Write on."""
+        """Resume writing."""
         super().resume_writing()
         self._stop_watching_drain()
 
@@ -115,7 +115,7 @@ class HttpConnection(H11Protocol):
         super().connection_lost(exc)
 
     def leave(self) -> None:
-        """Give the connection's place back."""
+        """Release the connection's place."""
         self._open.release(self)
 
     def drop(self) -> None:
@@ -123,12 +123,12 @@ class HttpConnection(H11Protocol):
         self.transport.abort()
 
     def _look(self) -> None:
-        """Find out what the client has still to send."""
+        """Update the timer to the next expected part of the request."""
         state = self.conn.their_state
         self._await(state if state in (h11.IDLE, h11.SEND_BODY) else None)
 
     def _await(self, part: object | None) -> None:
-        """Give the client some seconds for the part of its request, from now on if they do not run already."""
+        """Start the timer of the expected part of the request, unless it is running."""
         if part is None:
             self._open.works(self)
         if part is self._awaited:
@@ -144,31 +144,31 @@ class HttpConnection(H11Protocol):
             self._open.waits(self)
 
     def _time_out(self) -> None:
-        """Give up when it is the connection's turn, unless what it waited for has come by then."""
+        """Give up when the connection's turn comes, unless the expected part has arrived by then."""
         timer = self._request_timer
         self._open.in_turn(lambda: self._give_up() if timer is self._request_timer else None)
 
     def _give_up(self) -> None:
-        """End the connection, unless a long body comes as fast as it has to and is still wanted."""
+        """End the connection, unless a long body is still wanted and arrives fast enough."""
         came = self._received - self._received_before
         if self._awaited is h11.SEND_BODY and self.conn.our_state is h11.SEND_RESPONSE and came >= BODY_BYTES:
             self._awaited = None
             self._look()
             return
         if self._awaited is h11.IDLE and not self.conn.trailing_data[0]:
-            self.drop()  # nothing was asked: browsers open connections in advance, too
+            self.drop()  # no request: browsers open connections in advance, too
         else:
-            self._refuse(ProblemError(408, "request-timeout", "the request did not come to its end in time"))
+            self._refuse(ProblemError(408, "request-timeout", "the request was not complete in time"))
 
     def _refuse(self, problem: ProblemError) -> None:
-        """Answer, if no answer has begun, and close."""
+        """Send a problem, if no response has begun, and close."""
         if self.conn.our_state not in (h11.IDLE, h11.SEND_RESPONSE):
             self.drop()
             return
         path = ""
         if self.conn.our_state is h11.SEND_RESPONSE and self.cycle is not None:
             path = self.scope["path"]
-            self.cycle.disconnected = True  # its answer, if it finds one yet, has nowhere to go
+            self.cycle.disconnected = True  # its response has nowhere to go
         document = problem_document(problem, path)
         headers = {"Content-Type": PROBLEM_JSON, "Content-Length": str(len(document)), "Connection": "close"}
         events = (
@@ -187,7 +187,7 @@ class HttpConnection(H11Protocol):
             self.transport.close()
 
     def _watch_drain(self) -> None:
-        """Look again later whether the client has taken any of what is written; nothing is added until then."""
+        """Check later whether the client has read any pending data; nothing is added until then."""
         self._stop_watching_drain()
         left = self.transport.get_write_buffer_size()
         if left:
@@ -206,7 +206,7 @@ class HttpConnection(H11Protocol):
 
 
 class WebSocketConnection(WebSocketProtocol):
-    """A WebSocket which gives its connection's place back when it ends."""
+    """A WebSocket that releases its connection's place when it ends."""
 
     began_as: HttpConnection | None = None
 

@@ -1,4 +1,4 @@
-"""Running the application under uvicorn: binding, announcing, and stopping without waiting for endless answers."""
+"""Running the application under uvicorn: binding, readiness, and shutdown that does not wait for endless responses."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from server.service import Service
 __all__ = ["HttpServer", "bind", "spare_collector"]
 
 SHUTDOWN_SECONDS = 5
-COLLECT_AFTER = (2000, 20, 25)  # new objects; such collections until older ones are looked through; and the oldest
-QUEUE = 2048  # connections that wait to be accepted
+COLLECT_AFTER = (2000, 20, 25)  # thresholds of gc.set_threshold: generations 0, 1, 2
+QUEUE = 2048  # connections waiting to be accepted
 
 
 def bind(host: str, port: int) -> socket.socket:
@@ -32,8 +32,8 @@ def bind(host: str, port: int) -> socket.socket:
         raise InputError("--port", f"{port} is not a port", "give 0 to 65535")
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        # With the protocol said, asyncio sets TCP_NODELAY: without it every answer after a connection's first waits for
-        # the client's delayed acknowledgement, 40 ms.
+        # With the protocol given, asyncio sets TCP_NODELAY: without it every response after a connection's first waits
+        # for the client's delayed acknowledgement, 40 ms.
         listener = socket.socket(family, kind, protocol)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -48,10 +48,10 @@ def bind(host: str, port: int) -> socket.socket:
 
 
 def spare_collector() -> None:
-    """Let garbage collection stop the streams of a server that begins to serve less often, and for less long.
+    """Make garbage collection pause the streams of a starting server less often and for less time.
 
-    What the program has made so far stays for good and is not looked through again. What lives long is looked through
-    after a million new objects, and not sooner: with a thousand streams that takes some tenths of a second.
+    Objects made so far are frozen and never scanned again. Long-lived objects are scanned only
+    after a million new ones: with a thousand streams a scan takes some tenths of a second.
     """
     gc.collect()
     gc.freeze()
@@ -59,7 +59,7 @@ def spare_collector() -> None:
 
 
 class HttpServer(uvicorn.Server):
-    """Uvicorn with the settings that docs/protocol.md asks for."""
+    """Uvicorn with the settings required by docs/protocol.md."""
 
     def __init__(
         self,
@@ -69,7 +69,7 @@ class HttpServer(uvicorn.Server):
         drain: float = 0.0,
         on_ready: Callable[[], None] = lambda: None,
     ) -> None:
-        """Serve `app` to connections within `limits`; `on_ready` is called once when they are accepted.
+        """Serve `app` to connections within `limits`; call `on_ready` once they are accepted.
 
         When the server stops, it ends its streams evenly over `drain` seconds.
         """
@@ -96,16 +96,16 @@ class HttpServer(uvicorn.Server):
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        """Begin to accept connections."""
+        """Start to accept connections."""
         await super().startup(sockets)
-        # What uvicorn calls the backlog is how many connections asyncio accepts together; more may wait in the kernel.
+        # Uvicorn's backlog is the number of connections that asyncio accepts together; more may wait in the kernel.
         for listener in sockets or ():
             listener.listen(QUEUE)
         if self.started:
             self._on_ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Accept no more, close WebSockets with 1012, end event streams, let the rest finish."""
+        """Accept no more connections, close WebSockets with 1012, end event streams, let other requests finish."""
         for server in self.servers:
             server.close()
         await self._service.streams.drain(self._drain)

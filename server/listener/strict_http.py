@@ -1,7 +1,7 @@
-"""The head of a request as RFC 9112 has it, without the liberties that let a proxy and a server see different requests.
+"""Strict request heads (RFC 9112), without the liberties that let a proxy and a server see different requests.
 
-h11 takes lines that end with LF alone, lines that go on in the next, and a length beside chunks; and it counts bytes
-only while something is missing. A request that is refused here ends its connection: where it ends is not known.
+h11 accepts lines that end with LF alone, lines that go on in the next, and a length beside chunks; and it counts bytes
+only while something is missing. A rejected request ends its connection, since its end is unknown.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from h11._receivebuffer import ReceiveBuffer
 
 __all__ = ["BadRequestError", "StrictConnection"]
 
-HEAD_BYTES = 64 << 10  # of the request line and all headers
+HEAD_BYTES = 64 << 10  # the request line and all headers
 HEADER_LINES = 128
 REQUEST_LINE_BYTES = 8 << 10
 
@@ -22,14 +22,14 @@ _END = b"\r\n\r\n"
 
 
 class BadRequestError(h11.RemoteProtocolError):
-    """A request that is refused; its message is a sentence for whoever wrote the client."""
+    """A rejected request; the message is a sentence for the client's developer."""
 
     def __init__(self, sentence: str, status: int = 400) -> None:
         super().__init__(sentence, error_status_hint=status)
 
 
 class StrictConnection(h11.Connection):
-    """h11's server side, which keeps why it refused a request."""
+    """h11's server side, which keeps the reason for its rejection."""
 
     def __init__(self) -> None:
         super().__init__(h11.SERVER, HEAD_BYTES)
@@ -40,7 +40,7 @@ class StrictConnection(h11.Connection):
         """Return the next event.
 
         Raises:
-            RemoteProtocolError: what came is no request.
+            RemoteProtocolError: the data is not a request.
         """
         try:
             return super().next_event()
@@ -50,10 +50,10 @@ class StrictConnection(h11.Connection):
 
 
 class _StrictLines(ReceiveBuffer):
-    """What has come, of which h11 asks for heads of requests and for trailers."""
+    """The receive buffer, from which h11 extracts request heads and trailers."""
 
     def maybe_extract_lines(self) -> list[bytearray] | None:
-        """Return the lines before the first empty one, or None where that has not come."""
+        """Return the lines before the first empty one, or None if it has not arrived."""
         if self._data.startswith(b"\r\n"):
             return super().maybe_extract_lines()
         seen = max(0, self._multiple_lines_search - len(_END))
@@ -76,16 +76,16 @@ class _StrictLines(ReceiveBuffer):
 
 
 def _check(lines: list[bytearray]) -> None:
-    """Refuse a head whose end or whose body's end is not the same for all.
+    """Reject a head if proxies and servers might disagree about its end or its body's end.
 
     Raises:
-        BadRequestError: says why.
+        BadRequestError: the reason.
     """
     if any(line.startswith((b" ", b"\t")) for line in lines):
-        raise BadRequestError("a header goes on in the next line, which HTTP has not allowed since 2014")
+        raise BadRequestError("a header continues on the next line, which HTTP has not allowed since 2014")
     names = {bytes(line.partition(b":")[0]).strip().lower() for line in lines[1:]}
     if b"transfer-encoding" in names:
         if b"content-length" in names:
-            raise BadRequestError("the request has Content-Length and Transfer-Encoding, and only one can hold")
+            raise BadRequestError("the request has Content-Length and Transfer-Encoding, and may have only one")
         if lines[0].endswith(b"HTTP/1.0"):
-            raise BadRequestError("the request has Transfer-Encoding, which HTTP/1.0 does not know")
+            raise BadRequestError("the request has Transfer-Encoding, which HTTP/1.0 does not have")

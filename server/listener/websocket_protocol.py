@@ -1,4 +1,4 @@
-"""WebSockets under uvicorn, for lines that are slow and for peers that stop reading or never stop writing."""
+"""WebSockets under uvicorn, for slow connections and for peers that stop reading or never stop writing."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ __all__ = ["WebSocketProtocol"]
 
 log = logging.getLogger("hgs.server")
 
-UNSENT_BYTES = 32 << 10  # that the kernel takes beyond what is on its way: a seek waits for no more
-STALL_SECONDS = 45.0  # of taking nothing, in which a peer is cut off
-STALL_CHECKS = 15  # looks at what waits for it in this time; it is cut off a look early rather than late
-PIECE_BYTES = 4 << 10  # that are parsed at once: no peer's messages fill the memory before they are dealt with
-MAX_FRAGMENTS = 1024  # of one message
+UNSENT_BYTES = 32 << 10  # unsent data in the kernel: a seek waits for no more
+STALL_SECONDS = 45.0  # a peer that reads nothing for this long is cut off
+STALL_CHECKS = 15  # checks within `STALL_SECONDS`; a peer is cut off one check early rather than late
+PIECE_BYTES = 4 << 10  # parsed at a time, so that no peer's messages fill the memory
+MAX_FRAGMENTS = 1024  # fragments per message
 PING_RATE = 10.0  # WebSocket pings per second
 PING_BURST = 100.0
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)  # struct linger
 
 
 class WebSocketProtocol(WebSocketsSansIOProtocol):
-    """Uvicorn's protocol, which keeps little data in flight and cuts off whom waiting does not help.
+    """Uvicorn's protocol, with little data in flight and a cut-off for unresponsive peers.
 
-    It parses what it has read only as fast as the application takes messages. A peer is cut off, without a close, if it
-    takes none of what waits for it for `STALL_SECONDS`, less at most the time between two looks, if it neither sends
+    It parses received data only as fast as the application takes messages. A peer is cut off, without a close, if it
+    reads none of its pending data for `STALL_SECONDS`, less at most the time between two checks, if it neither sends
     anything nor answers a keepalive ping in uvicorn's time, or if it floods with pings or fragments.
     """
 
@@ -40,14 +40,14 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         super().__init__(*arguments, **named)
         self._unparsed = bytearray()
         self._pings = TokenBucket(PING_RATE, PING_BURST)
-        self._heard = False  # since the last look at the keepalive
-        self._taken_at: float | None = None  # when the peer last took of what waits, or earlier; None: nothing waits
-        self._waiting = 0  # bytes in the buffer at the last look; 0: not looked at since it was empty
+        self._heard = False  # received anything since the last keepalive check
+        self._taken_at: float | None = None  # last time the peer read pending data, or earlier; None: no pending data
+        self._waiting = 0  # pending bytes at the last check; 0: not checked since the buffer was empty
         self._looked_at = 0.0
         self._stall_timer: TimerHandle | None = None
 
     def connection_made(self, transport: BaseTransport) -> None:
-        """Keep what is in flight small: bytes that have been handed over cannot be overtaken by those of a seek."""
+        """Keep little data in flight: a seek cannot overtake bytes that have been handed over."""
         super().connection_made(transport)
         self.transport.set_write_buffer_limits(high=0)
         if hasattr(socket, "TCP_NOTSENT_LOWAT"):
@@ -73,14 +73,14 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         return event
 
     def pause_writing(self) -> None:
-        """Let writers wait, and look now and then whether the peer takes anything of what waits for it."""
+        """Pause writers, and check at intervals whether the peer reads its pending data."""
         super().pause_writing()
         self._taken_at, self._waiting = self.loop.time(), 0
         if self._stall_timer is None:
             self._look_again()
 
     def resume_writing(self) -> None:
-        """Note that nothing waits any more."""
+        """Record that nothing is pending."""
         self._taken_at = None
         super().resume_writing()
 
@@ -92,19 +92,19 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
             super().handle_ping()
 
     def handle_cont(self, event: Frame) -> None:
-        """Put a message together, unless it has too many parts."""
+        """Assemble a message, unless it has too many fragments."""
         if len(self.frames) >= MAX_FRAGMENTS:
             self._cut_off("it floods with fragments")
         else:
             super().handle_cont(event)
 
     def keepalive_timeout(self) -> None:
-        """Cut off a silent peer, but wait on where the ping may still stand behind data, or the peer speaks."""
+        """Cut off a silent peer, unless the ping may still be queued behind data or the peer has sent something."""
         if self._heard or self.transport.get_write_buffer_size() > 0:
             self._heard = False
             self.pong_timer = self.loop.call_later(self.ping_timeout or STALL_SECONDS, self.keepalive_timeout)
         else:
-            self._cut_off("it answers no ping")
+            self._cut_off("it does not answer pings")
 
     def _parse(self) -> None:
         while self._unparsed and not self.read_paused and not self.transport.is_closing():
@@ -117,7 +117,7 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         self._stall_timer = self.loop.call_later(STALL_SECONDS / STALL_CHECKS, self._look)
 
     def _look(self) -> None:
-        """Find out whether what waits for the peer has become less; it grows by pings alone, as writers wait."""
+        """Check whether the pending data has shrunk; only pings add to it while writers wait."""
         self._stall_timer = None
         if self._taken_at is None:
             return
@@ -125,14 +125,14 @@ class WebSocketProtocol(WebSocketsSansIOProtocol):
         if waiting < self._waiting:
             self._taken_at = max(self._taken_at, self._looked_at)
         self._waiting = waiting
-        # At the next look it would be too late.
+        # The next check would be too late.
         if self.loop.time() - self._taken_at > STALL_SECONDS - STALL_SECONDS / STALL_CHECKS:
-            self._cut_off(f"it has taken nothing for {STALL_SECONDS:g} s")
+            self._cut_off(f"it has read nothing for {STALL_SECONDS:g} s")
         else:
             self._look_again()
 
     def _cut_off(self, reason: str) -> None:
-        """Close at once and drop what was to be sent, in the kernel too, for it would wait there for the peer."""
+        """Close at once and drop unsent data, in the kernel too, where it would wait for the peer."""
         log.info("cut off the WebSocket of %s: %s", self.client, reason)
         self._set_option(socket.SOL_SOCKET, socket.SO_LINGER, RESET_ON_CLOSE)
         self.transport.abort()

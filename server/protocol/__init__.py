@@ -1,3 +1,3 @@
-"""Messages of the stream, and its endings."""
+"""Messages and endings of the stream."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""Reading and checking the control messages of clients; docs/protocol.md is normative."""
+"""Parsing and validation of clients' control messages; docs/protocol.md is normative."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = ["decode"]
 
 
 def decode(message: bytes) -> ClientMessage:
-    """Read a client's control message.
+    """Parse a client's control message.
 
     Raises:
         ProtocolError: too large, not a msgpack map, an unknown type, or a field that is missing or out of range.
@@ -41,7 +41,8 @@ def decode(message: bytes) -> ClientMessage:
         raise ProtocolError(1009, "message-too-large", f"{len(message)} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
     try:
         fields = msgpack.unpackb(message, raw=False, strict_map_key=True, max_ext_len=0)
-    except (ValueError, UnicodeDecodeError) as error:  # msgpack's own exceptions are ValueErrors
+    # msgpack's own exceptions are ValueErrors.
+    except (ValueError, UnicodeDecodeError) as error:
         raise _malformed(f"not one msgpack value: {type(error).__name__}") from error
     if not isinstance(fields, dict):
         raise _malformed(f"a {type(fields).__name__} instead of a map")
@@ -144,7 +145,7 @@ def _flag(fields: Mapping[str, Any], name: str) -> bool:
 
 
 def _hello(fields: Mapping[str, Any]) -> Hello:
-    # The version comes first: another version may define the other fields differently.
+    # The version is checked first: another version may define the other fields differently.
     version = _uint(fields, "protocol")
     if version != PROTOCOL_VERSION:
         detail = f"protocol {version}; this server speaks {PROTOCOL_VERSION} alone"

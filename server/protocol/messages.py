@@ -1,4 +1,4 @@
-"""The messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
+"""Messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
 
 A control message is one msgpack map whose `type` names its dataclass; a chunk frame is a fixed header and raw bytes.
 """
@@ -57,7 +57,7 @@ MAX_BALANCE = 1 << 26  # bytes of credit
 MAX_RATE = 16.0  # scene seconds per second
 MAX_PAYLOAD = 1 << 16  # bytes in one chunk frame: a seek waits for at most one of them
 MIN_RATE_LIMIT = 1 << 12  # bytes per second
-MIN_PAYLOAD = 1 << 12  # smaller pieces would spend the line on headers
+MIN_PAYLOAD = 1 << 12  # smaller pieces would waste the connection on headers
 DEFAULT_RATE = 1.0
 
 CHUNK_FRAME = 0x01  # first byte of a chunk frame; no msgpack map begins with it
@@ -92,12 +92,12 @@ class Hello:
     splats: int | None = None  # of a picture, that the client can draw; None is any number
     bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
     audio: bool = False  # whether the client wants the scene's sound
-    follow: bool = False  # whether the client takes what is added to a scene that grows
+    follow: bool = False  # whether the client accepts additions to a growing scene
 
 
 @dataclass(frozen=True)
 class Credit:
-    """A grant of `bytes` more of chunk frames, headers included."""
+    """A grant of `bytes` more bytes of chunk frames, headers included."""
 
     type: ClassVar[str] = "credit"
     bytes: int
@@ -105,7 +105,7 @@ class Credit:
 
 @dataclass(frozen=True)
 class Seek:
-    """Move the playhead to `time` seconds and send what is alive there first."""
+    """Move the playhead to `time` seconds, and send the chunks visible there first."""
 
     type: ClassVar[str] = "seek"
     time: float
@@ -113,7 +113,7 @@ class Seek:
 
 @dataclass(frozen=True)
 class Play:
-    """The playhead runs from `time` seconds at `rate`."""
+    """Start the playhead from `time` seconds at `rate`."""
 
     type: ClassVar[str] = "play"
     time: float
@@ -122,7 +122,7 @@ class Play:
 
 @dataclass(frozen=True)
 class Pause:
-    """The playhead stands at `time` seconds."""
+    """Stop the playhead at `time` seconds."""
 
     type: ClassVar[str] = "pause"
     time: float
@@ -130,18 +130,18 @@ class Pause:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the client can take from now on, in place of what it has said before; None is no limit, or not known."""
+    """The client's current limits, which replace earlier ones; None is no limit, or unknown."""
 
     type: ClassVar[str] = "limits"
-    splats: int | None = None  # of a picture
-    bytes_per_second: int | None = None  # of chunk frames
-    measured: int | None = None  # bytes per second that the line brings
+    splats: int | None = None  # splats per picture
+    bytes_per_second: int | None = None  # rate of chunk frames
+    measured: int | None = None  # measured throughput of the connection, bytes per second
     audio: bool = False  # whether the client wants the scene's sound
 
 
 @dataclass(frozen=True)
 class Ping:
-    """Answered at once by a `Pong` of the same id."""
+    """A ping; the server answers at once with a `Pong` of the same id."""
 
     type: ClassVar[str] = "ping"
     id: int
@@ -161,7 +161,7 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Grow:
-    """The scene has grown."""
+    """Notice that the scene has grown."""
 
     type: ClassVar[str] = "grow"
     manifest_id: bytes  # the SHA-256 of the new index
@@ -193,7 +193,7 @@ class Missing:
 
 @dataclass(frozen=True)
 class Pong:
-    """Answers `Ping`."""
+    """The answer to `Ping`."""
 
     type: ClassVar[str] = "pong"
     id: int
@@ -201,7 +201,7 @@ class Pong:
 
 @dataclass(frozen=True)
 class End:
-    """The client has the scene but for what its limits leave out; `bytes` of chunks were sent on this connection."""
+    """Notice that the client has the scene, except for data beyond its limits; `bytes` of chunks were sent."""
 
     type: ClassVar[str] = "end"
     bytes: int
@@ -210,7 +210,7 @@ class End:
 
 @dataclass(frozen=True)
 class Error:
-    """Why the connection is about to be closed."""
+    """The reason for closing the connection."""
 
     type: ClassVar[str] = "error"
     code: str

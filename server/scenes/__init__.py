@@ -1,3 +1,3 @@
-"""Scenes in memory: catalogue, index, growth, chunk cache."""
+"""Published scenes in memory: catalogue, index, growth, chunk cache."""
 
 __all__: list[str] = []

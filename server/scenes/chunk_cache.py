@@ -1,4 +1,4 @@
-"""Chunks in memory: each is read from the store once, checked, and kept while there is room."""
+"""Cache of chunks: each is read from the store once, verified, and kept while there is room."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ __all__ = ["ChunkCache", "DamagedChunkError"]
 
 log = logging.getLogger("hgs.server")
 
-RETRY_SECONDS = 30.0  # until the store is asked again for a chunk that it could not give
+RETRY_SECONDS = 30.0  # pause before the store is asked again for a missing chunk
 
 
 class DamagedChunkError(Exception):
-    """The bytes in the store are not those that the chunk's id names."""
+    """The stored bytes do not match the chunk's id."""
 
 
 class ChunkCache:
-    """A least-recently-used cache of chunks, at most `capacity` bytes; for one event loop."""
+    """Least-recently-used cache of chunks, at most `capacity` bytes; for one event loop."""
 
     def __init__(
         self,
@@ -33,18 +33,18 @@ class ChunkCache:
         capacity: int = 256 << 20,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        """Cache what `read` (blocking; None = no such chunk) returns for a chunk id of 64 hex digits."""
+        """Cache the results of `read` (blocking; None = no such chunk) for chunk ids of 64 hex digits."""
         self._read = read
         self._capacity = capacity
         self._chunks: OrderedDict[str, bytes] = OrderedDict()
         self._reads: dict[str, asyncio.Task[bytes | None]] = {}
-        self._faults: dict[str, float] = {}  # chunks that the store could not give, and when
+        self._faults: dict[str, float] = {}  # moments of failed reads, by chunk
         self._clock = clock
         self._size = 0
 
     @property
     def size(self) -> int:
-        """Bytes kept."""
+        """Size of the cached chunks, bytes."""
         return self._size
 
     async def get(self, chunk_id: str) -> bytes | None:
@@ -62,13 +62,13 @@ class ChunkCache:
             task = asyncio.create_task(self._load(chunk_id))
             self._reads[chunk_id] = task
             task.add_done_callback(lambda done: self._forget(chunk_id, done))
-        # A caller that is cancelled must not cancel the read for the others.
+        # A cancelled caller must not cancel the read for the others.
         return await asyncio.shield(task)
 
     async def expect(self, chunk: Chunk) -> bytes | None:
-        """Return the bytes of a chunk that a manifest names, or None if the store does not have them.
+        """Return the bytes of a chunk named by a manifest, or None if the store does not have them.
 
-        A fault is logged once for all who ask. It may be mended: the store is asked again after `RETRY_SECONDS`.
+        A fault is logged once. It may be temporary: the store is asked again after `RETRY_SECONDS`.
         """
         chunk_id = chunk.id.hex()
         failed = self._faults.get(chunk_id)
@@ -80,11 +80,11 @@ class ChunkCache:
         except DamagedChunkError as error:
             data, fault = None, str(error)
         if data is not None and len(data) != chunk.size:
-            fault = f"chunk {chunk_id}: has {len(data)} bytes, where the manifest says {chunk.size}"
+            fault = f"chunk {chunk_id}: has {len(data)} bytes, but the manifest lists {chunk.size}"
             data = None
         if data is not None:
             if self._faults.pop(chunk_id, None) is not None:
-                log.warning("chunk %s: can be read again", chunk_id)
+                log.warning("chunk %s can be read again", chunk_id)
             return data
         if chunk_id not in self._faults:
             log.error("%s; scenes are shown without it", fault)
@@ -94,7 +94,7 @@ class ChunkCache:
     def _forget(self, chunk_id: str, done: asyncio.Task[bytes | None]) -> None:
         self._reads.pop(chunk_id, None)
         if not done.cancelled():
-            done.exception()  # looked at, so that asyncio does not complain when every caller has gone
+            done.exception()  # retrieved, so that asyncio does not warn when every caller has left
 
     async def _load(self, chunk_id: str) -> bytes | None:
         data = await run_in_threadpool(self._read_checked, chunk_id)

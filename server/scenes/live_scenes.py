@@ -1,4 +1,4 @@
-"""Scenes that grow: finds out that they have grown, and tells the streams that follow them."""
+"""Growing scenes: detects new versions and notifies the streams that follow them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from server.scenes.scene_index import SceneIndex
 
 __all__ = ["LiveScenes"]
 
-POLL_SECONDS = 1.0  # between two looks at the manifest of a scene that somebody follows
+POLL_SECONDS = 1.0  # interval between reads of a followed scene's manifest
 
 log = logging.getLogger("hgs.server")
 
@@ -22,17 +22,17 @@ Grown = Callable[[SceneIndex], None]
 
 
 class LiveScenes:
-    """The streams of this process that follow scenes, by scene; for one event loop."""
+    """Streams of this process that follow growing scenes, by scene; for one event loop."""
 
     def __init__(self, read: Callable[[str], SceneIndex], deleted: Callable[[str], None]) -> None:
-        """Look at scenes with `read`, in a thread; `deleted` is called for one that is gone."""
+        """Read scenes with `read`, in a thread; call `deleted` for a scene that is gone."""
         self._read, self._deleted = read, deleted
         self._following: dict[str, set[Grown]] = {}
         self._looking: dict[str, asyncio.Task[None]] = {}
 
     @contextlib.contextmanager
     def follow(self, scene: SceneIndex, grown: Grown) -> Iterator[None]:
-        """Have `grown` called with every later version of a scene inside the `with` block; complete ones have none."""
+        """Call `grown` with every later version of a scene inside the `with` block; complete scenes have none."""
         if scene.live is None:
             yield
             return
@@ -50,7 +50,7 @@ class LiveScenes:
                 self._looking.pop(name).cancel()
 
     async def _look(self, scene: SceneIndex) -> None:
-        """Look until the scene is complete or nobody follows it."""
+        """Poll until the scene is complete or nothing follows it."""
         faulty = False
         while True:
             await asyncio.sleep(POLL_SECONDS)
@@ -62,12 +62,12 @@ class LiveScenes:
                     self._deleted(scene.scene_id)
                     return
                 continue
-            except Exception as error:  # of the store: the scene may be there again soon
+            except Exception as error:  # a fault of the store, which may be temporary
                 if not faulty:
-                    log.warning("scene %s grows, but cannot be read: %s", scene.scene_id, error)
+                    log.warning("growing scene %s cannot be read: %s", scene.scene_id, error)
                 faulty = True
                 continue
-            # Streams may have begun with a version that another request read before this look.
+            # Streams may have started with a version newer than this one.
             for grown in tuple(self._following[scene.scene_id]):
                 grown(found)
             if found.live is None:

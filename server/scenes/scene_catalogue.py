@@ -1,7 +1,7 @@
-"""The published scenes: what the list tells of each, and the indices of those that are watched, kept in memory.
+"""Catalogue of published scenes: descriptions for the list, and cached indices for streams.
 
-A scene that is complete never changes, so each manifest is read once; a scene that has grown, or was taken back and
-published anew, has another version. A scene that was renamed costs one read of its title.
+A complete scene never changes, so each manifest is read once; a scene that has grown, or was removed and
+published again, has another version. A renamed scene costs one read of its title.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from server.scenes.scene_index import SceneIndex, read_scene
 
 __all__ = ["SceneCatalogue", "unknown_scene"]
 
-_LONG = 64 << 10  # bytes of a manifest: shorter ones are read sooner than another object of the store
-_INDICES = 64  # scenes whose index is kept beyond the streams that use it
+_LONG = 64 << 10  # bytes of a manifest: shorter ones are read faster than another object of the store
+_INDICES = 64  # cached indices, besides those of open streams
 
 log = logging.getLogger("hgs.server")
 
 
 @dataclass(frozen=True)
 class _Known:
-    """What is kept of a scene: its description, or why it has none."""
+    """Cached description of a scene, or the reason why it has none."""
 
     version: str
     renamed: str
@@ -42,36 +42,36 @@ class _Known:
     fault: str = ""
 
     def describes(self, entry: SceneEntry) -> bool:
-        """Return whether nothing of the scene has changed since."""
+        """Return whether the scene is unchanged."""
         return (self.version, self.renamed) == (entry.version, entry.renamed)
 
 
 class SceneCatalogue:
-    """The scenes of a store. `scenes` is for an event loop; other methods block, and are safe in several threads."""
+    """Scenes of a store. `scenes` is for an event loop; other methods block and are thread-safe."""
 
     def __init__(self, artifacts: Artifacts, jobs: Jobs) -> None:
-        """Describe the scenes of `artifacts`, with the titles that `jobs` has for those that it made."""
+        """Describe the scenes of `artifacts`, with the titles of their jobs in `jobs`."""
         self._artifacts = artifacts
         self._jobs = jobs
         self._known: dict[str, _Known] = {}
-        self._unreadable: set[str] = set()  # at the last look; each is logged once
-        self._indices: OrderedDict[str, tuple[str, SceneIndex]] = OrderedDict()  # by id, with their versions
+        self._unreadable: set[str] = set()  # unreadable scenes of the last scan; each is logged once
+        self._indices: OrderedDict[str, tuple[str, SceneIndex]] = OrderedDict()  # versions and indices, by id
         self._indices_lock = threading.Lock()
         self._one_look = asyncio.Lock()
         self._next_look: asyncio.Task[list[dict[str, Any]]] | None = None
 
     async def scenes(self) -> list[dict[str, Any]]:
-        """Return the published scenes as JSON, newest first; those that cannot be read are left out.
+        """Return the published scenes as JSON, newest first; unreadable ones are left out.
 
-        Costs one listing of the store, and one read for each scene that is new to it or has another title. Callers that
-        come during a look into the store share the next one.
+        Costs one listing of the store, and one read for each scene that is new or renamed. Callers that
+        arrive during a scan of the store share the next one.
         """
         if self._next_look is None or self._next_look.done():
             self._next_look = asyncio.create_task(self._look())
-        return await asyncio.shield(self._next_look)  # a caller that leaves does not take it from the others
+        return await asyncio.shield(self._next_look)  # a caller that leaves must not cancel the scan of the others
 
     def chunk_ids(self, scene_id: str) -> frozenset[str]:
-        """Return the ids of a scene's chunks, hex; none if there is no such scene, or it cannot be read."""
+        """Return the ids of a scene's chunks, hex; none if the scene is missing or unreadable."""
         try:
             return self.scene(scene_id).chunk_ids
         except ProblemError:
@@ -92,7 +92,7 @@ class SceneCatalogue:
         return known.description
 
     def scene(self, scene_id: str) -> SceneIndex:
-        """Return what is needed to stream a scene.
+        """Return the index of a scene, for streaming it.
 
         Raises:
             ProblemError: 404, no such scene; 500, its manifest is of another version or damaged.
@@ -114,7 +114,7 @@ class SceneCatalogue:
 
     async def _look(self) -> list[dict[str, Any]]:
         async with self._one_look:
-            self._next_look = None  # who comes from now on may ask for what this look does not see
+            self._next_look = None  # later callers may expect newer scenes than this scan finds
             return await run_in_threadpool(self._refresh)
 
     def _refresh(self) -> list[dict[str, Any]]:
@@ -128,8 +128,8 @@ class SceneCatalogue:
             try:
                 read[entry.id] = self._learn(entry, before.get(entry.id), titles)
             except ProblemError:
-                continue  # taken back since
-            except Exception as error:  # whatever the store raises: the others are there
+                continue  # removed meanwhile
+            except Exception as error:  # any exception of the store: other scenes remain readable
                 unreadable.add(entry.id)
                 if entry.id not in self._unreadable:
                     log.warning("scene %s cannot be read and is left out of the list: %s", entry.id, error)
@@ -138,7 +138,7 @@ class SceneCatalogue:
         return [known.description for known in self._known.values() if not known.fault]
 
     def _learn(self, entry: SceneEntry, before: _Known | None, titles: dict[str, str]) -> _Known:
-        """Read what is new of a scene: all of it, or after a change of its title that alone."""
+        """Read the changed parts of a scene: the title alone after a renaming, otherwise everything."""
         given = self._artifacts.title(entry.id) if entry.renamed else None
         if given and before is not None and before.version == entry.version:
             return replace(before, renamed=entry.renamed, description=before.description | {"title": encodable(given)})
@@ -161,7 +161,7 @@ class SceneCatalogue:
         return _Known(entry.version, entry.renamed, encodable(description))
 
     def _titles(self, scene_ids: Collection[str]) -> dict[str, str]:
-        """Return the titles of the scenes that jobs made, which have the jobs' ids."""
+        """Return the titles of scenes made by jobs, which have the jobs' ids."""
         return {job.id: job.title for job in self._jobs.many(scene_ids).values()} if scene_ids else {}
 
     def _entry(self, scene_id: str) -> SceneEntry:
@@ -179,5 +179,5 @@ class SceneCatalogue:
 
 
 def unknown_scene(scene_id: str) -> ProblemError:
-    """Return the answer to a request for a scene that is not published."""
+    """Return the problem of an unpublished scene."""
     return ProblemError(404, "scene-not-found", f"scene {scene_id}: no such scene")

@@ -11,13 +11,13 @@ from server.scenes.scene_index import SceneIndex
 
 __all__ = ["is_later"]
 
-_KEPT = 16  # answers: all who watch a scene ask for the same
+_KEPT = 16  # cached results: all viewers of a scene request the same ones
 
 
 def is_later(scene: SceneIndex, earlier: SceneIndex) -> bool:
-    """Return whether a scene is a later version of one that grows.
+    """Return whether a scene is a later version of a growing one.
 
-    Of scenes in pages the index and two pages tell: a tenth of a second less than the manifests of an hour.
+    Scenes in pages are compared by their indices and two pages: 0.1 s faster than by the manifests of an hour.
     """
     place = len(earlier.pages) - 1
     if not 0 <= place < len(scene.pages):

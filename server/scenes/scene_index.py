@@ -1,4 +1,4 @@
-"""What the server must know of a scene to stream it: its chunks, their sizes and times."""
+"""Index of a scene for streaming: its chunks with their sizes and times."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ __all__ = ["Chunk", "SceneIndex", "Slice", "read_scene"]
 
 @dataclass(frozen=True)
 class Chunk:
-    """What a manifest says of a chunk."""
+    """A manifest's entry of a chunk."""
 
-    id: bytes  # the 32 bytes of its SHA-256
+    id: bytes  # SHA-256, 32 bytes
     size: int  # bytes
     layer: int = 0  # 0 is the base of its list
     splats: int = 0
@@ -32,7 +32,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Slice:
-    """A stretch of time, shown for start <= t < end in seconds, and all chunks it needs, in the order of sending."""
+    """A stretch of time, shown for start <= t < end in seconds, and all its chunks in sending order."""
 
     start: float
     end: float
@@ -40,20 +40,20 @@ class Slice:
 
     @cached_property
     def base(self) -> tuple[Chunk, ...]:
-        """What must be there before the slice is entered."""
+        """Chunks required before the slice is shown."""
         return tuple(chunk for chunk in self.chunks if chunk.layer == 0)
 
     @cached_property
     def refinements(self) -> tuple[Chunk, ...]:
-        """What is added while the slice is shown."""
+        """Chunks added while the slice is shown."""
         return tuple(chunk for chunk in self.chunks if chunk.layer > 0)
 
 
 @dataclass(frozen=True)
 class SceneIndex:
-    """A published scene as the stream and the list of scenes see it.
+    """Index of a published scene, for the stream and the list of scenes.
 
-    Of a long one the manifest comes in pages, which are chunks among the others: a slice's first chunk is its page.
+    The manifest of a long scene is split into pages, themselves chunks: a slice's first chunk is its page.
     """
 
     scene_id: str
@@ -61,17 +61,17 @@ class SceneIndex:
     manifest: bytes  # the bytes of index.hgs, which clients receive
     start: float  # seconds
     end: float
-    static: tuple[Chunk, ...]  # in layer order
-    slices: tuple[Slice, ...]  # in order of time
+    static: tuple[Chunk, ...]  # layer order
+    slices: tuple[Slice, ...]  # time order
     splats_static: int
     splats_dynamic: int
-    live: int | None = None  # the number of the manifest of a scene that grows; None: it is complete
-    sounds: tuple[Slice, ...] = ()  # pieces of sound in order of time, each of one chunk
-    pages: tuple[Slice, ...] = ()  # of the manifest, in order of time, each of one chunk
-    page_bytes: Mapping[bytes, bytes] = field(default_factory=dict)  # what is in them, by id
-    page_chunks: Mapping[bytes, tuple[bytes, ...]] = field(default_factory=dict)  # what they list, by id
+    live: int | None = None  # number of a growing scene's manifest; None: the scene is complete
+    sounds: tuple[Slice, ...] = ()  # pieces of sound by time, one chunk each
+    pages: tuple[Slice, ...] = ()  # pages of the manifest by time, one chunk each
+    page_bytes: Mapping[bytes, bytes] = field(default_factory=dict)  # contents of the pages, by id
+    page_chunks: Mapping[bytes, tuple[bytes, ...]] = field(default_factory=dict)  # chunk ids listed in the pages, by id
     document: bytes = b""  # the exact bytes of manifest.json
-    poster_shape: float | None = None  # of the first camera, width by height, if there is a thumbnail
+    poster_shape: float | None = None  # width / height of the first camera, if there is a thumbnail
 
     @cached_property
     def whole(self) -> SceneIndex:
@@ -83,37 +83,37 @@ class SceneIndex:
 
     @cached_property
     def chunk_ids(self) -> frozenset[str]:
-        """The ids of all chunks, hex."""
+        """Ids of all chunks, hex."""
         return frozenset(name.hex() for name in self.stored)
 
     @cached_property
     def stored(self) -> Mapping[bytes, int]:
-        """The size of every distinct chunk by id, of splats and of sound."""
+        """Sizes of all distinct chunks of splats and sound, by id."""
         return {**self.sizes, **{piece.chunks[0].id: piece.chunks[0].size for piece in self.sounds}}
 
     @cached_property
     def sizes(self) -> Mapping[bytes, int]:
-        """The size of every distinct chunk of splats, and of every page, by id."""
+        """Sizes of all distinct chunks of splats and of all pages, by id."""
         chunks = (*self.static, *(chunk for piece in self.slices for chunk in piece.chunks))
         return {chunk.id: chunk.size for chunk in chunks}
 
     @cached_property
     def manifest_id(self) -> bytes:
-        """The SHA-256 of what a client gets for the manifest."""
+        """SHA-256 of the manifest in the form sent to clients."""
         return hashlib.sha256(self.manifest).digest()
 
     @cached_property
     def queue(self) -> SliceQueue:
-        """All slices, to be asked by time; sessions take slices out of copies."""
+        """Queue of all slices by time; sessions remove slices from copies."""
         return SliceQueue([piece.end for piece in self.slices])
 
     @property
     def bytes_total(self) -> int:
-        """The size of the whole scene: its chunks and its manifest."""
+        """Size of the whole scene: its chunks and its manifest, bytes."""
         return sum(self.stored.values()) - sum(map(len, self.page_bytes.values())) + len(self.document)
 
     def alive(self, time: float) -> list[int]:
-        """Return the indices of the slices that are shown at `time`, in seconds."""
+        """Return the indices of the slices shown at `time`, in seconds."""
         found = []
         index = self.queue.first_shown_after(time)
         while index is not None and self.slices[index].start <= time:
@@ -123,10 +123,10 @@ class SceneIndex:
 
 
 def read_scene(scene_id: str, manifest: bytes, ready: PagedScene | None = None) -> SceneIndex:
-    """Read what the server needs from the bytes of a manifest, or of the pages that were made of them before.
+    """Build the index of a scene from its manifest, or from pages split earlier.
 
     Raises:
-        InputError: the manifest is not one that this version understands.
+        InputError: the manifest is invalid or of an unsupported version.
     """
     if ready is None:
         document, described = _described(scene_id, manifest)

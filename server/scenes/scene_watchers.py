@@ -1,4 +1,4 @@
-"""Who watches which scene: a stream must end when its scene is deleted."""
+"""Streams by scene, so that they end when their scene is deleted."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ __all__ = ["SceneWatchers"]
 
 
 class SceneWatchers:
-    """The streams of this process by scene; for one event loop."""
+    """Streams of this process by scene; for one event loop."""
 
     def __init__(self) -> None:
-        """Begin with nobody."""
+        """Start without streams."""
         self._watching: dict[str, set[asyncio.Event]] = {}
 
     @contextlib.contextmanager
@@ -31,6 +31,6 @@ class SceneWatchers:
                     del self._watching[scene_id]
 
     def tell(self, scene_id: str) -> None:
-        """Tell everybody who watches a scene that it is gone."""
+        """Notify all streams of a scene that it is gone."""
         for gone in self._watching.get(scene_id, ()):
             gone.set()

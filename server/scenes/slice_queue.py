@@ -1,4 +1,4 @@
-"""Which slice is sent next: a queue of slices that is asked by time, in O(log n) of the scene's slices."""
+"""Queue of slices ordered by time, with operations in O(log n) of the scene's slices."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ _ABSENT = -math.inf
 
 
 class SliceQueue:
-    """Indices of a scene's slices; holds all of them at first.
+    """Indices of a scene's slices; full at first.
 
-    A complete binary tree over the slices: a leaf is the moment until which its slice is shown, or minus infinity while
+    A complete binary tree over the slices: a leaf is the end of its slice, or minus infinity while
     the slice is not queued; an inner node is the greater of its two children.
     """
 
     def __init__(self, ends: Sequence[float]) -> None:
-        """Queue slices that are shown for times < `ends` (seconds); the last one at its very end, too."""
+        """Queue slices shown for times < `ends` (seconds); the last one also at its very end."""
         self._leaves = 1 << max(len(ends) - 1, 0).bit_length()
         self._ends = array("d", ends)
         if ends:
@@ -31,13 +31,13 @@ class SliceQueue:
             self._tree[node] = max(self._tree[2 * node], self._tree[2 * node + 1])
 
     def copy(self) -> SliceQueue:
-        """Return a queue of its own with the same slices."""
+        """Return an independent copy."""
         other = copy.copy(self)
         other._tree = self._tree[:]
         return other
 
     def grown(self, ends: Sequence[float]) -> SliceQueue:
-        """Return a queue of more slices, the later of which are queued, and of the others those that are here."""
+        """Return a queue for more slices: the new ones are queued, the old ones only if they are here."""
         other = SliceQueue(ends)
         for index in range(len(self._ends)):
             if self._tree[self._leaves + index] == _ABSENT:
@@ -49,21 +49,21 @@ class SliceQueue:
         self._set(index, self._ends[index])
 
     def discard(self, index: int) -> None:
-        """Take the slice `index` out, if it is queued."""
+        """Remove the slice `index`, if it is queued."""
         self._set(index, _ABSENT)
 
     def next(self, time: float) -> int | None:
-        """Return the first slice that is not over at `time`, in seconds; else the first of all; None if empty."""
+        """Return the first slice not over at `time`, in seconds, or else the first of all; None if empty."""
         index = self.first_shown_after(time)
         return self.first_shown_after(_ABSENT) if index is None else index
 
     def first_shown_after(self, time: float, begin: int = 0) -> int | None:
-        """Return the first slice from the index `begin` on that is shown at a moment after `time`, or None."""
+        """Return the first slice from index `begin` shown at a moment after `time`, or None."""
         if begin >= self._leaves:
             return None
         tree = self._tree
         node = self._leaves + begin
-        # Up, to the right of `begin`, until a subtree holds such a slice; then down to the leftmost one.
+        # Up, to the right of `begin`, to a subtree with such a slice; then down to its leftmost one.
         while tree[node] <= time:
             while node & 1:
                 node >>= 1

@@ -1,3 +1,3 @@
-"""One viewer's stream: session, order of sending, flow control."""
+"""One client's stream: session, sending order, flow control."""
 
 __all__: list[str] = []

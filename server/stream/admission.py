@@ -1,4 +1,4 @@
-"""The streams that are open: no more than the server can carry, and none cut off all at once when it stops."""
+"""Admission limit and staggered draining of open streams."""
 
 from __future__ import annotations
 
@@ -14,47 +14,47 @@ from server.http.problems import ProblemError, problem_response
 
 __all__ = ["OpenStreams", "StreamAdmission"]
 
-LATE_SECONDS = 1.0  # of the event loop, from which on nobody else is let in
-RETRY_SECONDS = (5, 15)  # between which a refused client is told to come again
+LATE_SECONDS = 1.0  # delay of the event loop above which new streams are rejected
+RETRY_SECONDS = (5, 15)  # range of Retry-After for rejected clients
 RESTARTING = 1012
 _INDEX = re.compile(r"/v1/scenes/[^/]+/index\.hgs")
 
 
 class OpenStreams:
-    """The streams of one server process."""
+    """Open streams of one server process."""
 
     def __init__(self, limit: int | None = None, lag: Callable[[], float] = lambda: 0.0) -> None:
-        """Let in at most `limit` streams, None: as many as come, and none while the server's `lag()` is long."""
+        """Admit at most `limit` streams (None: no limit), and none while the server's `lag()` is long."""
         self._limit, self._lag = limit, lag
         self._leave: set[asyncio.Event] = set()
         self._ending = False
 
     def __len__(self) -> int:
-        """Return how many streams are open."""
+        """Return the number of open streams."""
         return len(self._leave)
 
     @property
     def ending(self) -> bool:
-        """Whether the server lets nobody in any more."""
+        """Whether the server is draining and admits no more streams."""
         return self._ending
 
     @property
     def full(self) -> bool:
-        """Whether another stream would harm those that are there."""
+        """Whether another stream would harm the open ones."""
         return self._ending or (self._limit is not None and len(self) >= self._limit) or self._lag() > LATE_SECONDS
 
     def join(self) -> asyncio.Event:
-        """Add a stream; the event is set when it is to end."""
+        """Add a stream; the event is set when it must end."""
         leave = asyncio.Event()
         self._leave.add(leave)
         return leave
 
     def part(self, leave: asyncio.Event) -> None:
-        """Take a stream away."""
+        """Remove a stream."""
         self._leave.discard(leave)
 
     async def drain(self, seconds: float) -> None:
-        """Let nobody in any more, and end all streams, evenly over so many seconds: their clients connect elsewhere."""
+        """Admit no more streams, and end all evenly over `seconds`: their clients reconnect to another server."""
         self._ending = True
         remaining = list(self._leave)
         random.shuffle(remaining)
@@ -65,23 +65,23 @@ class OpenStreams:
 
 
 class StreamAdmission:
-    """ASGI middleware: refuses WebSockets with 503 where there are enough, and ends those that are told to leave.
+    """ASGI middleware that rejects WebSockets with 503 when the server is full, and ends drained ones.
 
-    A scene's index is refused with them to whoever asks for it anew: that is how watching over HTTP begins.
+    Requests for a scene's index are rejected too, unless conditional: with them playback over HTTP begins.
     """
 
     def __init__(self, app: ASGIApp, streams: OpenStreams, refused: Callable[[], None]) -> None:
-        """Guard `app`; `refused` is called for each that is turned away."""
+        """Guard `app`; call `refused` for each rejected request."""
         self._app, self._streams, self._refused = app, streams, refused
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer, or pass on."""
+        """Respond, or pass the request on."""
         if scope["type"] != "websocket" and not _begins_watching(scope):
             await self._app(scope, receive, send)
             return
         if self._streams.full:
             self._refused()
-            detail = "the server has as many streams as it can carry; try again later"
+            detail = "the server is at its limit of streams; try again later"
             headers = {"Retry-After": str(random.randint(*RETRY_SECONDS))}
             problem = ProblemError(503, "server-busy", detail, headers=headers)
             await problem_response(HTTPConnection(scope), problem)(scope, receive, send)
@@ -114,6 +114,6 @@ class StreamAdmission:
 
 
 def _begins_watching(scope: Scope) -> bool:
-    """Return whether a scene's index is asked for by a client that does not have it."""
+    """Return whether a client without the scene's index requests it."""
     index = scope["type"] == "http" and _INDEX.fullmatch(scope["path"]) is not None
     return index and "If-None-Match" not in HTTPConnection(scope).headers

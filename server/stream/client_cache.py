@@ -1,4 +1,4 @@
-"""What a client that says hello has of a scene already, whole chunks and parts of chunks."""
+"""The client's cached chunks, whole or in part, as listed in its hello."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class ClientCache:
     """Chunks of the scene that need not be sent, or not from their beginning."""
 
     whole: frozenset[bytes]
-    parts: dict[bytes, int]  # bytes that are there, of chunks that are not whole
+    parts: dict[bytes, int]  # bytes held of incomplete chunks
 
     @classmethod
     def of(cls, hello: Hello, scene: SceneIndex) -> ClientCache:
-        """Read it from a hello; what is not of the scene is left out.
+        """Return the cache described by a hello, without chunks of other scenes.
 
         Raises:
             ProtocolError: 4000, a part is not smaller than its chunk.
@@ -47,7 +47,7 @@ class ClientCache:
 
 
 def _named(chunks: Iterable[bytes], bits: bytes) -> Iterator[bytes]:
-    """Yield the chunks whose bits are set, the lowest bit of each byte first."""
+    """Yield the chunks with a set bit, the lowest bit of each byte first."""
     for k, chunk in enumerate(islice(chunks, 8 * len(bits))):
         if bits[k // 8] >> k % 8 & 1:
             yield chunk

@@ -1,4 +1,4 @@
-"""Credit and pace: how many bytes of chunk frames a client has room for, and when its line takes more.
+"""Credit and pacing of chunk frames.
 
 docs/protocol.md, section "Messages of the client": `credit` and `limits`. No socket, no clock.
 """
@@ -11,24 +11,24 @@ from server.protocol.messages import HEADER_BYTES, MAX_BALANCE, MAX_PAYLOAD, MIN
 
 __all__ = ["FlowControl"]
 
-PACE_SECONDS = 0.125  # of a limited rate that go at once
-SHORT_PAYLOAD = 16 << 10  # bytes of a frame on a line that is slow, or not known: a fourth of the smallest window
-FAST = 1e6  # bytes per second of a line that carries the longest frame in some hundredths of a second
-UNKNOWN_BYTES = 256 << 10  # after which a line of which nothing was told is taken to be fast
+PACE_SECONDS = 0.125  # share of a limited rate sent in one burst
+SHORT_PAYLOAD = 16 << 10  # bytes of a frame on a slow or unmeasured connection: a quarter of the smallest window
+FAST = 1e6  # bytes per second at which the longest frame takes some hundredths of a second
+UNKNOWN_BYTES = 256 << 10  # bytes after which an unmeasured connection counts as fast
 
 
 class FlowControl:
-    """What one client may be sent, frame by frame."""
+    """Send budget of one client, frame by frame."""
 
     def __init__(self) -> None:
-        self.bytes_per_second: float | None = None  # that the client wants at most; None: any
-        self.measured: float | None = None  # bytes per second that the line brings; None: not known
-        self.balance = 0  # bytes of chunk frames that the client has room for
-        self.sent_bytes = 0  # of chunks, without the frames' headers
-        self._next_frame = -math.inf  # when the client takes more; seconds of the caller's clock
+        self.bytes_per_second: float | None = None  # the client's limit; None: any rate
+        self.measured: float | None = None  # measured throughput, bytes per second; None: unknown
+        self.balance = 0  # credit in bytes of chunk frames
+        self.sent_bytes = 0  # bytes of chunks, without frame headers
+        self._next_frame = -math.inf  # earliest time of the next frame, seconds of the caller's clock
 
     def grant(self, amount: int) -> None:
-        """Add credit of so many bytes.
+        """Add credit of `amount` bytes.
 
         Raises:
             ProtocolError: 4009, the balance would rise above `MAX_BALANCE`.
@@ -38,14 +38,14 @@ class FlowControl:
         self.balance += amount
 
     def wait(self, clock: float) -> float | None:
-        """Return the seconds until the pace allows another frame, None if it does now."""
+        """Return the seconds until the pace allows another frame; None if it does now."""
         return self._next_frame - clock if clock < self._next_frame else None
 
     def spend(self, rest: int, clock: float) -> int | None:
-        """Pay for the next frame of a chunk with `rest` bytes to go; return its bytes, None without the credit.
+        """Pay for the next frame of a chunk with `rest` bytes left; return its length, or None without credit.
 
-        A client gives credit back when a frame is whole: were one as long as its window, the line would lie idle for a
-        round trip after each, and a seek would wait for the whole of it.
+        A client returns credit when a frame is complete: a frame as long as its window would leave the connection idle
+        for a round trip, and a seek would wait for all of it.
         """
         pace = self.bytes_per_second
         fast = self.sent_bytes >= UNKNOWN_BYTES if self.measured is None else self.measured >= FAST
@@ -62,6 +62,6 @@ class FlowControl:
         return length
 
     def refund(self, length: int) -> None:
-        """Take back what was paid for a frame of so many bytes that is not sent after all."""
+        """Refund a frame of `length` bytes that is not sent after all."""
         self.balance += HEADER_BYTES + length
         self.sent_bytes -= length

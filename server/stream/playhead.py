@@ -1,4 +1,4 @@
-"""Where a watcher's playhead is, as the server knows it between two messages."""
+"""The client's playhead, extrapolated between its messages."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ __all__ = ["Playhead"]
 
 @dataclass
 class Playhead:
-    """Where a looping player is, by dead reckoning from its last message; it waits at the edge of one that grows."""
+    """Playhead of a looping player, by dead reckoning from its last message; at the end of a growing scene it waits."""
 
-    start: float  # seconds; the scene's interval
+    start: float  # seconds, as the end: the scene's interval
     end: float
-    time: float  # at the moment `clock`
+    time: float  # position at the moment `clock`
     clock: float = 0.0  # seconds of the caller's monotonic clock
     rate: float = DEFAULT_RATE  # scene seconds per second
     grows: bool = False
@@ -27,7 +27,7 @@ class Playhead:
         self.rate = self.rate if rate is None else rate
 
     def at(self, clock: float) -> float:
-        """Return the scene's time at the moment `clock`, wrapped at the end as a looping player does."""
+        """Return the position at the moment `clock`, in scene seconds, wrapped at the end."""
         time = self.time + self.rate * max(clock - self.clock, 0.0)
         if time <= self.end:
             return time

@@ -1,4 +1,4 @@
-"""Which chunk a client gets next: the base layers of what is shown first, and then what refines it.
+"""Sending order of chunks: base layers of the visible slices first, then their refinements.
 
 The order is that of docs/protocol.md, section "Order".
 """
@@ -16,24 +16,24 @@ from server.scenes.slice_queue import SliceQueue
 
 __all__ = ["AHEAD", "COMPLETE", "Mark", "SendOrder"]
 
-PAGES_AHEAD = 12.0  # seconds of playing for which pages of the manifest are sent before what they list
-AHEAD = (3.0, 8.0, math.inf)  # seconds of playing for which base layers and then refinements are sent, in turn
-COMPLETE = 1  # the layer of a mark that says that all layers are there; 0 says that the base is
+PAGES_AHEAD = 12.0  # playing time for which pages of the manifest are sent before the chunks they list
+AHEAD = (3.0, 8.0, math.inf)  # playing times for which base layers and then refinements are sent, in turn
+COMPLETE = 1  # layer of a mark: 1 means all layers, 0 the base
 
 
 @dataclass(frozen=True)
 class Mark:
-    """A client has all that the slice `index` needs, or of layer 0 what its base needs."""
+    """A client has all chunks of the slice `index`, or for layer 0 those of its base."""
 
     index: int
     layer: int
 
 
 class SendOrder:
-    """The chunks of a scene that one client lacks. `marks` collects the slices that are found to be there."""
+    """Chunks of a scene missing at one client. `marks` collects the slices that become complete."""
 
     def __init__(self, scene: SceneIndex, have: Collection[bytes] = ()) -> None:
-        """Leave out the chunks that the client has from the beginning."""
+        """Leave out the chunks that the client has from the start."""
         self.marks: deque[Mark] = deque()
         self._scene = scene
         self._have = set(have)
@@ -41,30 +41,30 @@ class SendOrder:
         self._room = deque(chunk for chunk in scene.static if chunk.layer == 0)
         self._details = deque(chunk for chunk in scene.static if chunk.layer > 0)
         self._room_bytes = sum(chunk.size for chunk in self._room)
-        self._bases = scene.queue.copy()  # slices that have not been marked
+        self._bases = scene.queue.copy()  # slices without a mark
         self._slices = scene.queue.copy()
         self._static_turn = True  # refinements of statics and of slices take turns
         self._sought = False
         self._pages = _queue(scene.pages)
-        self._sounds: SliceQueue | None = None  # pieces that the client has not been seen to have; None: no wish
+        self._sounds: SliceQueue | None = None  # pieces possibly missing; None: no sound wanted
 
     @property
     def left_out(self) -> int:
-        """Bytes of the refinements that the client has no room for."""
+        """Size of the refinements beyond the client's limit, bytes."""
         return sum(self._scene.sizes[chunk] for chunk in self._left_out - self._have)
 
     def limit(self, splats: int | None) -> None:
-        """Leave out refinements of a picture with more splats than that; none if None."""
+        """Leave out refinements that would exceed `splats` per picture; None: no limit."""
         self._left_out = frozenset() if splats is None else _beyond(self._scene, splats)
         self._details = deque(chunk for chunk in self._scene.static if chunk.layer > 0)
         self._slices = self._scene.queue.copy()
 
     def hear(self, wanted: bool) -> None:
-        """Send the scene's sound, too, or no more of it."""
+        """Start or stop sending the scene's sound."""
         self._sounds = _queue(self._scene.sounds) if wanted else None
 
     def grow(self, scene: SceneIndex, splats: int | None) -> None:
-        """Send what has been added to the scene, too; `splats` is the limit."""
+        """Add the new parts of the scene; `splats` is the limit."""
         ends = [piece.end for piece in scene.slices]
         self._scene = scene
         self._bases, self._slices = self._bases.grown(ends), self._slices.grown(ends)
@@ -78,23 +78,23 @@ class SendOrder:
         return chunk.id in self._have or chunk.id in self._left_out
 
     def settle(self, chunk: Chunk) -> None:
-        """Note that the client has the chunk, or cannot get it."""
+        """Record that the client has the chunk, or cannot get it."""
         self._have.add(chunk.id)
 
     def sought(self, time: float) -> None:
-        """Mark the slices alive at `time` again: the client has moved its playhead there."""
+        """Mark the slices alive at `time` again, after a seek."""
         self._static_turn = self._sought = True
         for index in self._scene.alive(time):
             self._bases.add(index)
             self._slices.add(index)
 
     def next(self, time: float, rate: float, measured: float | None = None) -> Chunk | None:
-        """Return the chunk to send next, None if nothing is missing; announce the slices that are met on the way.
+        """Return the next chunk to send, or None if nothing is missing; add marks for slices found complete.
 
-        The playhead is at `time` and moves at `rate` scene seconds per second; the line brings `measured` bytes in one.
+        The playhead is at `time` and moves at `rate` scene seconds per second; the line carries `measured` bytes/s.
         """
-        speed = rate or 1.0  # one that stands will move
-        # What a slice is refined with should be there before the slice is over.
+        speed = rate or 1.0  # a stopped playhead will move again
+        # A slice's refinements should arrive before the slice is over.
         late = 0.0 if measured is None else rate * MAX_PAYLOAD / max(measured, 1.0)
         base = self._next_base(time)
         room = self._first(self._room)
@@ -109,7 +109,7 @@ class SendOrder:
             return page[1]
         sound = self._next_piece(self._scene.sounds, self._sounds, time)
         if sound is not None and page is not None and sound[0] >= page[0]:
-            sound = None  # the client knows it by a page that it lacks
+            sound = None  # the client needs the page first, which lists it
         for ahead in AHEAD:
             if base is not None and base[0] <= ahead * speed:
                 return base[1]
@@ -130,7 +130,9 @@ class SendOrder:
         return chunks[0] if chunks else None
 
     def _next_base(self, time: float) -> tuple[float, Chunk, int] | None:
-        """Return how far ahead, in scene seconds, the next slice without its base is; what it lacks; and its index."""
+        """Return the distance in scene seconds to the next slice with an incomplete base, a missing chunk, and its
+        index.
+        """
         while (index := self._bases.next(time)) is not None:
             for chunk in self._scene.slices[index].base:
                 if not self.has(chunk):
@@ -140,7 +142,7 @@ class SendOrder:
         return None
 
     def _next_piece(self, pieces: Sequence[Slice], queue: SliceQueue | None, time: float) -> tuple[float, Chunk] | None:
-        """Return how far ahead, in scene seconds, the next page or piece of sound is that the client lacks, and it."""
+        """Return the distance in scene seconds to the next missing page or piece of sound, and its chunk."""
         while queue is not None and (index := queue.next(time)) is not None:
             chunk = pieces[index].chunks[0]
             if not self.has(chunk):
@@ -149,14 +151,14 @@ class SendOrder:
         return None
 
     def _is_behind(self, index: int) -> bool:
-        """Return whether less of a slice's base has been sent than of the statics'."""
+        """Return whether less of a slice's base has been sent than of the static base."""
         base = self._scene.slices[index].base
         sent = sum(chunk.size for chunk in base if chunk.id in self._have)
         room = self._room_bytes - sum(chunk.size for chunk in self._room)
         return sent * self._room_bytes < room * sum(chunk.size for chunk in base)
 
     def _refinement(self, time: float, begin: float, ahead: float) -> Chunk | None:
-        """Return the lowest layer missing of slices shown within `ahead` scene seconds, of the first that lacks it."""
+        """Return the lowest missing layer within `ahead` scene seconds, of the first slice that lacks it."""
         if math.isinf(ahead):
             index = self._slices.next(begin)
             while index is not None and (chunk := self._missing(index)) is None:
@@ -170,7 +172,7 @@ class SendOrder:
         return best
 
     def _missing(self, index: int) -> Chunk | None:
-        """Return the first refinement that a slice lacks, which is marked if there is none."""
+        """Return the first missing refinement of a slice; mark the slice if there is none."""
         for chunk in self._scene.slices[index].refinements:
             if not self.has(chunk):
                 return chunk
@@ -180,7 +182,7 @@ class SendOrder:
         return None
 
     def _within(self, time: float, begin: float, ahead: float) -> list[int]:
-        """Return the slices that are shown between `begin` and `ahead` seconds after `time`, around the scene's end."""
+        """Return the slices shown between `begin` and `ahead` seconds after `time`, wrapped around the scene's end."""
         found: list[int] = []
         for moment, limit in ((begin, time + ahead), (-math.inf, time + ahead - self._duration)):
             index = self._slices.first_shown_after(moment)
@@ -203,7 +205,7 @@ def _queue(pieces: Sequence[Slice]) -> SliceQueue:
 
 
 def _beyond(scene: SceneIndex, splats: int) -> frozenset[bytes]:
-    """Return the refinements without which no picture has more splats than that, where the bases leave room for any."""
+    """Return the refinements beyond a budget of `splats` per picture; bases are always kept."""
     moving = max((sum(chunk.splats for chunk in piece.chunks) for piece in scene.slices), default=0)
     left_out = _over(scene.static, max(splats // 2, splats - moving))
     room = splats - sum(chunk.splats for chunk in scene.static if chunk.id not in left_out)

@@ -1,6 +1,6 @@
-"""One watcher's stream as a state machine: messages in, frames out; no socket, no clock, no file.
+"""One client's stream as a state machine: messages in, frames out; no socket, no clock, no file.
 
-The order of what is sent and the credits are those of docs/protocol.md, "Messages of the client" and "Order".
+Sending order and credits follow docs/protocol.md, "Messages of the client" and "Order".
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from server.stream.send_order import Mark, SendOrder
 
 __all__ = ["MAX_UNSENT", "ChunkPart", "StreamSession"]
 
-MAX_UNSENT = 1024  # control messages that wait for a client which asks and does not read
+MAX_UNSENT = 1024  # unread control messages per client
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,13 @@ class ChunkPart:
     chunk: Chunk
     offset: int
     length: int
-    data: bytes | None = None  # of a page of the manifest, all of it; chunks are in the store
+    data: bytes | None = None  # the whole page, for pages of the manifest; chunks are in the store
 
 
 class StreamSession:
-    """What one client still lacks, in which order it gets it, and how much it has room for.
+    """State of one client's stream: missing chunks, sending order and credit.
 
-    Feed the client's messages to `receive`, and take what is to be sent from `take` until it returns None; it may have
+    Pass the client's messages to `receive`, and send the results of `take` until it returns None; it may have
     more after the next message.
     """
 
@@ -65,7 +65,7 @@ class StreamSession:
         self._outbox: deque[bytes] = deque()  # control messages: they need no credit
         self._flow = FlowControl()
         self._limits = Limits()
-        self._offsets: dict[bytes, int] = {}  # of chunks that the client has in part
+        self._offsets: dict[bytes, int] = {}  # bytes sent or cached of incomplete chunks
         self._order = SendOrder(scene)
         self._current: Chunk | None = None  # the chunk whose first part has been sent
         self._playhead = Playhead(scene.start, scene.end, scene.start, grows=scene.live is not None)
@@ -83,18 +83,18 @@ class StreamSession:
 
     @property
     def greeted(self) -> bool:
-        """Whether the client has said hello."""
+        """Whether the client has sent its hello."""
         return self._greeted
 
     def receive(self, data: bytes, clock: float) -> None:
-        """Take a binary message of the client at the moment `clock`, in seconds of any monotonic clock.
+        """Process a binary message of the client at the moment `clock`, in seconds of any monotonic clock.
 
         Raises:
             ProtocolError: close the connection with its code; the session is over.
         """
         message = decode(data)
         if isinstance(message, Hello) == self._greeted:
-            raise ProtocolError(4000, "malformed", "hello comes first, and once")
+            raise ProtocolError(4000, "malformed", "hello must be the first message, and sent once")
         match message:
             case Hello():
                 self._greet(message, clock)
@@ -111,13 +111,13 @@ class StreamSession:
                 self._limit(message)
             case Ping():
                 if len(self._outbox) >= MAX_UNSENT:
-                    raise ProtocolError(4000, "flood", f"{MAX_UNSENT} answers wait to be read")
+                    raise ProtocolError(4000, "flood", f"{MAX_UNSENT} responses are waiting to be read")
                 self._outbox.append(encode(Pong(message.id)))
             case _:
                 assert_never(message)
 
     def take(self, clock: float) -> bytes | ChunkPart | None:
-        """Return the next control message or chunk frame, or None when there is nothing to send or no credit for it."""
+        """Return the next control message or chunk frame, or None if there is nothing to send or no credit for it."""
         if not self._greeted:
             return None
         chunk = self._current or self._choose(clock)
@@ -126,7 +126,7 @@ class StreamSession:
         return None if chunk is None or self.wait(clock) is not None else self._part(chunk, clock)
 
     def grow(self, scene: SceneIndex, clock: float) -> None:
-        """Go on with a later version of the scene at the moment `clock`, unless the client does not follow it.
+        """Continue with a later version of the scene at the moment `clock`, unless the client does not follow it.
 
         Raises:
             ProtocolError: it is another scene.
@@ -145,18 +145,18 @@ class StreamSession:
             return
         self._order.grow(scene, self._limits.splats)
         if self._current is not None and self._current.id not in scene.stored:
-            self._current = None  # a page that another one has replaced
+            self._current = None  # a replaced page
         self._ended = False
         wanted = scene.stored if self._limits.audio else scene.sizes
         remaining = sum(size for chunk, size in wanted.items() if chunk not in before.stored)
         self._outbox.append(encode(Grow(scene.manifest_id, remaining, scene.manifest)))
 
     def wait(self, clock: float) -> float | None:
-        """Return after how many seconds `take` has more without a message of the client, None if it never has."""
+        """Return the seconds until `take` has more without a message of the client; None if it never has."""
         return self._flow.wait(clock)
 
     def miss(self, part: ChunkPart) -> None:
-        """Go on without the chunk of a frame that `take` has just returned, because it cannot be read."""
+        """Skip the chunk of the frame just returned by `take`, because it cannot be read."""
         chunk = part.chunk
         self._flow.refund(part.length)
         self._offsets.pop(chunk.id, None)
@@ -197,7 +197,7 @@ class StreamSession:
         self._order.sought(self._playhead.time)
 
     def _choose(self, clock: float) -> Chunk | None:
-        """Return what to send next; on the way, announce the slices that are found to be there."""
+        """Return the next chunk to send; announce the slices found complete on the way."""
         order = self._order
         chunk = order.next(self._playhead.at(clock), self._playhead.rate, self._limits.measured)
         while order.marks:
@@ -212,7 +212,7 @@ class StreamSession:
         self._outbox.append(encode(SliceSent(mark.index, piece.start, piece.end, mark.layer)))
 
     def _part(self, chunk: Chunk, clock: float) -> ChunkPart | None:
-        """Cut the next part of the chunk to the credit, and account for it."""
+        """Cut the next part of the chunk to the credit, and charge it."""
         offset = self._offsets.get(chunk.id, 0)
         rest = chunk.size - offset
         length = self._flow.spend(rest, clock)
