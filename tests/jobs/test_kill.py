@@ -43,7 +43,7 @@ def is_worked_on(run: Path) -> bool:
         return False
 
 
-@pytest.mark.parametrize("standby", [True, False])
+@pytest.mark.parametrize("standby", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_another_worker_resumes_from_the_checkpoint(
     client: JobClient,
     submit: Callable[..., str],

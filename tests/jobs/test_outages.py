@@ -44,6 +44,7 @@ def store_is_away(home: Home) -> Callable[[], None]:
     return chunks.unlink
 
 
+@pytest.mark.slow
 def test_a_store_that_is_away_keeps_the_job_waiting(
     client: JobClient,
     submit: Callable[..., str],
@@ -101,6 +102,7 @@ def test_a_capture_that_is_not_mounted_is_waited_for(
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED
 
 
+@pytest.mark.slow
 def test_a_database_that_does_not_take_the_outcome_of_a_stage_is_waited_for(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
@@ -130,6 +132,7 @@ class TestFullDisk:
     def home(self, disk: Path, pipeline: str) -> Home:
         return dataclasses.replace(Home.at(disk / "home"), pipeline=pipeline)
 
+    @pytest.mark.slow
     def test_the_job_goes_on_when_there_is_room_again(
         self,
         client: JobClient,

@@ -42,6 +42,7 @@ def iterations(run: Path) -> list[tuple[int, int]]:
     return [(int(pid), int(iteration)) for pid, iteration in (line.split() for line in lines)]
 
 
+@pytest.mark.slow
 def test_cancel_and_retry_are_the_same_as_on_sqlite(
     home: Home, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor, wait_until: Poll
 ) -> None:

@@ -79,6 +79,7 @@ class TestOutage:
     def home(self, tmp_path: Path, pipeline: str, server: S3Server) -> Home:
         return dataclasses.replace(Home.at(tmp_path / "home"), pipeline=pipeline, store_url="s3://bucket/hgs")
 
+    @pytest.mark.slow
     def test_the_job_waits_and_is_published_afterwards(
         self,
         server: S3Server,

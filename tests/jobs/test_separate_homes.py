@@ -93,6 +93,7 @@ def stored(home: Home, prefix: str) -> set[str]:
 
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     end: signal.Signals,
     client: JobClient,

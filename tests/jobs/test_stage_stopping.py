@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from hgs_core.runs.run_config import RunConfig
 from hgs_core.runs.stages import create_run
 from jobs.home.home import Home
@@ -47,6 +49,7 @@ result.write_text(json.dumps(told))
 """
 
 
+@pytest.mark.slow
 def test_every_stage_can_be_stopped_and_goes_on(home: Home, tmp_path: Path) -> None:
     write_capture(tmp_path / "capture")
     run = home.run("job")

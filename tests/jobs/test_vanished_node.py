@@ -73,6 +73,7 @@ def start_on_node(node: NetworkNode, home: Home) -> Iterator[Callable[..., Worke
         process.communicate()
 
 
+@pytest.mark.slow
 def test_the_server_lets_go_of_its_lock(
     node: NetworkNode, home: Home, start_on_node: Callable[..., Worker], wait_until: Poll
 ) -> None:

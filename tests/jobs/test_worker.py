@@ -232,6 +232,7 @@ def test_a_job_under_which_too_many_workers_died_is_failed(
     assert (job.state, job.error) == (JobState.FAILED, "given up: 20 workers died while they ran this job")
 
 
+@pytest.mark.slow
 def test_a_workflow_of_a_living_worker_that_nobody_works_on_is_resumed(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:

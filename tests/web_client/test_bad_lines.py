@@ -32,6 +32,7 @@ def page(browser: Browser) -> Iterator[Page]:
     opened.close()
 
 
+@pytest.mark.slow
 def test_silent_connection_is_replaced_and_what_came_is_kept(page: Page, site: Site) -> None:
     address = urlsplit(site.page)
     assert address.hostname is not None

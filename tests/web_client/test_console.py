@@ -186,6 +186,7 @@ def test_a_job_is_cancelled_and_tried_again(console: Console, page: Page) -> Non
     assert "attempt 2" in page.locator(".page-head").inner_text()
 
 
+@pytest.mark.slow
 def test_a_failed_job_says_why_and_goes_on_after_the_cure(console: Console, page: Page) -> None:
     (console.captures / "hall" / "fail").touch()
     console.let_train("hall")

@@ -156,6 +156,7 @@ def served_picture(browser: Browser, site: Site) -> np.ndarray:
         return canvas_pixels(page)
 
 
+@pytest.mark.slow
 def test_the_packed_package_plays_in_an_empty_project_on_a_plain_web_server(
     browser: Browser, site: Site, served_picture: np.ndarray, tmp_path: Path
 ) -> None:

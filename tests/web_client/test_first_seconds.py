@@ -98,6 +98,7 @@ def test_the_poster_is_painted_before_any_script_and_goes_with_the_first_picture
             assert not is_poster(middle(page))
 
 
+@pytest.mark.slow
 def test_the_poster_is_framed_as_the_first_picture(browser: Browser, site: Site, tmp_path: Path) -> None:
     """A scene whose thumbnail is its own first picture: nothing moves when the scene takes the poster's place."""
     size = {"width": WIDTH, "height": HEIGHT}

@@ -53,7 +53,7 @@ def problems(page: Page) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("count", [20, 40])
+@pytest.mark.parametrize("count", [20, pytest.param(40, marks=pytest.mark.slow)])
 def test_a_gallery_that_is_scrolled_through_draws_whatever_is_in_sight(
     browser: Browser, host: Host, count: int
 ) -> None:

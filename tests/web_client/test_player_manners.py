@@ -69,6 +69,7 @@ def drag(page: Page, dx: int) -> None:
     page.mouse.move(320 + dx, 240, steps=6)
 
 
+@pytest.mark.slow
 def test_a_quarter_turn_ends_softly_and_springs_back(browser: Browser, site: Site) -> None:
     """Held at its end the rubber band shows a little more than what is left after letting go; a longer drag no more."""
     with viewing(browser, site, prepare=lambda page: page.add_init_script(ARC)) as page:

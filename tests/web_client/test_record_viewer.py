@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 @pytest.mark.browser
 @pytest.mark.timeout(120)
+@pytest.mark.slow
 def test_a_film_shows_every_time_from_another_place_and_is_the_same_each_time(
     site: Site, browser: Browser, monkeypatch: pytest.MonkeyPatch
 ) -> None:

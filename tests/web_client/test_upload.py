@@ -64,6 +64,7 @@ def choose(page: Page, folder: Path) -> None:
     page.locator("input[webkitdirectory]").set_input_files(folder)
 
 
+@pytest.mark.slow
 def test_a_folder_is_sent_checked_and_trained(context: BrowserContext, receiver: Receiver, folder: Path) -> None:
     """A request is lost, a page is closed half-way, and another goes on."""
     sent: list[str] = []

@@ -205,7 +205,13 @@ def left_by_the_page(headset: Headset) -> None:
     headset.page.get_by_role("button", name="Leave the headset").first.dispatch_event("click")
 
 
-@pytest.mark.parametrize("leave", [left_by_the_system, left_by_button, left_by_panel, left_by_the_page])
+@pytest.mark.parametrize(
+    "leave",
+    [
+        left_by_the_system,
+        *(pytest.param(leave, marks=pytest.mark.slow) for leave in (left_by_button, left_by_panel, left_by_the_page)),
+    ],
+)
 def test_leaving_brings_the_page_back(browser: Browser, site: Site, leave: Callable[[Headset], None]) -> None:
     with headset_page(browser, site) as headset:
         page = headset.page
@@ -343,6 +349,7 @@ def test_a_pinching_hand_moves_the_scene(browser: Browser, dust: Site) -> None:
             assert psnr(eye[..., :3], reference_picture(dust, camera)) >= EYE_PSNR
 
 
+@pytest.mark.slow
 def test_pictures_become_coarser_while_frames_are_late_and_finer_again(browser: Browser, site: Site) -> None:
     with headset_page(browser, site, size=(32, 32)) as headset:
         # The test's own clock alone, so that a busy machine makes no frame late.

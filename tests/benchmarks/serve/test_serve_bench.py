@@ -9,6 +9,7 @@ from benchmarks.serve import serve_bench
 from benchmarks.serve.serve_bench import bench_serve, serve_text
 
 
+@pytest.mark.slow
 def test_viewers_and_the_server_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(serve_bench, "AHEAD", 0.2)
     monkeypatch.setattr(serve_bench, "WITNESSES", 1)
@@ -21,6 +22,7 @@ def test_viewers_and_the_server_are_counted(monkeypatch: pytest.MonkeyPatch) -> 
     assert "2 viewers" in serve_text(report)
 
 
+@pytest.mark.slow
 def test_bad_clients_are_told_one_kind_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = {
         "STALLED": 2,

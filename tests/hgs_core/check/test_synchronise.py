@@ -36,6 +36,7 @@ class Shifted:
         return self.capture.frame(camera, frame + 7 + self.shifts[camera])
 
 
+@pytest.mark.slow
 def test_shifted_videos_are_told_apart_to_half_a_frame(studio: Capture) -> None:
     shifts = (0, 5, -7, 0, 3)
     found = find_offsets(Shifted(studio, shifts), lambda progress: None)  # type: ignore[arg-type]

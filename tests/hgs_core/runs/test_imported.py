@@ -110,6 +110,7 @@ def imported(file: Path, run: Path) -> int | None:
 
 
 @pytest.mark.parametrize("name", ["means", "log_scales", "opacity_logits", "rgb", "quats"])
+@pytest.mark.slow
 def test_extreme_numbers_leave_the_good_splats_as_they_are(tmp_path: Path, name: str) -> None:
     """One extreme number in the first component of a property, for every size and sign; and all of them in one file."""
     good = ball()

@@ -107,6 +107,7 @@ def test_a_worker_whose_home_vanishes_takes_no_job(
             worker.kill()
 
 
+@pytest.mark.slow
 def test_a_run_that_was_begun_on_a_home_that_vanished_waits(
     home: Home, client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:

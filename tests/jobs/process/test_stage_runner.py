@@ -176,6 +176,7 @@ def test_a_stage_that_computes_for_ever_is_killed(home: Home, make_run: Callable
     asyncio.run(body())
 
 
+@pytest.mark.slow
 def test_a_stage_that_computes_without_a_word_is_not(
     home: Home, make_run: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:

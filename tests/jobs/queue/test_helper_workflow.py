@@ -62,6 +62,7 @@ def test_workers_share_the_segments_of_a_job_and_one_that_dies_costs_what_it_had
 
 
 @stand_in
+@pytest.mark.slow
 def test_one_worker_makes_all_segments_and_help_that_comes_too_late_ends_at_once(
     client: JobClient, worker: Callable[..., subprocess.Popen[bytes]], wait_for: WaitFor, tmp_path: Path
 ) -> None:

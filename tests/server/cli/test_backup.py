@@ -23,6 +23,7 @@ def hgs(home: Path, *arguments: object) -> str:
     return subprocess.run(command, env=environment, cwd=REPOSITORY, capture_output=True, text=True, check=True).stdout
 
 
+@pytest.mark.slow
 def test_a_server_on_the_restored_home_plays_its_scenes_to_the_same_keys_and_links(
     scene_folder: Path, tmp_path: Path, chunks: list[bytes]
 ) -> None:

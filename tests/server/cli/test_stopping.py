@@ -46,6 +46,7 @@ def arguments(capture: Path, out: Path) -> list[str]:
     return [str(capture), str(out), *SETTINGS]
 
 
+@pytest.mark.slow
 def test_every_stage_can_be_stopped_and_goes_on(capture: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
     ended = subprocess.run(
