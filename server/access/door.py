@@ -16,11 +16,11 @@ from server.access.scopes import needed_scope, scene_of
 from server.access.visitors import LINK, Access, Visitor
 from server.http.problems import ProblemError, problem_response
 from server.protocol.messages import Error, encode
+from server.protocol.stream_endings import Closing
 
 __all__ = ["AccessControl"]
 
 CHECK_SECONDS = 5.0
-GONE = 4003  # a WebSocket whose key or link holds no more
 _LONG = re.compile(r"/v1/jobs/[^/]+/events")
 _CHUNK = re.compile(r"/v1/chunks/([0-9a-f]{64})")
 
@@ -120,7 +120,7 @@ class AccessControl:
         elif accepted:
             text = "the link has expired" if visitor.link else "the key is no longer valid"
             await send({"type": "websocket.send", "bytes": encode(Error("access-ended", text))})
-            await send({"type": "websocket.close", "code": GONE})
+            await send({"type": "websocket.close", "code": Closing.ACCESS_ENDED.code})
 
     async def _still(self, connection: HTTPConnection) -> bool:
         try:

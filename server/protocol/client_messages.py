@@ -27,6 +27,7 @@ from server.protocol.messages import (
     ProtocolError,
     Seek,
 )
+from server.protocol.stream_endings import Closing
 
 __all__ = ["decode"]
 
@@ -38,7 +39,7 @@ def decode(message: bytes) -> ClientMessage:
         ProtocolError: too large, not a msgpack map, an unknown type, or a field that is missing or out of range.
     """
     if len(message) > MAX_MESSAGE_BYTES:
-        raise ProtocolError(1009, "message-too-large", f"{len(message)} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
+        raise ProtocolError(Closing.MESSAGE_TOO_LARGE, f"{len(message)} bytes; at most {MAX_MESSAGE_BYTES} are allowed")
     try:
         fields = msgpack.unpackb(message, raw=False, strict_map_key=True, max_ext_len=0)
     # msgpack's own exceptions are ValueErrors.
@@ -54,7 +55,7 @@ def decode(message: bytes) -> ClientMessage:
 
 
 def _malformed(detail: str) -> ProtocolError:
-    return ProtocolError(4000, "malformed", detail)
+    return ProtocolError(Closing.MALFORMED, detail)
 
 
 def _uint(fields: Mapping[str, Any], name: str) -> int:
@@ -149,7 +150,7 @@ def _hello(fields: Mapping[str, Any]) -> Hello:
     version = _uint(fields, "protocol")
     if version != PROTOCOL_VERSION:
         detail = f"protocol {version}; this server speaks {PROTOCOL_VERSION} alone"
-        raise ProtocolError(4001, "protocol-unsupported", detail)
+        raise ProtocolError(Closing.PROTOCOL_UNSUPPORTED, detail)
     return Hello(
         protocol=version,
         credits=_uint(fields, "credits"),

@@ -12,6 +12,8 @@ from typing import ClassVar
 
 import msgpack
 
+from server.protocol.stream_endings import Closing
+
 __all__ = [
     "CHUNK_FRAME",
     "DEFAULT_RATE",
@@ -66,12 +68,11 @@ HEADER_BYTES = _HEADER.size
 
 
 class ProtocolError(Exception):
-    """The client broke the protocol; the connection closes with `close_code` after an `error` message."""
+    """A breach of the protocol, or another end of the stream: the connection closes after an `error` message."""
 
-    def __init__(self, close_code: int, code: str, detail: str) -> None:
-        """Keep the WebSocket close code, the error code and one line for people."""
-        self.close_code = close_code
-        self.code = code
+    def __init__(self, closing: Closing, detail: str) -> None:
+        """Keep the way of closing, and one line for people."""
+        self.closing = closing
         self.detail = detail
         super().__init__(detail)
 

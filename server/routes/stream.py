@@ -14,6 +14,7 @@ from starlette.concurrency import run_in_threadpool
 from server.http.problems import ProblemError, problem_response
 from server.http.token_bucket import TokenBucket
 from server.protocol.messages import Error, ProtocolError, chunk_header, encode
+from server.protocol.stream_endings import Closing
 from server.scenes.chunk_cache import ChunkCache
 from server.scenes.live_scenes import LiveScenes
 from server.scenes.scene_index import SceneIndex
@@ -50,12 +51,13 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
     except WebSocketDisconnect:
         return
     except ProtocolError as error:
-        await _refuse(socket, error.close_code, error.code, error.detail)
+        await _refuse(socket, error.closing.code, error.closing.error, error.detail)
     except ProblemError as error:
-        await _refuse(socket, 4004 if error.status == 404 else 1011, error.code, error.detail)
+        closing = Closing.SCENE_NOT_FOUND if error.status == 404 else Closing.INTERNAL
+        await _refuse(socket, closing.code, error.code, error.detail)
     except Exception:
         log.exception("the stream of scene %s broke", scene_id)
-        await _refuse(socket, 1011, "internal", "a fault of the server; its log says more")
+        await _refuse(socket, Closing.INTERNAL.code, Closing.INTERNAL.error, "a fault of the server; its log says more")
 
 
 @router.get("/v1/scenes/{scene_id}/stream", include_in_schema=False, response_model=None)
@@ -95,12 +97,12 @@ async def _listen(socket: WebSocket, session: StreamSession, budget: TokenBucket
             async with asyncio.timeout(None if greeted else HELLO_SECONDS):
                 message = await socket.receive()
         except TimeoutError:
-            raise ProtocolError(4008, "hello-timeout", f"no hello within {HELLO_SECONDS:g} s") from None
+            raise ProtocolError(Closing.HELLO_TIMEOUT, f"no hello within {HELLO_SECONDS:g} s") from None
         if message["type"] == "websocket.disconnect":
             raise WebSocketDisconnect(message.get("code", 1005))
         data = message.get("bytes")
         if data is None:
-            raise ProtocolError(1003, "not-binary", "control messages are binary, not text")
+            raise ProtocolError(Closing.NOT_BINARY, "control messages are binary, not text")
         session.receive(data, time.monotonic())
         news.set()
         # Nothing more is read while a client that asks too often waits, so that the others do not.
@@ -140,7 +142,7 @@ async def _grow(session: StreamSession, scene: SceneIndex, live: LiveScenes, new
 
 async def _await_deletion(gone: asyncio.Event) -> NoReturn:
     await gone.wait()
-    raise ProtocolError(4004, "scene-not-found", "the scene was deleted")
+    raise ProtocolError(Closing.SCENE_NOT_FOUND, "the scene was deleted")
 
 
 def _frame(part: ChunkPart, data: bytes) -> bytes:

@@ -11,12 +11,12 @@ from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from server.http.problems import ProblemError, problem_response
+from server.protocol.stream_endings import Closing
 
 __all__ = ["OpenStreams", "StreamAdmission"]
 
 LATE_SECONDS = 1.0  # delay of the event loop above which new streams are rejected
 RETRY_SECONDS = (5, 15)  # range of Retry-After for rejected clients
-RESTARTING = 1012
 _INDEX = re.compile(r"/v1/scenes/[^/]+/index\.hgs")
 
 
@@ -110,7 +110,7 @@ class StreamAdmission:
         if ended:
             stream.result()
         elif accepted:
-            await send({"type": "websocket.close", "code": RESTARTING})
+            await send({"type": "websocket.close", "code": Closing.RESTARTING.code})
 
 
 def _begins_watching(scope: Scope) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 
 from server.protocol.messages import Hello, ProtocolError
+from server.protocol.stream_endings import Closing
 from server.scenes.scene_index import SceneIndex
 
 __all__ = ["ClientCache"]
@@ -31,7 +32,7 @@ class ClientCache:
         for chunk, offset in parts.items():
             if offset >= sizes[chunk]:
                 detail = f"hello.parts: chunk {chunk.hex()} has {sizes[chunk]} bytes, not more than {offset}"
-                raise ProtocolError(4000, "malformed", detail)
+                raise ProtocolError(Closing.MALFORMED, detail)
         whole = {chunk for chunk in hello.have if chunk in sizes}
         for page, bits in hello.pages.items():
             if page in scene.page_chunks:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 
 from server.protocol.messages import HEADER_BYTES, MAX_BALANCE, MAX_PAYLOAD, MIN_PAYLOAD, ProtocolError
+from server.protocol.stream_endings import Closing
 
 __all__ = ["FlowControl"]
 
@@ -34,7 +35,7 @@ class FlowControl:
             ProtocolError: 4009, the balance would rise above `MAX_BALANCE`.
         """
         if self.balance + amount > MAX_BALANCE:
-            raise ProtocolError(4009, "credit-overflow", f"the balance would rise above {MAX_BALANCE} bytes")
+            raise ProtocolError(Closing.CREDIT_OVERFLOW, f"the balance would rise above {MAX_BALANCE} bytes")
         self.balance += amount
 
     def wait(self, clock: float) -> float | None:

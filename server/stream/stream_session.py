@@ -28,6 +28,7 @@ from server.protocol.messages import (
     Welcome,
     encode,
 )
+from server.protocol.stream_endings import Closing
 from server.scenes.scene_growth import is_later
 from server.scenes.scene_index import Chunk, SceneIndex
 from server.stream.client_cache import ClientCache
@@ -94,7 +95,7 @@ class StreamSession:
         """
         message = decode(data)
         if isinstance(message, Hello) == self._greeted:
-            raise ProtocolError(4000, "malformed", "hello must be the first message, and sent once")
+            raise ProtocolError(Closing.MALFORMED, "hello must be the first message, and sent once")
         match message:
             case Hello():
                 self._greet(message, clock)
@@ -111,7 +112,7 @@ class StreamSession:
                 self._limit(message)
             case Ping():
                 if len(self._outbox) >= MAX_UNSENT:
-                    raise ProtocolError(4000, "flood", f"{MAX_UNSENT} responses are waiting to be read")
+                    raise ProtocolError(Closing.FLOOD, f"{MAX_UNSENT} responses are waiting to be read")
                 self._outbox.append(encode(Pong(message.id)))
             case _:
                 assert_never(message)
@@ -137,7 +138,7 @@ class StreamSession:
         if not is_later(scene, before):
             if is_later(before, scene):  # it was read before this session began
                 return
-            raise ProtocolError(4004, "scene-changed", "another scene has taken its place")
+            raise ProtocolError(Closing.SCENE_CHANGED, "another scene has taken its place")
         self._scene = scene
         self._playhead.set(self._playhead.at(clock), clock)
         self._playhead.end, self._playhead.grows = scene.end, scene.live is not None

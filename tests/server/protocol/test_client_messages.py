@@ -102,7 +102,7 @@ def test_truncated_messages_are_malformed(message: ClientMessage, cut: int) -> N
 def test_bad_fields_are_named(fields: dict[str, object], word: str) -> None:
     with pytest.raises(ProtocolError, match=word) as caught:
         decode(msgpack.packb(fields))
-    assert (caught.value.close_code, caught.value.code) == (4000, "malformed")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4000, "malformed")
 
 
 @pytest.mark.parametrize("value", [[], "hello", 3, None, {1: 2}])
@@ -119,7 +119,7 @@ def test_deep_nesting_is_refused() -> None:
 def test_another_version_is_unsupported_whatever_its_fields() -> None:
     with pytest.raises(ProtocolError) as caught:
         decode(msgpack.packb({"type": "hello", "protocol": 4, "credits": "lots"}))
-    assert (caught.value.close_code, caught.value.code) == (4001, "protocol-unsupported")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4001, "protocol-unsupported")
 
 
 def test_unknown_fields_are_ignored() -> None:
@@ -151,7 +151,7 @@ def test_hello_of_a_client_that_keeps_nothing_may_leave_out_all_lists() -> None:
 def test_what_a_client_keeps_is_checked(fields: dict[str, object]) -> None:
     with pytest.raises(ProtocolError, match=f"hello.{next(iter(fields))}") as caught:
         decode(msgpack.packb({"type": "hello", "protocol": 1, "credits": 0} | fields))
-    assert (caught.value.close_code, caught.value.code) == (4000, "malformed")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4000, "malformed")
 
 
 def test_message_at_the_limit_holds_full_lists() -> None:
@@ -173,4 +173,4 @@ def test_longer_have_lists_are_refused() -> None:
 def test_messages_above_the_limit_are_refused() -> None:
     with pytest.raises(ProtocolError) as caught:
         decode(b"\xc4" + bytes(MAX_MESSAGE_BYTES))
-    assert caught.value.close_code == 1009
+    assert caught.value.closing.code == 1009

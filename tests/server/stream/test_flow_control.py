@@ -75,5 +75,5 @@ def test_credit_beyond_the_largest_balance_is_refused() -> None:
     flow.grant(MAX_BALANCE)
     with pytest.raises(ProtocolError) as caught:
         flow.grant(1)
-    assert (caught.value.close_code, caught.value.code) == (4009, "credit-overflow")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4009, "credit-overflow")
     assert flow.balance == MAX_BALANCE

@@ -191,7 +191,7 @@ def test_part_that_is_no_part_is_refused(make_scene: MakeScene, offset: int) -> 
     scene = make_scene([10], [])
     with pytest.raises(ProtocolError, match="has 10 bytes") as caught:
         start(scene, parts={scene.static[0].id: offset})
-    assert (caught.value.close_code, caught.value.code) == (4000, "malformed")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4000, "malformed")
 
 
 def test_chunk_that_cannot_be_read_costs_itself_alone(make_scene: MakeScene) -> None:
@@ -300,7 +300,7 @@ def test_credit_overflow_is_refused(make_scene: MakeScene) -> None:
     session = start(make_scene([10], []), credits=MAX_BALANCE)
     with pytest.raises(ProtocolError) as caught:
         session.receive(encode(Credit(1)), 0.0)
-    assert (caught.value.close_code, caught.value.code) == (4009, "credit-overflow")
+    assert (caught.value.closing.code, caught.value.closing.error) == (4009, "credit-overflow")
 
 
 @pytest.mark.parametrize("first", [Credit(1), Seek(0.0), Ping(1), Play(0.0, 1.0), Pause(0.0)])
