@@ -1,4 +1,4 @@
-"""Publishing a scene as files that need no program of ours, with the player's page (docs/static.md)."""
+"""Publication of a scene as static files, with the player's page (docs/static.md)."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from server.routes.poster import Poster
 __all__ = ["PLAYER", "PLAYER_SCRIPT", "StaticFile", "StaticTarget", "Transfer", "publish_static"]
 
 PLAYER = "player"
-"""Folder of the player's files, in the built viewer and in what is published."""
+"""Folder of the player's files, in the built viewer and in published scenes."""
 
 PLAYER_SCRIPT = "hgs-player.js"
 PAGE = "index.html"
 _ICON = "icon.svg"
 
 _OURS = frozenset({MANIFEST, INDEX, CHUNKS, THUMBNAIL, PAGE, PLAYER})
-_CODED = frozenset({".br", ".gz"})  # what the build leaves beside the player's files
+_CODED = frozenset({".br", ".gz"})  # compressed copies made by the build
 
 _PAGE = """<!doctype html>
 <html lang="en">
@@ -54,60 +54,60 @@ hgs-player {{ display: block; width: 100%; height: 100%; }}
 class StaticFile(NamedTuple):
     """One file of a published scene."""
 
-    name: str  # its path below the target, "chunks/0a1b…"
+    name: str  # path below the target, "chunks/0a1b…"
     data: bytes
-    coding: str = ""  # content coding of the data, where a server must say so: "gzip"
+    coding: str = ""  # content coding of the data, where a server must declare it: "gzip"
 
 
 @dataclass(frozen=True)
 class Transfer:
-    """What publishing has written, and what it found there already."""
+    """Counts of written and unchanged files."""
 
     files: int = 0
     bytes: int = 0
-    kept: int = 0  # files that were there with the same content
+    kept: int = 0  # files already present with the same content
 
     def __add__(self, other: Transfer) -> Transfer:
-        """Return both as one."""
+        """Return the sum of both."""
         return Transfer(self.files + other.files, self.bytes + other.bytes, self.kept + other.kept)
 
 
 class StaticTarget(Protocol):
-    """Where a scene is published; `str` of it is its address."""
+    """The target of a publication; `str` returns its address."""
 
     kind: str
-    """What people call it: "folder"."""
+    """Kind of target in messages: "folder"."""
 
     takes_codings: bool
-    """Whether a file has one content, in the coding that is said with it; else its coded forms lie beside it."""
+    """Whether a file is stored once, with its content coding; otherwise compressed copies lie beside it."""
 
     def names(self) -> list[str]:
-        """Return the names of what lies there, not within folders, without what a kill has left."""
+        """Return the top-level names, without remains of a killed publication."""
 
     def read(self, name: str) -> bytes:
-        """Return a file of which `names` has the name."""
+        """Return a file named by `names`."""
 
     def write(self, files: Iterable[StaticFile]) -> Transfer:
-        """Write files, each whole or not at all, but those that are there with the same content.
+        """Write files atomically, except those already present with the same content.
 
-        All are there when this returns.
+        All are stored on return.
         """
 
     def remove(self, name: str) -> None:
-        """Remove a file, if it is there."""
+        """Remove a file, if it exists."""
 
     def remove_other_chunks(self, wanted: Collection[str]) -> None:
-        """Remove the chunks with other names, and what a kill has left."""
+        """Remove all other chunks, and remains of a killed publication."""
 
 
 def publish_static(
     run: Path, target: StaticTarget, player: Path | None, replace: bool, progress: ProgressCallback
 ) -> Transfer:
-    """Write the scene of a finished run to the target, as `publish_to_folder` and `publish_to_bucket` say.
+    """Write the scene of a finished run to the target, as `publish_to_folder` and `publish_to_bucket` do.
 
     Raises:
-        InputError: the run has no encoded scene or a damaged one, the player is not built, or the target holds another
-            scene or something else.
+        InputError: the run has no encoded scene or a damaged one, the player is not built, or the target contains
+            another scene or foreign files.
     """
     scene, text = encoded_scene(run)
     manifest = load_manifest(scene)
@@ -123,7 +123,7 @@ def publish_static(
     progress(Progress("publish", total - 1, total))
     ready = paged(manifest, json.loads(text))
     done += target.write(StaticFile(f"{CHUNKS}/{page}", data) for page, data in ready.pages.items())
-    # Each of these steps is there before the next begins: what loads or names others comes after them.
+    # Each step is complete before the next begins: files come before those that load or name them.
     for files in (*_page(player, target.takes_codings, manifest, ready), *_manifest(scene, manifest, text, ready)):
         done += target.write(files)
     target.remove_other_chunks(stored_sizes(manifest).keys() | ready.pages.keys())
@@ -138,18 +138,18 @@ def _refuse_other_contents(target: StaticTarget, manifest: bytes, replace: bool)
     if not found:
         return
     empty = f"give a new or an empty {target.kind}"
-    if MANIFEST not in found:  # this command was killed here, or it is none of ours
+    if MANIFEST not in found:  # an interrupted publication, or foreign files
         strangers = [name for name in found if name not in _OURS] if CHUNKS in found else found
         if strangers:
-            raise InputError(target, f"holds {strangers[0]}, but no scene", empty)
+            raise InputError(target, f"contains {strangers[0]}, but no scene", empty)
         return
     there = target.read(MANIFEST)
     if there == manifest or replaces(manifest, there):
         return
     if not _is_scene(there):
-        raise InputError(f"{target}/{MANIFEST}", "is not a scene's", empty)
+        raise InputError(f"{target}/{MANIFEST}", "is not the manifest of a scene", empty)
     if not replace:
-        raise InputError(target, "holds another scene", f"give another {target.kind}, or --replace")
+        raise InputError(target, "contains another scene", f"give another {target.kind}, or --replace")
 
 
 def _is_scene(manifest: bytes) -> bool:
@@ -168,7 +168,7 @@ def _chunks(scene: Path, manifest: Manifest, progress: ProgressCallback) -> Iter
 
 
 def _page(player: Path | None, coded: bool, manifest: Manifest, ready: PagedScene) -> Iterator[Iterable[StaticFile]]:
-    """Yield the player's files, the script that loads the others, and the page."""
+    """Yield the player's files, then the script that loads them, then the page."""
     if player is None:
         return
     names = sorted(path.relative_to(player).as_posix() for path in player.rglob("*") if path.is_file())
@@ -179,8 +179,8 @@ def _page(player: Path | None, coded: bool, manifest: Manifest, ready: PagedScen
     links = [poster.preload] if poster else []
     if _ICON in names:
         links.append(f'<link rel="icon" href="{PLAYER}/{_ICON}" type="image/svg+xml">')
-    # As the build calls what the script asks for when it runs (web_client/vite.package.config.ts), but its worker: a
-    # browser asks for that twice where it may keep nothing.
+    # The build's names of the script's imports (web_client/vite.package.config.ts), except its worker: a
+    # browser without a cache would request that twice.
     parts = ["player_controls.js", *(["paged_manifest.js"] if ready.pages else [])]
     links += [f'<link rel="modulepreload" href="{PLAYER}/{name}">' for name in parts if name in names]
     if "zstd.wasm" in names:
@@ -202,7 +202,7 @@ def _is_sent(name: str, coded: bool) -> bool:
 
 
 def _player_file(player: Path, name: str, coded: bool) -> StaticFile:
-    # gzip: the one that every browser takes, over plain http, too.
+    # gzip is accepted by every browser, over plain http, too.
     smaller = player / f"{name}.gz"
     if coded and smaller.is_file():
         return StaticFile(f"{PLAYER}/{name}", smaller.read_bytes(), "gzip")
@@ -210,7 +210,7 @@ def _player_file(player: Path, name: str, coded: bool) -> StaticFile:
 
 
 def _manifest(scene: Path, manifest: Manifest, text: bytes, ready: PagedScene) -> Iterator[Iterable[StaticFile]]:
-    """Yield the poster, the index and the manifest, each of which may stand for what came before it."""
+    """Yield poster, index and manifest in this order: each may refer to earlier files."""
     if manifest.thumbnail:
         yield [StaticFile(THUMBNAIL, (scene / THUMBNAIL).read_bytes())]
     yield [StaticFile(INDEX, ready.index)]

@@ -1,4 +1,4 @@
-"""A scene under a prefix of a bucket that speaks S3, from where browsers and CDNs read it (docs/static.md)."""
+"""A scene under a prefix of an S3 bucket, for browsers and CDNs (docs/static.md)."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["publish_to_bucket"]
 
 _URL = re.compile(r"s3://[A-Za-z0-9][A-Za-z0-9._-]+(?:/(?!\.{1,2}(?:/|$))[A-Za-z0-9!_.*'()-]+)*/?")
 _AT_ONCE = 8  # uploads: round trips to a store take longer than most chunks
-_KEEP = "public, max-age=31536000, immutable"  # of chunks, whose names say what they hold
+_KEEP = "public, max-age=31536000, immutable"  # chunks, named by hashes of their content
 _ASK = "no-cache"
 _STATUS = re.compile(r"non-2xx status code: (\d{3})")
 _HOST = re.compile(r"https?://[^/\s]+")
@@ -40,15 +40,15 @@ def publish_to_bucket(
 ) -> Transfer:
     """Put the scene of a finished run under `url`, s3://BUCKET or s3://BUCKET/PREFIX; see `publish_to_folder`.
 
-    Nothing is sent that is there with the same content. Endpoint, region and credentials are those of the environment,
-    as of the service's store; faults that pass are tried again.
+    Objects with the same content are not sent again. Endpoint, region and credentials come from the environment,
+    as for the service's store; temporary faults are retried.
 
     Raises:
-        InputError: as of a folder; or `url` is malformed, there is no such bucket, or it refuses or does not answer.
+        InputError: as for a folder; or `url` is malformed, or the bucket is missing, forbidden or unreachable.
     """
     if not _URL.fullmatch(url):
         cure = "give s3://BUCKET/PREFIX, the prefix of letters, digits, -, _, . and /"
-        raise InputError(url, "is not the address of a bucket", cure)
+        raise InputError(url, "is not the URL of a bucket", cure)
     try:
         return publish_static(run, _WebBucket(url.rstrip("/")), player, replace, progress)
     except (BaseError, OSError) as error:
@@ -119,27 +119,27 @@ class _WebBucket:
         if there is None or there["size"] != len(file.data):
             return False
         md5 = hashlib.md5(file.data, usedforsecurity=False).hexdigest()
-        # The ETag of what was sent in parts, or lies there encrypted with a key of the user's, is another.
+        # Multipart uploads and objects encrypted with the user's key have another ETag.
         return (there["e_tag"] or "").strip('"') == md5 or self.read(file.name) == file.data
 
 
 def _told(error: BaseException) -> tuple[str, str]:
-    """Return in one line what a store's error says, and the cure."""
+    """Return a store's error in one line, and the cure."""
     text = str(error)
     status, code = _STATUS.search(text), _CODE.search(text)
     said = f": {code[1]}" if code is not None else ""
-    again = "repeat the command, which goes on where it stopped"
+    again = "repeat the command, which continues where it stopped"
     if isinstance(error, OSError) and error.errno is not None:
         return f"cannot be written ({error})", again
-    if "169.254.169.254" in text:  # where machines in the cloud find credentials, if nobody has set any
+    if "169.254.169.254" in text:  # address of cloud credentials, used if none are set
         return "no credentials were found", "set AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY"
     if code is not None and code[1] == "NoSuchBucket":
-        return "there is no such bucket", "make it, or correct the address or AWS_ENDPOINT"
+        return "there is no such bucket", "create it, or correct the address or AWS_ENDPOINT"
     if status is not None and status[1] in ("401", "403"):
         rights = "AWS_SECRET_ACCESS_KEY, with the right to list, get, put and delete objects here"
         return f"the store refuses access ({status[1]}{said})", f"set AWS_ACCESS_KEY_ID and {rights}"
     if "builder error" in text:
-        return "the store's address is no https", "give https://HOST as AWS_ENDPOINT, or set AWS_ALLOW_HTTP=true"
+        return "the store's address is not https", "give https://HOST as AWS_ENDPOINT, or set AWS_ALLOW_HTTP=true"
     if "incorrectly configured region" in text:
         return "the bucket is in another region", "set AWS_REGION"
     if status is not None:

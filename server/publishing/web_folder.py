@@ -1,4 +1,4 @@
-"""A scene as a folder that any web server can serve, with the player's page (docs/static.md)."""
+"""A scene as a folder for any web server, with the player's page (docs/static.md)."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from server.publishing.static_folder import StaticFile, Transfer, publish_static
 
 __all__ = ["publish_to_folder"]
 
-_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{12}\.tmp")  # what hgs_core/base/atomic.py leaves when it is killed
+_TEMPORARY = re.compile(r"\..+\.[0-9a-f]{12}\.tmp")  # remains of hgs_core/base/atomic.py after a kill
 
 
 def publish_to_folder(
     run: Path, to: Path, *, player: Path | None, replace: bool = False, progress: ProgressCallback = silent
 ) -> Transfer:
-    """Write the scene of a finished run to the folder `to`, which a web server can then serve as it is.
+    """Write the scene of a finished run to the folder `to`, ready for any web server.
 
-    Every chunk is decoded before it is written, and the manifest comes last, so whoever finds one finds all that it
-    names. Called again, after a kill too, it reuses the files that are there and whole. `player` is the folder with
-    the built player, None: only the scene's data is written. `replace` allows another scene to take the place of the
-    one that is there; that one can be seen until the new manifest is written, and its chunks are removed afterwards.
+    Every chunk is decoded before it is written, and the manifest comes last, so a manifest never names a
+    missing file. A repeated call, even after a kill, reuses complete files. `player` is the folder with
+    the built player, None: only the scene's data is written. `replace` allows another scene to replace the
+    present one, which stays visible until the new manifest is written; then its chunks are removed.
 
     Raises:
-        InputError: the run has no encoded scene or a damaged one, the player is not built, or `to` holds another
-            scene, something else than a scene, or cannot be written. A folder that has no manifest gets none then, and
-            a scene that is there stays whole.
+        InputError: the run has no encoded scene or a damaged one, the player is not built, or `to` contains another
+            scene, foreign files, or cannot be written. A folder without a manifest gets none then, and
+            a present scene stays complete.
     """
     try:
         if to.exists() and not to.is_dir():
             raise InputError(to, "is not a folder", "give a new folder")
         return publish_static(run, _WebFolder(to), player, replace, progress)
     except OSError as error:
-        raise InputError(to, f"cannot be written ({error})", "give a folder on a disk with room for it") from error
+        raise InputError(to, f"cannot be written ({error})", "give a folder on a disk with enough space") from error
 
 
 class _WebFolder:

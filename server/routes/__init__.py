@@ -1,3 +1,3 @@
-"""One router per resource of docs/protocol.md."""
+"""Routes of the API, one router per resource of docs/protocol.md."""
 
 __all__: list[str] = []

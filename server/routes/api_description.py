@@ -1,4 +1,4 @@
-"""The API as OpenAPI describes it: all routes, the bodies they read, the key they need, and the form of every error."""
+"""OpenAPI description of the API: routes, request bodies, required scopes and the form of every error."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _BODIES: dict[tuple[str, str], type[BaseModel]] = {
     ("post", "/v1/session"): session.Given,
     ("post", "/v1/uploads"): uploads.Beginning,
 }
-"""What the routes read themselves, which FastAPI does not know of."""
+"""Request bodies parsed by the routes themselves, which FastAPI cannot detect."""
 
 _PROBLEM = {
     "type": "object",
@@ -42,12 +42,12 @@ _PROBLEM = {
 
 
 def describe_api(app: FastAPI) -> dict[str, Any]:
-    """Return the OpenAPI document of an application; the viewer's files are no part of the API."""
+    """Return the OpenAPI document of an application, without the viewer's files."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # GET and HEAD of a route share a name, which is mended below
+        warnings.simplefilter("ignore")  # GET and HEAD of a route share a name, which is corrected below
         found = get_openapi(title="HGS", version=software_version(), routes=app.routes)
     found["paths"].pop("/{path}", None)
-    found["servers"] = [{"url": "."}]  # relative to this document, whatever path a proxy has put it under
+    found["servers"] = [{"url": "."}]  # relative to this document, under any path of a proxy
     components = found.setdefault("components", {})
     components["securitySchemes"] = {"key": {"type": "http", "scheme": "bearer"}}
     schemas = components.setdefault("schemas", {})
@@ -60,7 +60,7 @@ def describe_api(app: FastAPI) -> dict[str, Any]:
             scope = needed_scope(method.upper(), path.replace("{", "").replace("}", ""))
             if scope is not None:
                 operation["security"] = [{"key": []}]
-                operation["description"] = f"{operation.get('description', '')} Needs the scope `{scope}`.".strip()
+                operation["description"] = f"{operation.get('description', '')} Requires the scope `{scope}`.".strip()
             operation["responses"].pop("422", None)
             problem = {"schema": {"$ref": "#/components/schemas/Problem"}}
             operation["responses"]["default"] = {"description": "A problem", "content": {PROBLEM_JSON: problem}}

@@ -1,4 +1,4 @@
-"""`/v1/captures/check`: the check of a capture before there is a job (docs/upload.md)."""
+"""`/v1/captures/check`: checks of captures before they become jobs (docs/upload.md)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Start(BaseModel):
 
 @router.post("", status_code=202)
 async def start(request: Request, service: ServiceDep) -> Response:
-    """Begin the check of a capture."""
+    """Start the check of a capture."""
     service.origins.require_same_site(request)
     body = await read_json(request, Start)
     capture = await service.long_work.run(_locate_inside, service, body.capture)
@@ -43,18 +43,18 @@ async def get_check(capture: str, service: ServiceDep) -> dict[str, Any]:
     """Describe the last check of a capture."""
     check = service.capture_checks.get(await run_in_threadpool(_locate, service, capture))
     if check is None:
-        raise ProblemError(404, "check-not-found", f"capture {capture[:80]!r}: was not checked yet")
+        raise ProblemError(404, "check-not-found", f"capture {capture[:80]!r}: has not been checked yet")
     return _told(service, check)
 
 
 def _told(service: Service, check: CaptureCheckRun) -> dict[str, Any]:
-    """Return the check object, without the paths of the server's folders in what is said of the capture."""
+    """Return the check object, with paths in its error relative to the server's folders."""
     told = check.to_json()
     return told | {"error": told["error"] and service.captures.shown(told["error"])}
 
 
 def _locate_inside(service: Service, capture: str) -> Path:
-    """Return a capture whose links all lead into the folders that the server may read."""
+    """Return a capture, after a check that its links stay within the readable folders."""
     found = _locate(service, capture)
     try:
         service.captures.require_inner_links(found)

@@ -1,4 +1,4 @@
-"""`/v1/captures`: what there is to train."""
+"""`/v1/captures`: captures available for jobs."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ async def chunk(request: Request, chunk_id: str, service: ServiceDep) -> Respons
 
 
 def immutable(request: Request, chunk_id: str, data: bytes) -> Response:
-    """Answer with bytes that the SHA-256 names, whole or in part."""
+    """Respond with immutable bytes, whole or in part; their SHA-256 is the entity tag."""
     return respond(
         request,
         data,

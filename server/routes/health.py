@@ -1,4 +1,4 @@
-"""`/v1/health`: whether the server answers, and which protocol it speaks."""
+"""`/v1/health`: status of the server and version of its protocol."""
 
 from __future__ import annotations
 
@@ -16,5 +16,5 @@ router = APIRouter()
 
 @router.api_route("/v1/health", methods=["GET", "HEAD"])
 async def health() -> dict[str, Any]:
-    """Answer without touching the database or the store."""
+    """Respond without access to the database or the store."""
     return {"status": "ok", "version": software_version(), "protocol": PROTOCOL_VERSION}

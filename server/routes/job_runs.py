@@ -1,4 +1,4 @@
-"""`/v1/jobs/{id}/…`: what lies in a job's run folder: its course, its log, its last picture, its report."""
+"""`/v1/jobs/{id}/…`: views of a job's run folder: history, log, picture and report."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ __all__ = ["router"]
 router = APIRouter(prefix="/v1/jobs/{job_id}")
 
 _MILESTONES = 1000
-_LINES = 100  # of the log, if the client does not say
+_LINES = 100  # log lines by default
 _LARGEST_PICTURE = 4 << 20  # bytes; a picture of 480 pixels' width has some ten thousand
 _LARGEST_REPORT = 64 << 20
 
 
 @router.api_route("/run", methods=["GET", "HEAD"])
 def run(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Tell what else there is of a job."""
+    """Describe a job's queue position, webhook, picture, report and scene."""
     job = service.known_job(job_id)
     folder = service.runs.folder(job_id)
     picture = _picture(folder)
@@ -46,7 +46,7 @@ def run(request: Request, job_id: str, service: ServiceDep) -> Response:
 
 @router.api_route("/history", methods=["GET", "HEAD"])
 def history(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Tell the course of a job: what its stages reported."""
+    """Return the history of a job: the progress and figures of its stages."""
     service.known_job(job_id)
     course = thinned(read_course(service.runs.folder(job_id)), _MILESTONES)
     points = [
@@ -65,7 +65,7 @@ def history(request: Request, job_id: str, service: ServiceDep) -> Response:
 
 @router.api_route("/log", methods=["GET", "HEAD"])
 def log(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Show the end of what the stages of a job have written."""
+    """Return the end of a job's log."""
     service.known_job(job_id)
     count = _line_count(request.query_params.multi_items())
     return respond_json(request, log_tail(service.runs.folder(job_id), count))
@@ -84,7 +84,7 @@ def picture(request: Request, job_id: str, service: ServiceDep) -> Response:
 
 @router.api_route("/report", methods=["GET", "HEAD"])
 def report(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Serve the report of a job's run; it may show its own pictures and run its own script, and nothing else."""
+    """Serve the report of a job's run, restricted to its own pictures and script."""
     service.known_job(job_id)
     body = _whole(service.runs.folder(job_id) / "report.html", _LARGEST_REPORT)
     if body is None:
@@ -97,7 +97,7 @@ def report(request: Request, job_id: str, service: ServiceDep) -> Response:
 
 
 def _picture(run: Path) -> Path | None:
-    """Return the thumbnail of a scene that is encoded, else the last picture of its training, else None."""
+    """Return the thumbnail of an encoded scene, or else the last picture of its training, or None."""
     folder = RunFolder(run)
     return next((file for file in (folder.thumbnail, folder.preview) if file.is_file()), None)
 
@@ -111,13 +111,13 @@ def _announcement(service: Service, job: Job) -> dict[str, Any] | None:
 
 
 def _scene(service: Service, job: Job) -> str | None:
-    """Return the job's scene while it is published, as one that grows is before the job ends."""
+    """Return the job's scene while it is published; a growing one is published before the job ends."""
     scene_id = job.scene_id or job.id
     return None if service.artifacts.scene_entry(scene_id) is None else scene_id
 
 
 def _whole(file: Path, most_bytes: int) -> bytes | None:
-    """Return a file's bytes, or None if it is not there."""
+    """Return a file's bytes, or None if it does not exist."""
     try:
         with file.open("rb") as opened:
             body = opened.read(most_bytes + 1)
@@ -131,7 +131,7 @@ def _whole(file: Path, most_bytes: int) -> bytes | None:
 def _line_count(parameters: list[tuple[str, str]]) -> int:
     for name, _ in parameters:
         if name != "lines":
-            raise ProblemError(422, "query-invalid", f"unknown parameter {name[:40]!a}; known is lines", field=name)
+            raise ProblemError(422, "query-invalid", f"unknown parameter {name[:40]!a}; the only one is lines", field=name)
     if len(parameters) > 1:
         raise ProblemError(422, "query-invalid", "lines: given twice", field="lines")
     text = parameters[0][1] if parameters else str(_LINES)

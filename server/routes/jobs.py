@@ -1,4 +1,4 @@
-"""`/v1/jobs`: look at jobs, follow them, cancel and retry them; how one begins is in `submissions.py`."""
+"""`/v1/jobs`: list, describe, follow, cancel, retry and delete jobs; submission is in `submissions.py`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ router = APIRouter(prefix="/v1/jobs")
 
 @router.api_route("", methods=["GET", "HEAD"])
 def list_jobs(request: Request, service: ServiceDep) -> Response:
-    """List the jobs: those that run, those that wait, those that are finished, each newest first."""
+    """List the jobs: running, waiting, finished, each newest first."""
     query = JobQuery.read(request.query_params.multi_items())
     jobs = service.jobs.list(query.limit + 1, query.state, query.after, query.wanted)
     page = jobs[: query.limit]
@@ -61,7 +61,7 @@ def cancel(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]
 
 @router.post("/{job_id}/retry", status_code=202)
 def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
-    """Queue a failed or cancelled job again; it goes on from its last checkpoint."""
+    """Queue a failed or cancelled job again; it continues from its last checkpoint."""
     service.origins.require_same_site(request)
     service.known_job(job_id)
     try:
@@ -72,7 +72,7 @@ def retry(request: Request, job_id: str, service: ServiceDep) -> dict[str, Any]:
 
 @router.delete("/{job_id}", status_code=204)
 async def delete(request: Request, job_id: str, service: ServiceDep) -> Response:
-    """Forget a finished job and remove its run folder; its scene stays published."""
+    """Delete a finished job and its run folder; its scene stays published."""
     service.origins.require_same_site(request)
     await run_in_threadpool(service.known_job, job_id)
     try:

@@ -1,4 +1,4 @@
-"""`POST /v1/links`: a link with which somebody without a key can watch one scene for a while."""
+"""`POST /v1/links`: links that let people without a key watch one scene for a limited time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/links")
 
-LONGEST = 366 * 24 * 3600
+LONGEST = 366 * 24 * 3600  # seconds
 
 
 class Wish(BaseModel):
@@ -32,7 +32,7 @@ class Wish(BaseModel):
 
 @router.post("", status_code=201)
 async def link(request: Request, service: ServiceDep) -> dict[str, Any]:
-    """Make a link."""
+    """Create a link."""
     service.origins.require_same_site(request)
     wish = await read_json(request, Wish)
     if await run_in_threadpool(service.artifacts.scene_entry, wish.scene) is None:

@@ -1,4 +1,4 @@
-"""What whoever runs the server asks it: whether it lives, whether it is ready, what it counts, what it can do."""
+"""Routes for operators: liveness, readiness, metrics and the OpenAPI description."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ __all__ = ["router"]
 
 router = APIRouter()
 
-PROBE = "readiness-probe"  # an id that no scene has
+PROBE = "readiness-probe"  # not the id of any scene
 
 
 @router.api_route("/healthz", methods=["GET", "HEAD"])
 async def alive() -> dict[str, str]:
-    """Answer as long as the process does."""
+    """Respond while the process is alive."""
     return {"status": "ok"}
 
 
 @router.api_route("/readyz", methods=["GET", "HEAD"])
 async def ready(service: ServiceDep) -> Response:
-    """Ask the database, the store and the workers; 503 where one of the first two is away or the server stops."""
+    """Report the state of database, store and workers; 503 if one of the first two is down or the server stops."""
     found = await run_in_threadpool(_looked_at, service)
     found["stopping"] = service.streams.ending or service.stopping.is_set()
     fit = found["database"] == found["store"] == "ok" and not found["stopping"]
@@ -35,7 +35,7 @@ async def ready(service: ServiceDep) -> Response:
 
 @router.api_route("/metrics", methods=["GET", "HEAD"])
 async def metrics(service: ServiceDep) -> Response:
-    """Tell the counters, and of the queue what can be told."""
+    """Return the metrics, including those of the queue."""
 
     def told() -> bytes:
         found = _looked_at(service)
@@ -56,11 +56,11 @@ async def openapi(request: Request) -> Response:
 
 
 def _looked_at(service: Service) -> dict[str, Any]:
-    """Return how database and store answer, the jobs by state, and how many workers live."""
+    """Return the state of database and store, the number of jobs by state, and the number of live workers."""
     found: dict[str, Any] = {"database": "ok", "store": "ok", "jobs": None, "workers": None}
     try:
         found["jobs"], found["workers"] = service.jobs.counts(), len(service.jobs.workers())
-    except Exception:  # whatever it is, the server is not ready, and the cause is told where it is met
+    except Exception:  # any error means not ready; its cause is logged elsewhere
         found["database"] = "does not answer"
     try:
         service.artifacts.manifest(PROBE)

@@ -1,4 +1,4 @@
-"""Posters: the picture of a scene in its page itself, painted before any of the page's scripts has come."""
+"""Posters: a scene's first picture in its page, painted before any script has loaded."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ __all__ = ["Poster"]
 
 @dataclass(frozen=True)
 class Poster:
-    """The picture of a scene from its first camera, for the page that opens on that camera."""
+    """Picture of a scene from its first camera, for the page that opens at that camera."""
 
     address: str
-    """Relative to the page, of characters that stand for themselves in CSS: percent-encoded."""
+    """URL relative to the page, percent-encoded for CSS."""
 
     shape: float
-    """Its width by its height."""
+    """Width / height."""
 
     @property
     def preload(self) -> str:
-        """The link that lets a browser ask for the picture before anything else."""
+        """Return the link element that makes browsers load the picture first."""
         return f'<link rel="preload" as="image" href="{html.escape(self.address)}" fetchpriority="high">'
 
     def style(self, selector: str) -> str:
-        """Return the style of an element that fills its page, with the poster as its ground.
+        """Return the style of an element that fills its page, with the poster as background.
 
-        As `fitted` in web_client/src/camera/pinhole.ts frames the first picture, which so takes the poster's place.
+        The poster is framed like the first picture in `fitted` of web_client/src/camera/pinhole.ts, which replaces it.
         """
         height = f"min(max(100vh, {100 / self.shape:.4f}vw), 120vh, {120 / self.shape:.4f}vw)"
         return (
@@ -39,7 +39,7 @@ class Poster:
         )
 
     def painted_on(self, page: str) -> tuple[str, str]:
-        """Return a built page with the poster, and what browsers may do with that page; without a body, unchanged."""
+        """Return a built page with the poster, and its content security policy; unchanged if it has no body."""
         if "<body>" not in page or "</title>" not in page:
             return page, EMBEDDABLE_POLICY
         style = f"\n.poster {{ position: fixed; inset: 0; }}\n{self.style('.poster')}\n"

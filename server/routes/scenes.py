@@ -1,4 +1,4 @@
-"""`/v1/scenes`: what has been published; scenes can be renamed and deleted."""
+"""`/v1/scenes`: list, describe, rename, delete and read published scenes."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def scene(scene_id: str, service: ServiceDep) -> dict[str, Any]:
 
 @router.patch("/{scene_id}")
 async def rename(request: Request, scene_id: str, service: ServiceDep) -> dict[str, Any]:
-    """Give a scene another title."""
+    """Change a scene's title."""
     service.origins.require_same_site(request)
     title = _one_line((await read_json(request, Changes)).title)
     return await run_in_threadpool(_rename, service, scene_id, title)
@@ -54,7 +54,7 @@ async def rename(request: Request, scene_id: str, service: ServiceDep) -> dict[s
 
 @router.delete("/{scene_id}", status_code=204)
 async def delete(request: Request, scene_id: str, service: ServiceDep) -> Response:
-    """Take a scene back and end its streams; chunks stay, since other scenes may name them too."""
+    """Unpublish a scene and end its streams; its chunks stay, since other scenes may share them."""
     service.origins.require_same_site(request)
     await run_in_threadpool(_delete, service, scene_id)
     service.watchers.tell(scene_id)
@@ -63,7 +63,7 @@ async def delete(request: Request, scene_id: str, service: ServiceDep) -> Respon
 
 @router.api_route("/{scene_id}/manifest", methods=["GET", "HEAD"])
 def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
-    """Serve the manifest's exact bytes, compressed for those who ask."""
+    """Serve the manifest's exact bytes, compressed if the client accepts it."""
     body = service.artifacts.manifest(scene_id)
     if body is None:
         raise unknown_scene(scene_id)
@@ -72,7 +72,7 @@ def manifest(request: Request, scene_id: str, service: ServiceDep) -> Response:
 
 @router.api_route("/{scene_id}/index.hgs", methods=["GET", "HEAD"])
 def index(request: Request, scene_id: str, service: ServiceDep) -> Response:
-    """Serve the index, from which a player finds pages and chunks beside it as in a folder."""
+    """Serve the index; its pages and chunks have addresses beside it, as in a folder."""
     body = service.catalogue.scene(scene_id).manifest
     return respond(
         request, body, "application/octet-stream", etag=entity_tag(body), cache_control="no-cache", ranges=True
@@ -84,14 +84,14 @@ async def chunk(request: Request, scene_id: str, chunk_id: str, service: Service
     """Serve a page of the scene's manifest, or one of its chunks, whole or in part."""
     found = await run_in_threadpool(service.catalogue.scene, scene_id)
     if chunk_id not in found.chunk_ids:
-        raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: none of scene {scene_id}")
+        raise ProblemError(404, "chunk-not-found", f"chunk {chunk_id[:64]}: not part of scene {scene_id}")
     page = found.page_bytes.get(bytes.fromhex(chunk_id))
     return await respond_chunk(request, chunk_id, service) if page is None else immutable(request, chunk_id, page)
 
 
 @router.api_route("/{scene_id}/thumbnail", methods=["GET", "HEAD"])
 def thumbnail(request: Request, scene_id: str, service: ServiceDep) -> Response:
-    """Serve the picture that stands for the scene."""
+    """Serve the thumbnail of a scene."""
     body = service.artifacts.thumbnail(scene_id)
     if body is None:
         raise ProblemError(404, "thumbnail-not-found", f"scene {scene_id}: no such scene, or it has no thumbnail")
@@ -112,15 +112,15 @@ def _delete(service: Service, scene_id: str) -> None:
 
 
 def _one_line(title: str) -> str:
-    """Return a title without spaces around it.
+    """Return a title without surrounding spaces.
 
     Raises:
-        ProblemError: 422, it is empty or holds control characters or the ends of lines.
+        ProblemError: 422, it is empty or contains control characters or line breaks.
     """
     title = title.strip()
     if not title:
         raise ProblemError(422, "body-invalid", "title: is empty; give one line of text", field="title")
     if any(unicodedata.category(one) in ("Cc", "Zl", "Zp") for one in title):
-        detail = f"title: {title[:80]!a} holds control characters; give one line of text"
+        detail = f"title: {title[:80]!a} contains control characters; give one line of text"
         raise ProblemError(422, "body-invalid", detail, field="title")
     return title

@@ -1,4 +1,4 @@
-"""`/v1/session`: a browser gives its key once and gets a cookie that pages cannot read."""
+"""`/v1/session`: exchange of a key for a cookie that scripts cannot read."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Given(BaseModel):
 
 @router.api_route("", methods=["GET", "HEAD"])
 async def session(request: Request, response: Response, service: ServiceDep) -> dict[str, Any]:
-    """Tell whether a key is asked for, and what the browser's own allows."""
+    """Return whether a key is required, and the scopes of the browser's session."""
     response.headers["Cache-Control"] = "no-store"
     if await service.access.open_to(request):
         return {"needed": False, "name": None, "scopes": []}
@@ -39,11 +39,11 @@ async def session(request: Request, response: Response, service: ServiceDep) -> 
 
 @router.post("", status_code=204)
 async def begin(request: Request, service: ServiceDep) -> Response:
-    """Take a key and set the cookie."""
+    """Check a key and set the cookie."""
     service.origins.require_same_site(request)
     begun = await service.access.session((await read_json(request, Given)).key.strip())
     if begun is None:
-        raise ProblemError(401, "key-needed", "this is no key of this server, or it holds no more", field="key")
+        raise ProblemError(401, "key-needed", "this is not a key of this server, or it is no longer valid", field="key")
     response = Response(status_code=204, headers={"Cache-Control": "no-store"})
     response.set_cookie(
         COOKIE,
@@ -59,7 +59,7 @@ async def begin(request: Request, service: ServiceDep) -> Response:
 
 @router.delete("", status_code=204)
 async def end(request: Request, service: ServiceDep) -> Response:
-    """Forget the browser's key."""
+    """Delete the session cookie."""
     service.origins.require_same_site(request)
     response = Response(status_code=204)
     response.delete_cookie(COOKIE, path=f"{site_root(request)}/", httponly=True, samesite="strict")

@@ -1,4 +1,4 @@
-"""`WS /v1/scenes/{id}/stream`: carries one session's messages between its state machine and a socket."""
+"""`WS /v1/scenes/{id}/stream`: one session's messages between its state machine and the socket."""
 
 from __future__ import annotations
 
@@ -27,21 +27,22 @@ router = APIRouter()
 log = logging.getLogger("hgs.server")
 
 HELLO_SECONDS = 10.0
-MESSAGE_RATE = 100.0  # control messages per second; every chunk frame that is sent allows one more
+MESSAGE_RATE = 100.0  # control messages per second; every sent chunk frame allows one more
 MESSAGE_BURST = 200.0
 MESSAGE_UNIT = 4096  # bytes; a longer message counts as several
 
 
 @router.websocket("/v1/scenes/{scene_id}/stream")
 async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
-    """Stream one scene to one watcher until either side closes."""
+    """Stream one scene to one client until either side closes."""
     if not service.origins.may_read(socket):
         detail = f"a page of {socket.headers['Origin']} may not read scenes on this server"
         await socket.send_denial_response(problem_response(socket, ProblemError(403, "origin-not-allowed", detail)))
         return
     await socket.accept()
     try:
-        with service.watchers.join(scene_id) as gone:  # before the look: what is deleted after it is told
+        # Joined before the lookup: a later deletion is always noticed.
+        with service.watchers.join(scene_id) as gone:
             scene = await run_in_threadpool(service.catalogue.scene, scene_id)
             session = StreamSession(scene)
             try:
@@ -62,16 +63,16 @@ async def stream(socket: WebSocket, scene_id: str, service: ServiceDep) -> None:
 
 @router.get("/v1/scenes/{scene_id}/stream", include_in_schema=False, response_model=None)
 def no_stream(scene_id: str) -> NoReturn:
-    """Say what a request lacks that was one for a stream before some proxy passed it on."""
+    """Reject a stream request without its Upgrade header, which some proxy has dropped."""
     detail = (
-        "this address is a WebSocket, and the request asks for none: something between client and server does not pass "
-        "the header Upgrade (docs/deploy.md); the scene is also read over HTTP, from index.hgs beside this address"
+        "this address is a WebSocket, but the request is not an upgrade: a proxy on the way does not pass on "
+        "the header Upgrade (docs/deploy.md); the scene is also available over HTTP, from index.hgs beside this address"
     )
     raise ProblemError(426, "upgrade-needed", detail, headers={"Upgrade": "websocket"})
 
 
 async def _converse(socket: WebSocket, session: StreamSession, service: Service, gone: asyncio.Event) -> None:
-    """Read and write at once, until the scene is `gone`; whichever side fails first ends all."""
+    """Read and write concurrently, until the scene is `gone`; the first failure ends both."""
     news = asyncio.Event()
     budget = TokenBucket(MESSAGE_RATE, MESSAGE_BURST)
     sides = {
@@ -105,7 +106,7 @@ async def _listen(socket: WebSocket, session: StreamSession, budget: TokenBucket
             raise ProtocolError(Closing.NOT_BINARY, "control messages are binary, not text")
         session.receive(data, time.monotonic())
         news.set()
-        # Nothing more is read while a client that asks too often waits, so that the others do not.
+        # Nothing more is read from a client over its rate, so that others need not wait.
         if greeted and (pause := budget.spend(1 + len(data) // MESSAGE_UNIT, time.monotonic())) > 0:
             await asyncio.sleep(pause)
 
@@ -116,7 +117,7 @@ async def _speak(
     while True:
         item = session.take(time.monotonic())
         if item is None:
-            # Not wait_for, which loses a cancellation that comes together with news (before Python 3.12).
+            # wait_for loses a cancellation that arrives together with the event (before Python 3.12).
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(session.wait(time.monotonic())):
                     await news.wait()
@@ -128,11 +129,11 @@ async def _speak(
         else:
             await socket.send_bytes(_frame(item, data))
             budget.earn(1)
-        await asyncio.sleep(0)  # sending does not wait while the socket has room, and others want to be served too
+        await asyncio.sleep(0)  # yields to other streams, since sending does not wait while the socket has room
 
 
 async def _grow(session: StreamSession, scene: SceneIndex, live: LiveScenes, news: asyncio.Event) -> NoReturn:
-    """Give the session every later version of its scene, if the scene grows; end only with a fault."""
+    """Pass every later version of a growing scene to the session; only a fault ends this."""
     versions: asyncio.Queue[SceneIndex] = asyncio.Queue()
     with live.follow(scene, versions.put_nowait):
         while True:
@@ -151,7 +152,7 @@ def _frame(part: ChunkPart, data: bytes) -> bytes:
 
 
 async def _refuse(socket: WebSocket, close_code: int, code: str, detail: str) -> None:
-    """Say why, and close; the client may be gone already."""
+    """Send an error and close; the client may be gone already."""
     try:
         await socket.send_bytes(encode(Error(code, detail)))
         await socket.close(close_code)

@@ -1,4 +1,4 @@
-"""`POST /v1/jobs` and `/v1/submissions`: a capture is looked at, and a job is made of it, or it is said why not."""
+"""`POST /v1/jobs` and `/v1/submissions`: check of a capture, and creation of its job."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1")
 
-_PATIENCE = 5.0  # seconds that an answer waits for a look that has begun
+_PATIENCE = 5.0  # seconds that a response waits for a running check
 
 
 class Submission(BaseModel):
@@ -46,8 +46,8 @@ class Submission(BaseModel):
         default=OWN_SOUND,
         min_length=1,
         max_length=4096,
-        description="What is heard: auto for the first camera's sound that has any, camera: and the name of one, none, "
-        "or a file with sound, by its path in the capture or a whole path in a folder that the server may read.",
+        description="Sound of the scene: auto for the first camera with sound, camera: and a camera's name, none, "
+        "or a sound file, by its path in the capture or its absolute path in a folder that the server may read.",
     )
     labels: list[StrictStr] = Field(default=[], max_length=MAX_LABELS)
     priority: int = 0
@@ -57,7 +57,7 @@ class Submission(BaseModel):
 
 @router.post("/jobs")
 async def submit(request: Request, service: ServiceDep) -> Response:
-    """Queue a job, once its capture has been looked at."""
+    """Queue a job, once its capture has been checked."""
     service.origins.require_same_site(request)
     service.submissions.require_room(service.key_of(request))
     submission = await read_json(request, Submission, bounded="config")
@@ -71,16 +71,16 @@ async def submit(request: Request, service: ServiceDep) -> Response:
 
 @router.api_route("/submissions/{submission_id}", methods=["GET", "HEAD"])
 async def get_submission(submission_id: str, service: ServiceDep) -> Response:
-    """Answer what `POST /v1/jobs` would have, had it waited: the job, or why there is none."""
+    """Return the result of `POST /v1/jobs`: the job, or the reason why there is none."""
     pending = service.submissions.get(submission_id)
     if pending is None:
-        detail = f"submission {submission_id[:64]!r}: none that was sent lately; look for its job, or send it again"
+        detail = f"submission {submission_id[:64]!r}: not found among recent ones; look for its job, or submit it again"
         raise ProblemError(404, "submission-not-found", detail)
     return await _answer(service, pending, 200)
 
 
 async def _answer(service: Service, pending: PendingSubmission, made: int) -> Response:
-    """Wait a little; answer with the job and the status `made`, with what is wrong, or with where to ask."""
+    """Wait a little; respond with the job and the status `made`, with an error, or with the submission's URL."""
     await service.submissions.wait(pending, _PATIENCE)
     if pending.error is not None:
         raise pending.error
@@ -94,7 +94,7 @@ async def _answer(service: Service, pending: PendingSubmission, made: int) -> Re
 
 
 def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
-    """Return what is asked for, as far as no file tells whether it can be done."""
+    """Return the job request, checked as far as possible without reading files."""
     try:
         config = _config(submission)
     except InputError as error:
@@ -120,7 +120,7 @@ def _asked(service: Service, submission: Submission, key: str) -> JobRequest:
 
 
 def _submit(service: Service, asked: JobRequest) -> Job:
-    """Have the capture looked at, and make a job of it."""
+    """Check the capture, and create its job."""
     try:
         service.captures.require_inner_links(asked.capture)
         return service.known_job(service.jobs.submit(asked))
@@ -131,7 +131,7 @@ def _submit(service: Service, asked: JobRequest) -> Job:
 
 
 def _refused(service: Service, error: InputError) -> ProblemError:
-    """Return the answer where something that was asked for cannot be had."""
+    """Return the problem for an invalid request."""
     told = service.captures.shown(str(error))
     if error.where in ("title", "labels", "priority", "time_limit", "webhook", "key"):
         field = "Idempotency-Key" if error.where == "key" else error.where
@@ -154,5 +154,5 @@ def _config(submission: Submission) -> RunConfig:
 
 
 def _field(error: InputError) -> str:
-    """Return where a client gave what the config refuses: held-out cameras stand beside the config."""
+    """Return the request's field of a config error: held-out cameras stand beside the config."""
     return error.where if error.where != "config.capture.hold_out" else "hold_out"

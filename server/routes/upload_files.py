@@ -1,4 +1,4 @@
-"""`/v1/uploads/{id}/files`: the files of an upload, each a resource of the protocol tus 1.0 (docs/upload.md)."""
+"""`/v1/uploads/{id}/files`: files of an upload, each a resource of the protocol tus 1.0 (docs/upload.md)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["router"]
 router = APIRouter(prefix="/v1/uploads/{upload_id}/files")
 
 VERSION = "1.0.0"
-BLOCK = 1 << 20  # bytes that are written at once; no more of a body is held in memory
+BLOCK = 1 << 20  # bytes written at a time; no more of a body is held in memory
 OFFSET_STREAM = "application/offset+octet-stream"
 
 _NUMBER = re.compile("0|[1-9][0-9]{0,15}")
@@ -32,7 +32,7 @@ _LONGEST_METADATA = 8192  # characters
 
 @router.options("")
 def options(upload_id: str, service: ServiceDep) -> Response:
-    """Say what this server knows of tus."""
+    """Return the supported version and extensions of tus."""
     headers = {
         "Tus-Resumable": VERSION,
         "Tus-Version": VERSION,
@@ -44,13 +44,13 @@ def options(upload_id: str, service: ServiceDep) -> Response:
 
 @router.api_route("", methods=["GET", "HEAD"])
 def list_files(request: Request, upload_id: str, service: ServiceDep) -> Response:
-    """List the files that were announced, and how much of each has come."""
+    """List the announced files with their received bytes."""
     return respond_json(request, {"files": service.uploads.get(upload_id).describe_files()})
 
 
 @router.post("")
 async def announce(request: Request, upload_id: str, service: ServiceDep) -> Response:
-    """Announce a file, and take bytes of it where the request brings some."""
+    """Announce a file, and receive any bytes in the request."""
     _require_tus(service, request)
     length = _number(request, "Upload-Length")
     metadata = _metadata(request.headers.get("Upload-Metadata", ""))
@@ -64,7 +64,7 @@ async def announce(request: Request, upload_id: str, service: ServiceDep) -> Res
 
 @router.head("/{number}")
 def how_far(request: Request, upload_id: str, number: str, service: ServiceDep) -> Response:
-    """Say how much of a file has come."""
+    """Return the offset of a file."""
     upload = service.uploads.get(upload_id)
     file = _file(upload, number)
     headers = {"Upload-Length": str(file.size), "Cache-Control": "no-store"}
@@ -73,7 +73,7 @@ def how_far(request: Request, upload_id: str, number: str, service: ServiceDep) 
 
 @router.patch("/{number}")
 async def go_on(request: Request, upload_id: str, number: str, service: ServiceDep) -> Response:
-    """Take the next bytes of a file."""
+    """Receive the next bytes of a file."""
     _require_tus(service, request)
     media_type = request.headers.get("Content-Type", "")
     if media_type != OFFSET_STREAM:
@@ -87,10 +87,11 @@ async def go_on(request: Request, upload_id: str, number: str, service: ServiceD
 
 
 async def _receive(service: Service, upload: Upload, file: ArrivingFile, request: Request, offset: int) -> None:
-    """Write the body behind what has come, in blocks; what came before a cut is kept."""
+    """Append the body in blocks; bytes received before an interruption are kept."""
     upload.require_unfinished()
     service.uploads.require_room()
-    turn = await service.long_work.run(file.begin, offset)  # which waits where the file is being verified
+    # Waits while the file is being verified.
+    turn = await service.long_work.run(file.begin, offset)
     upload.heard_of()
     waiting = bytearray()
     try:
@@ -134,9 +135,9 @@ def _number(request: Request, name: str) -> int:
 
 
 def _metadata(text: str) -> dict[str, str]:
-    """Read pairs of a name and its value in Base64, separated by commas."""
+    """Parse pairs of a name and its value in Base64, separated by commas."""
     if len(text) > _LONGEST_METADATA:
-        detail = f"Upload-Metadata has {len(text)} characters; at most {_LONGEST_METADATA} are taken"
+        detail = f"Upload-Metadata has {len(text)} characters; at most {_LONGEST_METADATA} are allowed"
         raise ProblemError(422, "header-invalid", detail, field="Upload-Metadata")
     found: dict[str, str] = {}
     for pair in filter(None, (pair.strip() for pair in text.split(","))):

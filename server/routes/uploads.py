@@ -1,4 +1,4 @@
-"""`/v1/uploads`: captures that clients send; the files of an upload are in `upload_files.py` (docs/upload.md)."""
+"""`/v1/uploads`: uploads of captures; their files are in `upload_files.py` (docs/upload.md)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["router"]
 
 router = APIRouter(prefix="/v1/uploads")
 
-_MOST_JOBS = 1000  # that are looked at together
+_MOST_JOBS = 1000  # jobs per query
 
 
 class Beginning(BaseModel):
@@ -39,7 +39,7 @@ class Beginning(BaseModel):
 
 @router.post("")
 async def begin(request: Request, service: ServiceDep) -> Response:
-    """Begin an upload, or go on with the unfinished one of the same announcement."""
+    """Start an upload, or continue the unfinished one with the same announcement."""
     service.origins.require_same_site(request)
     body = await read_json(request, Beginning)
     announced = Announcement(body.name, body.files, body.bytes, body.key)
@@ -49,7 +49,7 @@ async def begin(request: Request, service: ServiceDep) -> Response:
 
 
 def _client(request: Request) -> str:
-    """Return whose an upload is: of a key, or of an address; of IPv6 of its network, all of which one client has."""
+    """Return the owner of an upload: a key, or an address, or for IPv6 its /64 network, as one client has all of it."""
     visitor: Visitor | None = getattr(request.state, "visitor", None)
     if visitor is not None and visitor.key is not None:
         return f"key {visitor.key.id}"
@@ -61,7 +61,7 @@ def _client(request: Request) -> str:
 
 @router.api_route("", methods=["GET", "HEAD"])
 def list_uploads(request: Request, service: ServiceDep) -> Response:
-    """List the uploads, the newest first, and say how much may be sent."""
+    """List the uploads, newest first, with the limits."""
     uploads, limits = service.uploads.all(), service.uploads.limits
     told = {name: getattr(limits, name) for name in limits.__dataclass_fields__}
     return respond_json(request, {"uploads": [service.uploads.describe(one) for one in uploads], "limits": told})
@@ -78,13 +78,13 @@ async def finish(request: Request, upload_id: str, service: ServiceDep) -> Respo
     """Turn a complete upload into a capture."""
     service.origins.require_same_site(request)
     upload = await run_in_threadpool(service.uploads.get, upload_id)
-    await service.long_work.run(service.uploads.finish, upload)  # which may read all that was sent
+    await service.long_work.run(service.uploads.finish, upload)  # may read all uploaded data
     return JSONResponse(service.uploads.describe(upload))
 
 
 @router.delete("/{upload_id}", status_code=204)
 async def delete(request: Request, upload_id: str, service: ServiceDep) -> Response:
-    """Delete an upload, or the capture that it has become, unless a job needs it."""
+    """Delete an upload, or its capture, unless a job needs it."""
     service.origins.require_same_site(request)
     upload = await run_in_threadpool(service.uploads.get, upload_id)
     await run_in_threadpool(_require_unused, service, upload)
@@ -93,7 +93,7 @@ async def delete(request: Request, upload_id: str, service: ServiceDep) -> Respo
 
 
 def _require_unused(service: Service, upload: Upload) -> None:
-    """Refuse while a job that waits or runs reads the capture."""
+    """Reject the deletion while a waiting or running job reads the capture."""
     if not upload.capture:
         return
     folder = service.uploads.captures / upload.capture
@@ -102,7 +102,7 @@ def _require_unused(service: Service, upload: Upload) -> None:
         while jobs := service.jobs.list(_MOST_JOBS, state, after):
             for job in jobs:
                 if Path(job.capture).is_relative_to(folder):
-                    detail = f"job {job.id} needs {upload.capture[:80]!r}; wait for its end, or cancel it"
+                    detail = f"job {job.id} needs {upload.capture[:80]!r}; wait until it ends, or cancel it"
                     raise ProblemError(409, "capture-in-use", detail)
             if len(jobs) < _MOST_JOBS:
                 break

@@ -29,19 +29,19 @@ log = logging.getLogger("hgs.server")
 
 VIEWER = Path(__file__).resolve().parents[1] / "viewer"
 
-# The build leaves these beside each file that they make smaller; the best one first.
+# Compressed copies made by the build where they are smaller; the best one first.
 _CODED = {"br": ".br", "gzip": ".gz"}
 
-# At most one folder deep, and no name begins with a dot: what a client asks for never leads out of the folder.
+# At most one folder deep, and no name begins with a dot: no path leads out of the folder.
 _FILE = re.compile(r"(?:[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}/)?[A-Za-z0-9_-][A-Za-z0-9._-]{0,99}")
 
-# What the build writes where an address is one of the server's root.
+# The build's form of addresses relative to the server's root.
 _OF_ROOT = re.compile(r"""((?:href|src)=["'])\./""")
 
 _NAME = r"[A-Za-z0-9_-][A-Za-z0-9._-]{0,63}"
 _SCENE_PAGE = re.compile(f"view/({_NAME})/?")
 
-# The pages by the addresses that they are at, as page_address.ts reads them, and what browsers may do with each.
+# Pages by address, as in page_address.ts, with their security policies.
 _PAGES = (
     (re.compile("|index\\.html"), "index.html", CONSOLE_POLICY),
     (re.compile("new/?"), "new.html", CONSOLE_POLICY),
@@ -52,14 +52,14 @@ _PAGES = (
 _NOT_BUILT = """<!doctype html>
 <html lang="en"><meta charset="utf-8"><title>HGS</title>
 <h1>The viewer is not built</h1>
-<p>The service runs, and its API answers under <a href="./v1/health">/v1</a>. To build the page, run
+<p>The service is running, and its API is at <a href="./v1/health">/v1</a>. To build the page, run
 <code>npm ci &amp;&amp; npm run build</code> in the folder <code>web_client</code> and load this page again.</p>
 </html>
 """
 
 
 def viewer_router(folder: Path = VIEWER) -> APIRouter:
-    """Return routes that serve the files of `folder`: the pages at their addresses, and what they load."""
+    """Return routes that serve the files of `folder`: the pages at their addresses, and their resources."""
     router = APIRouter()
 
     @router.api_route("/{path:path}", methods=["GET", "HEAD"])
@@ -70,7 +70,7 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
         seen = await _may_see(service.access, request, scene[1])
         poster = await run_in_threadpool(_poster, request, service, scene[1]) if seen else None
         answer = await run_in_threadpool(_scene_page, request, folder, path, poster)
-        for name in ("Cookie", "Authorization"):  # with others it is another page
+        for name in ("Cookie", "Authorization"):  # the response depends on these
             answer.headers.add_vary_header(name)
         return answer
 
@@ -78,7 +78,7 @@ def viewer_router(folder: Path = VIEWER) -> APIRouter:
 
 
 def _found(request: Request, folder: Path, path: str) -> Response:
-    """Answer with the page or the file at a path."""
+    """Return the page or the file at a path."""
     if path == "v1" or path.startswith("v1/"):
         raise HTTPException(404)
     for address, page, policy in _PAGES:
@@ -87,7 +87,8 @@ def _found(request: Request, folder: Path, path: str) -> Response:
     file = folder / path
     if not _FILE.fullmatch(path) or file.suffix not in MEDIA_TYPES or not file.is_file():
         if "text/html" in request.headers.get("Accept", ""):
-            answer = _page(request, folder / "index.html", CONSOLE_POLICY)  # it says that nothing is there
+            # This page reports that nothing is there.
+            answer = _page(request, folder / "index.html", CONSOLE_POLICY)
             answer.status_code = 404 if answer.status_code == 200 else answer.status_code
             answer.headers.append("Vary", "Accept")
             return answer
@@ -106,7 +107,7 @@ def _scene_page(request: Request, folder: Path, path: str, poster: Poster | None
 
 
 async def _may_see(access: Access, request: Request, scene: str) -> bool:
-    """Return whether the scene's picture would be sent: a page without a key must not tell which scenes there are."""
+    """Return whether the scene's picture may be sent: a page without a key must not reveal which scenes exist."""
     try:
         if await access.open_to(request):
             return True
@@ -119,13 +120,14 @@ async def _may_see(access: Access, request: Request, scene: str) -> bool:
 
 
 def _poster(request: Request, service: Service, scene: str) -> Poster | None:
-    """Return the poster of a scene for its page; None if it has none, or there is no such scene."""
+    """Return the poster of a scene for its page; None if there is no thumbnail or no such scene."""
     try:
         shape = service.catalogue.scene(scene).poster_shape
     except ProblemError:
         return None
-    except Exception as error:  # whatever the store raises: the page says it better
-        log.warning("scene %s: its page goes without a poster: %s", scene, error)
+    # The page itself reports errors of the store.
+    except Exception as error:
+        log.warning("scene %s: its page has no poster: %s", scene, error)
         return None
     if shape is None:
         return None
@@ -135,9 +137,9 @@ def _poster(request: Request, service: Service, scene: str) -> Poster | None:
 
 
 def _page(request: Request, file: Path, policy: str) -> Response:
-    """Answer with a page of the build, in which every address is made relative to where the page is.
+    """Return a page of the build, with addresses relative to the page.
 
-    The server need not know under which path a proxy has put it.
+    So it works under any path of a proxy.
     """
     if not file.is_file():
         return HTMLResponse(_NOT_BUILT.replace('"./', f'"{_root(request)}'), 503, {"Cache-Control": "no-store"})
@@ -151,12 +153,12 @@ def _relative(request: Request, file: Path) -> str:
 
 
 def _root(request: Request) -> str:
-    """Return the server's root, relative to the page that is asked for."""
+    """Return the server's root, relative to the requested page."""
     return "../" * (_raw_path(request).count("/") - 1) or "./"
 
 
 def _raw_path(request: Request) -> str:
-    """Return the path as the browser sees it: a slash that was escaped parts nothing."""
+    """Return the path as the browser sent it: an escaped slash is not a separator."""
     raw: bytes = request.scope.get("raw_path") or request.scope["path"].encode()
     return raw.decode("latin-1")
 
@@ -166,7 +168,7 @@ def _file(request: Request, file: Path, policy: str) -> Response:
     available = [coding for coding, path in coded.items() if path.is_file()]
     coding = preferred_coding(request.headers.get("Accept-Encoding"), available)
     body = coded.get(coding, file).read_bytes()
-    # The build names the files under assets/ by their content.
+    # The build names the files under assets/ after their content.
     cache_control = "public, max-age=31536000, immutable" if file.parent.name == "assets" else "no-cache"
     media_type = MEDIA_TYPES[file.suffix]
     response = respond(request, body, media_type, etag=entity_tag(body), cache_control=cache_control, coding=coding)

@@ -1,4 +1,4 @@
-"""`GET /v1/workers`: the workers that live, and what each does."""
+"""`GET /v1/workers`: live workers and their jobs."""
 
 from __future__ import annotations
 

@@ -1,3 +1,3 @@
-"""Captures that clients send: names, limits, files that arrive in pieces, and folders that appear whole."""
+"""Uploaded captures: names, limits, files in pieces, and assembly."""
 
 __all__: list[str] = []

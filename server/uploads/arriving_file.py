@@ -1,4 +1,4 @@
-"""A file that arrives in pieces, each behind the last, until its content is the one that was announced."""
+"""A file that arrives in consecutive pieces and is verified against its announced hash."""
 
 from __future__ import annotations
 
@@ -13,30 +13,30 @@ from server.http.problems import ProblemError
 
 __all__ = ["ArrivingFile"]
 
-_BLOCK = 1 << 20  # bytes that are read at once
+_BLOCK = 1 << 20  # bytes per read
 
 
 @dataclass
 class ArrivingFile:
     """One file of an upload; safe to use from several threads.
 
-    What has come lies in `<number>.part`; with the last byte its SHA-256 is compared, and it becomes `<number>`. The
-    length of the part is how far it is, so that a server that was killed goes on from there.
+    Received bytes are in `<number>.part`; after the last byte the SHA-256 is verified and the file becomes `<number>`.
+    The length of the part is the offset, so a killed server continues from there.
     """
 
     number: int
-    path: str  # below the capture, as `normal_path` returns it
+    path: str  # relative to the capture, as returned by `normal_path`
     size: int  # bytes
-    sha256: str  # of the whole content, 64 lower-case hex digits
-    folder: Path  # of the upload's data
-    offset: int = 0  # bytes that have come
-    verified: bool = False  # all have come, and the hash is right
-    _turn: int = 0  # counts those who began to send; the last one may write
-    _hash: Any = None  # of the bytes that came since the server started, if those are all
+    sha256: str  # SHA-256 of the whole content, 64 lower-case hex digits
+    folder: Path  # folder of the upload's data
+    offset: int = 0  # received bytes
+    verified: bool = False  # complete, with the right hash
+    _turn: int = 0  # number of senders so far; the last one may write
+    _hash: Any = None  # running hash, if all bytes arrived since the server started
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
     def look(self) -> None:
-        """Find out what there is on disk, after a start of the server."""
+        """Restore the state from the disk after a start of the server."""
         self._hash = None
         self.verified = self.whole.is_file()
         self.offset = self.size if self.verified else self.part.stat().st_size if self.part.is_file() else 0
@@ -45,42 +45,42 @@ class ArrivingFile:
 
     @property
     def part(self) -> Path:
-        """The file while it is not complete."""
+        """The file's path while it is incomplete."""
         return self.folder / f"{self.number}.part"
 
     @property
     def whole(self) -> Path:
-        """The file once its hash was found right."""
+        """The file's path once its hash is verified."""
         return self.folder / str(self.number)
 
     def begin(self, offset: int) -> int:
-        """Return a turn to `append` with; who had one before has it no longer.
+        """Return a turn for `append`; it invalidates earlier turns.
 
         Raises:
             ProblemError: 409, the file does not end at `offset`.
         """
         with self._lock:
             if offset != self.offset:
-                detail = f"{self.path[:80]!r} has {self.offset} bytes, not {offset}; go on from there"
+                detail = f"{self.path[:80]!r} has {self.offset} bytes, not {offset}; continue from there"
                 headers = {"Upload-Offset": str(self.offset)}
                 raise ProblemError(409, "offset-mismatch", detail, field="Upload-Offset", headers=headers)
             self._turn += 1
             return self._turn
 
     def append(self, turn: int, data: bytes) -> None:
-        """Write bytes behind those that have come, and check the hash once all are there.
+        """Append bytes, and verify the hash once the file is complete.
 
         Raises:
-            ProblemError: 409 another client sends this file now; 413 more bytes than were announced; 422 the content is
-                not the one that was announced: none of it is kept.
+            ProblemError: 409 another client is sending this file; 413 more bytes than announced; 422 the content
+                does not match the announced hash, and is dropped.
             OSError: the disk is full.
         """
         with self._lock:
             if turn != self._turn:
-                detail = f"{self.path[:80]!r}: another request sends this file; ask how far it is, and go on from there"
+                detail = f"{self.path[:80]!r}: another request sends this file; get its offset, and continue from there"
                 raise ProblemError(409, "offset-mismatch", detail, field="Upload-Offset")
             if self.offset + len(data) > self.size:
-                detail = f"{self.path[:80]!r}: more bytes than the {self.size} that were announced; announce it anew"
+                detail = f"{self.path[:80]!r}: more bytes than the {self.size} announced; announce the file again"
                 raise ProblemError(413, "upload-too-large", detail, field="Upload-Length")
             if self.offset == 0:
                 self._hash = hashlib.sha256()
@@ -98,17 +98,17 @@ class ArrivingFile:
                 self._verify()
 
     def verify(self) -> None:
-        """Check the hash of a file of which all bytes are there, as after a start of the server in that moment.
+        """Verify the hash of a complete file, such as after a restart of the server.
 
         Raises:
-            ProblemError: 422, it is wrong; the file begins anew.
+            ProblemError: 422, it is wrong; the file starts over.
         """
         with self._lock:
             if self.offset == self.size and not self.verified:
                 self._verify()
 
     def discard(self) -> None:
-        """Delete what has come; whoever sends it is told."""
+        """Delete the received bytes; its sender gets an error."""
         with self._lock:
             self._turn += 1
             self._begin_again()
@@ -119,7 +119,7 @@ class ArrivingFile:
         if found != self.sha256:
             self._begin_again()
             detail = (
-                f"{self.path[:80]!r}: what came has the SHA-256 {found}, not {self.sha256}: it was changed on the way "
+                f"{self.path[:80]!r}: the data has the SHA-256 {found}, not {self.sha256}: it changed in transit "
                 "or while it was read; send it again from its first byte"
             )
             raise ProblemError(422, "checksum-mismatch", detail, field="sha256")
@@ -136,7 +136,8 @@ class ArrivingFile:
 
 def _sha256(path: Path) -> str:
     digest = hashlib.sha256()
-    if path.is_file():  # not where no byte was announced, and none has come
+    # An empty file has no part.
+    if path.is_file():
         with path.open("rb") as file:
             while block := file.read(_BLOCK):
                 digest.update(block)

@@ -1,4 +1,4 @@
-"""The journal of an upload: one line of JSON per file that was announced, so that a killed server loses none."""
+"""Journal of an upload: one line of JSON per announced file, so that a killed server loses none."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["FileJournal"]
 
 
 class FileJournal:
-    """The files that were announced, in order; of one path the last line counts."""
+    """Announced files in order; the last line of a path counts."""
 
     def __init__(self, file: Path) -> None:
         self._file = file
@@ -21,7 +21,7 @@ class FileJournal:
         """Append a file.
 
         Raises:
-            OSError: it could not be written; nothing of the line stays.
+            OSError: it could not be written; a partial line is removed.
         """
         line = (json.dumps({"path": path, "size": size, "sha256": sha256}, separators=(",", ":")) + "\n").encode()
         with self._file.open("ab", buffering=0) as journal:
@@ -34,7 +34,7 @@ class FileJournal:
                 raise
 
     def read(self) -> list[dict[str, Any]]:
-        """Return `path`, `size` and `sha256` of every line; a line that was cut off is cut off the file too.
+        """Return `path`, `size` and `sha256` of every line; remove an incomplete last line from the file.
 
         Raises:
             OSError, ValueError: it is damaged.

@@ -1,4 +1,4 @@
-"""Names of uploaded files: paths that mean the same file on every system, and none that leads out of its folder."""
+"""Portable names of uploaded files, which never lead out of their folder."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from server.http.problems import ProblemError
 __all__ = ["FolderNames", "capture_name", "normal_path"]
 
 LONGEST_PATH = 1024  # bytes of UTF-8
-LONGEST_NAME = 200  # bytes of UTF-8 of one part; file systems end at 255
+LONGEST_NAME = 200  # bytes of UTF-8 per part; most file systems allow 255
 DEEPEST = 8  # parts
 
-# Devices on Windows, with any ending; a capture may be copied there.
+# Windows devices, with any extension; a capture may be copied there.
 _RESERVED = re.compile(r"(con|prn|aux|nul|com[0-9¹²³]|lpt[0-9¹²³])( *\..*)?", re.IGNORECASE)
-# Controls, marks that are not seen (also those that turn text around), halves of pairs, private and unassigned ones.
+# Controls, invisible marks (also those that reverse text), surrogates, private and unassigned characters.
 _UNSEEN = frozenset(("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"))
 
 
 def normal_path(path: str) -> str:
-    """Return a path below an upload's folder in the form in which it is stored: parts joined by `/`, in Unicode's NFC.
+    """Return a path below an upload's folder in stored form: parts joined by `/`, in Unicode's NFC.
 
     Raises:
         ProblemError: 422, the path is empty, absolute, too long or too deep, or has a part such as `..`, `.hidden`,
@@ -35,16 +35,16 @@ def normal_path(path: str) -> str:
     if len(normal.encode(errors="replace")) > LONGEST_PATH:
         raise _refusal(path, f"is longer than {LONGEST_PATH} bytes", "shorten it")
     if len(parts) > DEEPEST:
-        raise _refusal(path, f"has {len(parts)} parts", f"at most {DEEPEST} are taken; put the file higher up")
+        raise _refusal(path, f"has {len(parts)} parts", f"at most {DEEPEST} are allowed; use fewer folders")
     for part in parts:
         _check_part(path, part)
     return normal
 
 
 def capture_name(name: str) -> str:
-    """Return the name for a capture's folder that is nearest to the given one; "capture" where nothing is left of it.
+    """Return the closest valid name of a capture's folder; "capture" if nothing is left.
 
-    Unlike paths, which calibration files may refer to, the name is for people alone, and so it is mended, not refused.
+    Unlike paths, which calibration files may refer to, the name is for people alone, so it is corrected, not rejected.
     """
     normal = unicodedata.normalize("NFC", name[:LONGEST_PATH])
     seen = "".join(" " if unicodedata.category(one) in _UNSEEN or one in '/\\:*?"<>|' else one for one in normal)
@@ -54,17 +54,17 @@ def capture_name(name: str) -> str:
 
 
 class FolderNames:
-    """The files and folders of one upload: none may be another's name in capitals or look-alike characters."""
+    """Files and folders of one upload: no two names may differ only in case or look-alike characters."""
 
     def __init__(self) -> None:
-        self._files: dict[str, str] = {}  # the path as it is stored, by what it is compared by
+        self._files: dict[str, str] = {}  # stored paths by their comparison keys
         self._folders: dict[str, str] = {}
 
     def add(self, path: str) -> None:
         """Add a file by its normal path; adding it again changes nothing.
 
         Raises:
-            ProblemError: 409, it would be the same as another file or folder where capitals do not count.
+            ProblemError: 409, it would equal another file or folder when case is ignored.
         """
         parts = path.split("/")
         folders = ["/".join(parts[:count]) for count in range(1, len(parts))]
@@ -87,10 +87,10 @@ def _check_part(path: str, part: str) -> None:
     if part.startswith("."):
         raise _refusal(path, f"has the hidden part {part!r}", "leave it out, or rename it")
     if "\\" in part:
-        raise _refusal(path, "holds a backslash", "join parts with /")
+        raise _refusal(path, "contains a backslash", "join parts with /")
     unseen = next((one for one in part if unicodedata.category(one) in _UNSEEN), None)
     if unseen is not None:
-        raise _refusal(path, f"holds the character U+{ord(unseen):04X}, which cannot be seen", "rename the file")
+        raise _refusal(path, f"contains the invisible character U+{ord(unseen):04X}", "rename the file")
     if part != part.strip() or part.endswith("."):
         raise _refusal(
             path, f"has the part {part!r}, which begins or ends with a space or ends with a dot", "rename it"
@@ -99,12 +99,12 @@ def _check_part(path: str, part: str) -> None:
         raise _refusal(path, f"has the part {part!r}, which is a device on some systems", "rename it")
     if len(part.encode()) > LONGEST_NAME:
         raise _refusal(
-            path, f"has a part of {len(part.encode())} bytes", f"at most {LONGEST_NAME} are taken; shorten it"
+            path, f"has a part of {len(part.encode())} bytes", f"at most {LONGEST_NAME} are allowed; shorten it"
         )
 
 
 def _compared(path: str) -> str:
-    """Return what paths are compared by: alike for capitals, widths and ligatures."""
+    """Return the comparison key of a path: equal for different case, widths and ligatures."""
     folded = unicodedata.normalize("NFKC", path).casefold()
     return unicodedata.normalize("NFKC", folded).casefold()
 
@@ -115,7 +115,7 @@ def _refusal(path: str, problem: str, cure: str) -> ProblemError:
 
 def _taken(path: str, part: str, other: str) -> ProblemError:
     detail = (
-        f"the path {path[:80]!r}: {part[:80]!r} and {other[:80]!r} would be one file or folder on systems where "
-        "capital letters and look-alike characters do not count, or a file and a folder of one name; rename one of them"
+        f"the path {path[:80]!r}: {part[:80]!r} and {other[:80]!r} would be one file or folder on systems that ignore "
+        "case and look-alike characters, or a file and a folder of one name; rename one of them"
     )
     return ProblemError(409, "name-taken", detail, field="path")

@@ -1,10 +1,10 @@
-"""One upload: the files that were announced and what has come of them, kept in a folder that outlives the server.
+"""One upload: its announced files and received bytes, in a folder that outlives the server.
 
 ```
-<id>/upload.json    what the upload is; its date of change is when the last byte came
-<id>/files.jsonl    one line per file that was announced; of one path the last line counts
-<id>/data/<number>  the content of a file; <number>.part while bytes are missing
-<id>/capture/       the files under their names, for the moment in which the upload becomes a capture
+<id>/upload.json    the announcement; its modification time is that of the last byte
+<id>/files.jsonl    one line per announced file; the last line of a path counts
+<id>/data/<number>  content of a file; <number>.part while bytes are missing
+<id>/capture/       the files under their names, while the upload becomes a capture
 ```
 """
 
@@ -31,12 +31,12 @@ __all__ = ["Announcement", "Upload"]
 
 @dataclass(frozen=True)
 class Announcement:
-    """What a client says of an upload before it sends anything."""
+    """A client's announcement of an upload."""
 
-    name: str  # of the capture
+    name: str  # name of the capture
     files: int
     bytes: int
-    key: str  # of the client's choice: the same again goes on with the same upload
+    key: str  # chosen by the client: the same key continues the same upload
 
 
 class Upload:
@@ -48,22 +48,22 @@ class Upload:
         self.folder = folder
         self.announced = announced
         self.created = created
-        self.client = client  # whose it is, for `UploadLimits.client`; "": nobody's
-        self.capture = capture  # the name of its folder among the captures; "" while it is none
+        self.client = client  # owner for `UploadLimits.client`; "": none
+        self.capture = capture  # name of its capture folder; "" before it is one
         self.last_byte = created
-        self.finishing = threading.RLock()  # held while it becomes a capture, or is deleted
+        self.finishing = threading.RLock()  # held while it becomes a capture or is deleted
         self._data = folder / "data"
         self._tree = folder / "capture"
         self._journal = FileJournal(folder / "files.jsonl")
-        self._files: list[ArrivingFile | None] = []  # by number; None: replaced by a later one of the same path
+        self._files: list[ArrivingFile | None] = []  # file of each number; None: replaced by a later file of the same path
         self._by_path: dict[str, ArrivingFile] = {}
         self._names = FolderNames()
-        self._total = 0  # bytes of the files in `_by_path`
+        self._total = 0  # total size of the files in `_by_path`, bytes
         self._lock = threading.RLock()
 
     @classmethod
     def create(cls, folder: Path, announced: Announcement, client: str = "") -> Self:
-        """Make the folder."""
+        """Create the upload's folder."""
         upload = cls(folder, announced, time.time(), "", client)
         (folder / "data").mkdir(parents=True)
         upload._save()
@@ -71,7 +71,7 @@ class Upload:
 
     @classmethod
     def load(cls, folder: Path) -> Self:
-        """Read what an earlier server left.
+        """Load an upload of an earlier server process.
 
         Raises:
             OSError, ValueError, KeyError, TypeError: it is damaged.
@@ -86,11 +86,11 @@ class Upload:
 
     @property
     def received(self) -> int:
-        """Bytes that have come."""
+        """Number of received bytes."""
         return self.announced.bytes if self.capture else sum(file.offset for file in self._by_path.values())
 
     def describe(self, limits: UploadLimits) -> dict[str, Any]:
-        """Return the upload object of docs/upload.md, without the path of its capture."""
+        """Return the upload object of docs/upload.md, without its capture's path."""
         with self._lock:
             done = sum(file.verified for file in self._by_path.values())
             return {
@@ -106,7 +106,7 @@ class Upload:
             }
 
     def describe_files(self) -> list[dict[str, Any]]:
-        """Return what has been announced and has come, file by file."""
+        """Return announced size and received bytes of every file."""
         with self._lock:
             if self.capture:
                 there = {told["path"]: told for told in self._journal.read()}
@@ -120,10 +120,10 @@ class Upload:
             ]
 
     def add(self, path: str, size: int, sha256: str, limits: UploadLimits) -> ArrivingFile:
-        """Announce a file; the same again is the same file, and another size or hash takes the place of the first.
+        """Announce a file; the same again returns the same file, and another size or hash replaces it.
 
         Raises:
-            ProblemError: 409 the name is taken or the upload is finished, 413 too large, 422 no name for a file.
+            ProblemError: 409 the name is taken or the upload is finished, 413 too large, 422 invalid name.
         """
         path = normal_path(path)
         limits.check_file(path, size)
@@ -154,20 +154,20 @@ class Upload:
         return found
 
     def heard_of(self) -> None:
-        """Note that bytes have come: an upload is deleted when none have for long."""
+        """Record that bytes have arrived: an upload without any for long is deleted."""
         self.last_byte = time.time()
         os.utime(self.folder / "upload.json", (self.last_byte, self.last_byte))
 
     def assemble(self) -> Path:
-        """Verify what is not verified yet, give the files their names, and return the folder; may be repeated.
+        """Verify remaining files, give all their names, and return the folder; may be repeated.
 
         Raises:
-            ProblemError: 409 files or bytes are missing; 422 a file's content is not what was announced.
+            ProblemError: 409 files or bytes are missing; 422 a file's content does not match its hash.
         """
         with self._lock:
             self.require_unfinished()
             files = list(self._by_path.values())
-        for file in files:  # not under the lock: this may read all of it again
+        for file in files:  # holds no lock: this may read the whole file again
             file.verify()
         with self._lock:
             self._require_complete()
@@ -179,39 +179,39 @@ class Upload:
             return self._tree
 
     def finish(self, capture: str) -> None:
-        """Note the name of the capture that the upload becomes."""
+        """Record the name of the capture."""
         with self._lock:
             self.capture = capture
             self._save()
 
     def drop_data(self) -> None:
-        """Delete what a finished upload needs no more."""
+        """Delete data that a finished upload no longer needs."""
         with self._lock:
             self._files, self._by_path, self._names = [], {}, FolderNames()
             shutil.rmtree(self._data, ignore_errors=True)
 
     def require_unfinished(self) -> None:
-        """Refuse to change a finished upload.
+        """Reject changes of a finished upload.
 
         Raises:
             ProblemError: 409.
         """
         if self.capture:
-            raise ProblemError(409, "upload-finished", f"upload {self.id}: is a capture now; begin another upload")
+            raise ProblemError(409, "upload-finished", f"upload {self.id}: is already a capture; start another upload")
 
     def _check_totals(self, path: str, size: int, known: ArrivingFile | None) -> None:
         count, total = len(self._by_path) + (known is None), self._total + size - (known.size if known else 0)
         if count > self.announced.files:
-            limit = f"{path[:80]!r} is one file more than the {self.announced.files} that the upload announced"
-            raise ProblemError(413, "upload-too-large", f"{limit}; begin another upload", field="files")
+            limit = f"{path[:80]!r} is one file more than the {self.announced.files} announced for this upload"
+            raise ProblemError(413, "upload-too-large", f"{limit}; start another upload", field="files")
         if total > self.announced.bytes:
-            limit = f"{path[:80]!r} makes {bytes_for_people(total)} of the {self.announced.bytes:,} bytes announced"
-            raise ProblemError(413, "upload-too-large", f"{limit}; begin another upload", field="bytes")
+            limit = f"{path[:80]!r} makes {bytes_for_people(total)}, more than the {self.announced.bytes:,} bytes announced"
+            raise ProblemError(413, "upload-too-large", f"{limit}; start another upload", field="bytes")
 
     def _require_complete(self) -> None:
         missing = self.announced.files - len(self._by_path)
         if missing:
-            detail = f"upload {self.id}: {missing} of {self.announced.files} files were not announced yet; send them"
+            detail = f"upload {self.id}: {missing} of {self.announced.files} files are not announced yet; send them"
             raise ProblemError(409, "upload-incomplete", detail)
         open_files = [file.path for file in self._by_path.values() if not file.verified]
         if open_files:
@@ -246,7 +246,8 @@ class Upload:
             self._index(told["path"], told["size"], told["sha256"])
         for file in self._by_path.values():
             file.look()
-            if not file.verified and (self._tree / file.path).is_file():  # killed while the files were given names
+            # The server was killed while it named the files.
+            if not file.verified and (self._tree / file.path).is_file():
                 file.offset, file.verified = file.size, True
             elif file.size == 0:
                 file.verify()

@@ -1,4 +1,4 @@
-"""How much clients may send."""
+"""Limits on uploads."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ _NUMBER = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,6})?)([kmgt]?)b?", re.IGNORECASE
 
 @dataclass(frozen=True)
 class UploadLimits:
-    """Bytes, but for `files`, `open`, `client` and `hours`."""
+    """Limits in bytes, except for `files`, `open`, `client` and `hours`."""
 
-    quota: int = 500 * GB  # of all uploads together, also of those that have become captures; 0: none are taken
-    upload: int = 200 * GB  # of one
-    file: int = 100 * GB  # of one file
-    files: int = 20_000  # in one upload
-    open: int = 16  # uploads that are not complete
-    client: int = 4  # of these, of one key, or of one address where no key is asked for
-    free: int = 10 * GB  # that uploads leave on the disk
-    hours: float = 48.0  # without a byte, after which an unfinished upload is deleted
+    quota: int = 500 * GB  # all uploads, including those that have become captures; 0: uploads are disabled
+    upload: int = 200 * GB  # one upload
+    file: int = 100 * GB  # one file
+    files: int = 20_000  # files per upload
+    open: int = 16  # unfinished uploads
+    client: int = 4  # unfinished uploads per key, or per address without keys
+    free: int = 10 * GB  # disk space that uploads leave free
+    hours: float = 48.0  # idle time after which an unfinished upload is deleted
 
     @classmethod
     def configured(cls, given: str = "", environment: Mapping[str, str] = os.environ) -> Self:
-        """Read `given`, else `HGS_UPLOADS`, such as "quota=2T,file=20G,hours=12"; "off" takes no uploads.
+        """Parse `given`, or else `HGS_UPLOADS`, such as "quota=2T,file=20G,hours=12"; "off" disables uploads.
 
         Raises:
             InputError: an unknown name, or a value out of range.
@@ -60,13 +60,13 @@ class UploadLimits:
         return cls(**values)  # type: ignore[arg-type]
 
     def check_upload(self, files: int, size: int) -> None:
-        """Refuse an upload that is too large by itself.
+        """Reject an upload that is too large by itself.
 
         Raises:
-            ProblemError: 403 no uploads are taken; 413 too many files or bytes; names the limit and the cure.
+            ProblemError: 403 uploads are disabled; 413 too many files or bytes, with the limit and the cure.
         """
         if self.quota == 0:
-            detail = "this server takes no uploads; whoever runs it can allow them with hgs serve --uploads quota=500G"
+            detail = "uploads are disabled on this server; the operator can enable them: hgs serve --uploads quota=500G"
             raise ProblemError(403, "uploads-off", detail)
         if files > self.files:
             raise _too_large("files", f"{files:,} files; one upload may have {self.files:,}", f"files={files}")
@@ -75,7 +75,7 @@ class UploadLimits:
             raise _too_large("bytes", limit, f"upload={_rounded_up(size)}")
 
     def check_file(self, path: str, size: int) -> None:
-        """Refuse a file that is too large by itself.
+        """Reject a file that is too large by itself.
 
         Raises:
             ProblemError: 413.
@@ -98,5 +98,5 @@ def _rounded_up(size: int) -> str:
 
 
 def _too_large(field: str, limit: str, setting: str) -> ProblemError:
-    cure = f"send less, or ask whoever runs the server to start it with --uploads {setting}"
+    cure = f"send less, or ask the server's operator to start it with --uploads {setting}"
     return ProblemError(413, "upload-too-large", f"{limit}; {cure}", field=field)

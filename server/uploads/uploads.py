@@ -1,4 +1,4 @@
-"""All uploads of a home: begun, gone on with, turned into captures, and deleted when nobody goes on with them."""
+"""All uploads of a home: creation, continuation, conversion to captures, and deletion of abandoned ones."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from server.uploads.upload_limits import UploadLimits, bytes_for_people
 __all__ = ["Uploads"]
 
 _TRASH = ".deleted-"
-_CAPTURES = "captures"  # no id of an upload: those end in a hyphen and eight digits
+_CAPTURES = "captures"  # not an upload's id: those end in a hyphen and eight digits
 
 log = logging.getLogger("hgs.server")
 
 
 class Uploads:
-    """The uploads in a folder; safe to use from several threads, and of one process at a time."""
+    """Uploads in a folder; safe to use from several threads, by one process at a time."""
 
     def __init__(
         self, folder: Path, limits: UploadLimits | None = None, everywhere: StoredCaptures | None = None
     ) -> None:
-        """Look at nothing yet; the folder is made when the first upload begins.
+        """Read nothing yet; the folder is created with the first upload.
 
-        `everywhere` is where other machines find captures, if they do not share the folder.
+        `everywhere` is the shared store of captures, for machines that do not share the folder.
         """
         self._everywhere = everywhere
         self.folder = folder
@@ -46,11 +46,11 @@ class Uploads:
         self._lock = threading.RLock()
 
     def begin(self, announced: Announcement, client: str = "") -> tuple[Upload, bool]:
-        """Return the unfinished upload of the same announcement, else a new one of `client`; and whether it is new.
+        """Return the unfinished upload with this announcement, or a new one for `client`; and whether it is new.
 
         Raises:
-            ProblemError: 403, 413, 429, 503 or 507: what was announced is more than a limit allows, by itself or
-                together with what is there.
+            ProblemError: 403, 413, 429, 503 or 507: the announcement exceeds a limit, by itself or
+                together with other uploads.
         """
         self.limits.check_upload(announced.files, announced.bytes)
         self.sweep()
@@ -70,13 +70,13 @@ class Uploads:
         """Return an upload.
 
         Raises:
-            ProblemError: 404; 503, another process looks after the uploads.
+            ProblemError: 404; 503, another process manages the uploads.
         """
         with self._lock:
             self._open()
             upload = self._uploads.get(upload_id)
         if upload is None:
-            detail = f"upload {upload_id[:80]!r}: no such upload; it was deleted, or nothing came for too long"
+            detail = f"upload {upload_id[:80]!r}: no such upload; it was deleted, or expired without new data"
             raise ProblemError(404, "upload-not-found", detail)
         return upload
 
@@ -92,7 +92,7 @@ class Uploads:
         return upload.describe(self.limits) | {"capture": path}
 
     def require_room(self) -> None:
-        """Refuse further bytes where the disk is as full as uploads may make it.
+        """Reject further bytes when the disk is as full as uploads may make it.
 
         Raises:
             ProblemError: 507.
@@ -100,16 +100,16 @@ class Uploads:
         free = shutil.disk_usage(self.folder).free
         if free < self.limits.free:
             detail = (
-                f"the server's disk has {bytes_for_people(free)} left; uploads leave "
-                f"{bytes_for_people(self.limits.free)} free (--uploads); what has come is kept: go on later"
+                f"the server's disk has {bytes_for_people(free)} left; uploads must leave "
+                f"{bytes_for_people(self.limits.free)} free (--uploads); received data is kept: continue later"
             )
             raise ProblemError(507, "storage-full", detail, headers={"Retry-After": "60"})
 
     def finish(self, upload: Upload) -> None:
-        """Turn a complete upload into a capture, all at once; doing it again changes nothing.
+        """Convert a complete upload to a capture, atomically; repeating it changes nothing.
 
         Raises:
-            ProblemError: 409 it is not complete; 422 a file is not what was announced.
+            ProblemError: 409 it is not complete; 422 a file's content does not match its hash.
         """
         with upload.finishing:
             if upload.capture:
@@ -124,7 +124,7 @@ class Uploads:
                         upload.finish(name)
                         tree.rename(self.captures / name)
                         break
-                # Not under the lock: it takes as long as the capture is large. If this is cut off, it is done again.
+                # Without the lock: it takes as long as the capture is large. If interrupted, it is repeated.
                 if self._everywhere.put(name, tree):
                     stored = name
                 else:
@@ -146,7 +146,7 @@ class Uploads:
         log.info("upload %s is deleted", upload.id)
 
     def sweep(self) -> None:
-        """Delete unfinished uploads of which nothing came for long, and what is left of captures that are gone."""
+        """Delete abandoned uploads, and the remains of captures that are gone."""
         if not self.folder.is_dir():
             return
         with self._lock:
@@ -154,12 +154,12 @@ class Uploads:
             gone = [upload for upload in self._uploads.values() if self._is_over(upload)]
         for upload in gone:
             with upload.finishing:
-                if self._is_over(upload):  # still: it may have become a capture just now
-                    log.warning("upload %s: nothing has come for too long, or its capture is gone", upload.id)
+                if self._is_over(upload):  # still abandoned: it may just have become a capture
+                    log.warning("deleting upload %s: no data for too long, or its capture is gone", upload.id)
                     self.delete(upload)
 
     def close(self) -> None:
-        """Let another process look after the uploads."""
+        """Let another process manage the uploads."""
         with self._lock:
             self._uploads = {}
             if self._held is not None:
@@ -176,35 +176,35 @@ class Uploads:
         own = [upload for upload in unfinished if client and upload.client == client]
         if len(own) >= limits.client:
             detail = (
-                f"{len(own)} uploads of this key or address are not complete, and it may have {limits.client} at once "
+                f"{len(own)} unfinished uploads of this key or address; the limit is {limits.client} "
                 f"(--uploads client); finish or delete one, such as {own[0].id}"
             )
             raise ProblemError(429, "uploads-open", detail, headers={"Retry-After": "60"})
         if len(unfinished) >= limits.open:
             detail = (
-                f"{limits.open} uploads are not complete (--uploads open); finish or delete one, or try again later"
+                f"{limits.open} uploads are unfinished (--uploads open); finish or delete one, or try again later"
             )
             raise ProblemError(503, "uploads-open", detail, headers={"Retry-After": "60"})
         held = sum(upload.announced.bytes for upload in self._uploads.values())
         if held + announced.bytes > limits.quota:
             detail = (
-                f"all uploads may have {bytes_for_people(limits.quota)} (--uploads quota), of which "
+                f"uploads may take {bytes_for_people(limits.quota)} in total (--uploads quota), of which "
                 f"{bytes_for_people(limits.quota - held)} are left, and this one has "
-                f"{bytes_for_people(announced.bytes)}; delete uploaded captures that nobody needs"
+                f"{bytes_for_people(announced.bytes)}; delete uploaded captures that are no longer needed"
             )
             raise ProblemError(507, "upload-quota", detail, field="bytes")
         awaited = sum(upload.announced.bytes - upload.received for upload in unfinished)
         room = shutil.disk_usage(self.folder).free - awaited - limits.free
         if announced.bytes > room:
             detail = (
-                f"the server's disk has room for {bytes_for_people(max(room, 0))} more, since uploads leave "
+                f"the server's disk has room for {bytes_for_people(max(room, 0))} more, since uploads must leave "
                 f"{bytes_for_people(limits.free)} free (--uploads free), and this one has "
-                f"{bytes_for_people(announced.bytes)}; free some of it"
+                f"{bytes_for_people(announced.bytes)}; free some space"
             )
             raise ProblemError(507, "storage-full", detail, field="bytes")
 
     def _free_name(self, name: str, refused: Collection[str]) -> str:
-        """Return the name, with a number if a capture is called so, in capitals or not, or if it was refused."""
+        """Return the name, with a number if another capture has it, ignoring case, or if it was rejected."""
         taken = set(refused) | {path.name.casefold() for path in self.captures.iterdir()}
         taken |= {upload.capture.casefold() for upload in self._uploads.values()}
         number, found = 1, name
@@ -214,7 +214,7 @@ class Uploads:
         return found
 
     def _open(self) -> None:
-        """Read what an earlier process left, once, and keep other processes from it."""
+        """Load the uploads of an earlier process, once, and lock them against other processes."""
         if self._held is not None:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -223,7 +223,7 @@ class Uploads:
             fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as error:
             held.close()
-            detail = "another server process looks after the uploads of this home; send them to that one"
+            detail = "another server process manages the uploads of this home; send them to that one"
             raise ProblemError(503, "uploads-elsewhere", detail, headers={"Retry-After": "5"}) from error
         self._held = held
         for path in self.folder.iterdir():
@@ -236,19 +236,19 @@ class Uploads:
         try:
             upload = Upload.load(path)
         except (OSError, ValueError, KeyError, TypeError, ProblemError):
-            log.exception("the upload %s cannot be read; it is deleted", path)
+            log.exception("deleting upload %s, which cannot be read", path)
             self._discard(path)
             return
         self._uploads[upload.id] = upload
         tree = path / "capture"
-        if upload.capture:  # killed in the last steps of `finish`
+        if upload.capture:  # killed during the last steps of `finish`
             if tree.is_dir() and not (self.captures / upload.capture).exists():
                 self.captures.mkdir(exist_ok=True)
                 tree.rename(self.captures / upload.capture)
             upload.drop_data()
 
     def _discard(self, path: Path) -> None:
-        """Delete a folder, so that nothing of it is seen however long that takes."""
+        """Delete a folder; it disappears at once, however long the deletion takes."""
         trash = self.folder / f"{_TRASH}{secrets.token_hex(8)}"
         path.rename(trash)
         shutil.rmtree(trash, ignore_errors=True)
