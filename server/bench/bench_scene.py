@@ -26,7 +26,7 @@ class BenchScene:
     """A scene to be served."""
 
     manifest: Manifest
-    document: bytes  # of the manifest
+    document: bytes  # manifest.json
     chunks: Mapping[str, bytes]
 
     @property
@@ -41,7 +41,7 @@ class BenchScene:
 
     @property
     def rate(self) -> float:
-        """Bits per second of what moves."""
+        """Bits per second of the dynamic chunks."""
         return 8 * self.manifest.totals.bytes_dynamic / max(self.manifest.end - self.manifest.start, 1e-3)
 
 

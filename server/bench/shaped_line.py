@@ -16,10 +16,10 @@ LONGEST_BURST = 0.01  # seconds of an idle line that may be made up for: a machi
 
 
 class LineClock:
-    """When a line has carried what is sent over it, one thing after the other; moments in seconds of any clock."""
+    """The clock of a line that carries one message after the other; moments in seconds of any clock."""
 
     def __init__(self, now: float) -> None:
-        self._free = now  # when the line has room again
+        self._free = now  # moment at which the line is free
 
     def carry(self, size: int, rate: float, now: float, *, idle: bool) -> float:
         """Return when so many bytes have passed at `rate` bits per second; whether the line was `idle` before them.
@@ -32,7 +32,7 @@ class LineClock:
 
 
 class ShapedLine:
-    """Relays connections to a port of this machine; what comes from there passes at `rate` bits per second."""
+    """A relay to a port of this machine; bytes from there pass at `rate` bits per second."""
 
     def __init__(self, port: int, rate: Callable[[float], float]) -> None:
         """Take the rate from a function of the seconds since the line was opened; 0 lets nothing through."""

@@ -1,4 +1,4 @@
-"""What a viewer gets on lines of given rates: when playing begins, how long seeks take, how often it waits."""
+"""Viewers on lines of given rates: the start of playing, the duration of seeks, the number of pauses."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ async def bench_stream(
 def _told(scene: BenchScene, watched: Watched, rate: float) -> dict[str, Any]:
     return {
         "start": watched.start,
-        "start_of_line": 8 * watched.start_bytes / rate,  # what the line alone takes for what had come then
+        "start_of_line": 8 * watched.start_bytes / rate,  # seconds of the line alone for those bytes
         "start_share": watched.start_bytes / scene.size,
         "stalls": watched.stalls,
         "waited": watched.waited,

@@ -1,4 +1,4 @@
-"""`hgs ablate CAPTURE --hold-out CAMS --out FOLDER`: what each part of the method is worth on a capture."""
+"""`hgs ablate CAPTURE --hold-out CAMS --out FOLDER`: the value of each part of the method on a capture."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ _BLOCK = 1 << 20
 
 
 def unpack(archive: Path, folder: Path, limits: UploadLimits) -> None:
-    """Unpack an archive into an empty folder; what is hidden is left out.
+    """Unpack an archive into an empty folder, without hidden files.
 
     What comes out is bounded while it comes, whatever the archive says of itself.
 
@@ -60,7 +60,7 @@ class _Target:
     folder: Path
     limits: UploadLimits
     names: FolderNames
-    count: int = 0  # of files
+    count: int = 0  # files
     total: int = 0  # bytes
 
     def write(self, name: str, content: IO[bytes], announced: int) -> None:
@@ -81,7 +81,7 @@ class _Target:
             raise EOFError(f"{size} of {announced} bytes of {path!r} are there")
 
     def refuse(self, name: str) -> None:
-        """Refuse what is no file."""
+        """Refuse a member that is not a file."""
         problem = f"{name[:80]!r} is a link or a device"
         raise InputError(self.archive, problem, "pack the files themselves (tar --dereference)")
 

@@ -43,7 +43,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _left_out(made: Backup) -> list[str]:
-    """Return what is to be copied by its own tools."""
+    """Return the parts of a home that need a copy by their own tools."""
     lines = []
     if made.database != "sqlite":
         lines.append(

@@ -1,4 +1,4 @@
-"""The files of a capture that are sent to a server: those of a folder, or what an archive holds."""
+"""The files of a capture to send to a server: those of a folder or of an archive."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def capture_files(folder: Path) -> list[CaptureFile]:
 
 
 def upload_key(files: list[CaptureFile]) -> str:
-    """Return what a later client knows the same upload by (docs/upload.md)."""
+    """Return the key by which a later client finds the same upload (docs/upload.md)."""
     lines = sorted((file.path.encode(), file.size) for file in files)
     return hashlib.sha256(b"".join(path + b"\t%d\n" % size for path, size in lines)).hexdigest()
 

@@ -20,10 +20,10 @@ _MOST_DIGITS = 15
 
 
 class CommandLine(argparse.ArgumentParser):
-    """An `ArgumentParser` whose subparsers are of this class, too; numbers are finite and paths not empty."""
+    """An `ArgumentParser` with subparsers of the same class; numbers are finite and paths not empty."""
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
-        """Take what `ArgumentParser` takes."""
+        """Accept the arguments of `ArgumentParser`."""
         super().__init__(*arguments, **named)
         for kind, read in ((None, _text), (float, _number), (int, _whole_number), (Path, _path)):
             self.register("type", kind, read)
@@ -31,7 +31,7 @@ class CommandLine(argparse.ArgumentParser):
     def add_subparsers(self, **named: Any) -> Any:
         """Take the rest of the line as it is: its options read it."""
         action = super().add_subparsers(**named)
-        action.type = str  # without a type it would all be read as text, paths too
+        action.type = str  # paths included
         return action
 
     def error(self, message: str) -> NoReturn:
@@ -41,7 +41,7 @@ class CommandLine(argparse.ArgumentParser):
         raise SystemExit(BAD_INPUT)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Parse, and refuse what is unknown where it stands: the subcommand knows its own options."""
+        """Parse, and refuse an unknown argument in the subcommand where it stands."""
         parsed, unknown = super().parse_known_args(args, namespace)
         if unknown:
             known = [option for option in self._option_string_actions if option.startswith("--")]
@@ -63,7 +63,7 @@ def _meant(word: str, known: list[str]) -> str:
 
 def _text(text: str) -> str:
     """Return text that every database and line can hold; only paths may be bytes of another encoding."""
-    with contextlib.suppress(UnicodeError):  # where the locale is C, Python reads bytes
+    with contextlib.suppress(UnicodeError):  # Python reads bytes in the C locale
         text = text.encode("utf-8", "surrogateescape").decode("utf-8")
     if not is_storable(text):
         raise argparse.ArgumentTypeError(f"{text[:40]!a} is not UTF-8 text")

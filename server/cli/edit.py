@@ -72,7 +72,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _steps(options: argparse.Namespace) -> list[Step]:
-    """Return what the options ask for, in order.
+    """Return the requested edits, in order.
 
     Raises:
         InputError: an option is malformed, lacks the one that it belongs to, or there is nothing to do.

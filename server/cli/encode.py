@@ -45,7 +45,7 @@ def _run(options: argparse.Namespace) -> int:
     if options.fine_tune is not None and options.fine_tune < 0:
         raise InputError("--fine-tune", f"{options.fine_tune} is below 0", "give a number of iterations, or 0")
     folder = RunFolder(options.run_folder)
-    spec = folder.read_spec()  # before torch is loaded: a wrong path is told at once
+    spec = folder.read_spec()  # ahead of loading torch, for a quick refusal
     require_writable_folder(options.run_folder)
     with folder.exclusive(), ProgressBars() as bars:
         encoded = encode_again(options.run_folder, options.budget, bars, fine_tune=options.fine_tune)

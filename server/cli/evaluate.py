@@ -23,7 +23,7 @@ FIELDS = (
     "lpips",
     "flip",
     "flicker",
-    "flicker_steady",  # of a picture that never changes: the truth's own
+    "flicker_steady",  # the truth's own flicker
     "psnr_dynamic",  # dB, pooled over frames and cameras
     "psnr_static",
     "ssim_dynamic",  # mean over all pixels that move
@@ -80,7 +80,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.run_folder import RunFolder
 
     cameras = None if options.cameras is None else _names(options.cameras)
-    RunFolder(options.run_folder).read_spec()  # before torch is loaded: a wrong path is told at once
+    RunFolder(options.run_folder).read_spec()  # ahead of loading torch, for a quick refusal
     require_writable_folder(options.run_folder)
     from hgs_core.evaluate.run import evaluate_run
 

@@ -1,4 +1,4 @@
-"""Signals as wishes that a command can obey: a stage saves what it can resume from, all else leaves no half file."""
+"""Signals as requests to a command: a stage saves its checkpoint, and nothing leaves half a file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LOOK = 0.1  # seconds between two looks while a command waits
 
 
 class Terminated(BaseException):
-    """SIGTERM outside of `Interrupts`: what is half written is removed on the way out, as on Ctrl-C."""
+    """SIGTERM outside of `Interrupts`: half-written files are removed on the way out, as on Ctrl-C."""
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""What `hgs jobs` asks, of the home on this machine or of a server: answers are those of docs/protocol.md."""
+"""The jobs that `hgs jobs` shows, of the home on this machine or of a server, in the form of docs/protocol.md."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Query = Sequence[tuple[str, str]]
 
 
 class JobDesk(Protocol):
-    """The jobs of one installation, as JSON. Methods raise an InputError for what is refused."""
+    """The jobs of one installation, as JSON. Methods raise an InputError for a refused request."""
 
     def page(self, query: Query) -> dict[str, Any]: ...  # noqa: D102
     def job(self, job_id: str) -> dict[str, Any]: ...  # noqa: D102
@@ -141,7 +141,7 @@ class ServerDesk:
             try:
                 self._ask("DELETE", f"/v1/scenes/{published}")
             except RefusedError as error:
-                if error.code != "scene-not-found":  # which was taken back before
+                if error.code != "scene-not-found":  # already taken back
                     raise
 
     def workers(self) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The options of a job that do not change what is trained: how it is found, when it is taken, how long it may take."""
+"""The options of a job apart from training: labels, priority, time limit, webhook."""
 
 from __future__ import annotations
 

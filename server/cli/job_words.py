@@ -72,7 +72,7 @@ def job_table(jobs: Sequence[dict[str, Any]], now: float) -> str:
 
 
 def job_details(job: dict[str, Any], now: float) -> str:
-    """Return what there is to say of one job, one line for each thing."""
+    """Return the description of one job, line by line."""
     lines = {
         "job": job["id"],
         "title": job["title"],

@@ -1,4 +1,4 @@
-"""`hgs keys`: who may use the server of a home."""
+"""`hgs keys`: access to the server of a home."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`hgs masks CAPTURE --out FOLDER`: the masks of what moves, as pictures to look at and to edit."""
+"""`hgs masks CAPTURE --out FOLDER`: motion masks as pictures to view and edit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faults of what surrounds a command, its files, disks, database and store, as the one line that people are shown."""
+"""Faults of a command's surroundings (files, disks, database, store), as one line for people."""
 
 from __future__ import annotations
 

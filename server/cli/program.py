@@ -46,7 +46,7 @@ from server.cli.standard_streams import accept_any_text, discard_output, flush_o
 __all__ = ["BAD_INPUT", "command_line", "main"]
 
 INTERRUPTED = 130
-UNREAD = 141  # as of a program that SIGPIPE ends
+UNREAD = 141  # the status of a program ended by SIGPIPE
 TERMINATED = 143
 
 
@@ -103,7 +103,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError as error:
         if error.filename is not None:
             return _refused(error)
-        discard_output()  # as in hgs jobs ls | head -1
+        discard_output()  # e.g. hgs jobs ls | head -1
         return UNREAD
     except Exception as error:
         return _refused(error)

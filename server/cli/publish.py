@@ -17,7 +17,7 @@ from server.cli.training_options import add_audio_option
 
 __all__ = ["add_parser"]
 
-_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")  # of two letters at least: C:/ is a folder
+_ADDRESS = re.compile(r"[A-Za-z][A-Za-z0-9+.-]+:/")  # two letters at least: C:/ is a folder
 
 
 def add_parser(commands: Any) -> None:

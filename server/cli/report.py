@@ -32,7 +32,7 @@ def _run(options: argparse.Namespace) -> int:
 
     out = options.out or options.run_folder / "report.html"
     for run in map(RunFolder, (options.run_folder, *options.against)):
-        run.read_spec()  # before torch is loaded: a wrong path is told at once
+        run.read_spec()  # ahead of loading torch, for a quick refusal
         if not run.evaluation.exists():  # it is measured first
             require_writable_folder(run.path)
     require_writable_file(out)

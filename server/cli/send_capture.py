@@ -18,7 +18,7 @@ __all__ = ["SentBytes", "send_capture"]
 _PIECE = 8 << 20  # bytes in one request
 _SMALL = 1 << 20  # bytes of a file that is sent with its announcement
 _AT_ONCE = 4  # files
-_MOST_TRIES = 30  # of one piece while the server answers other questions: ten minutes
+_MOST_TRIES = 30  # tries of one piece while the server answers other questions: ten minutes
 _CHANGES = 3  # times that a file may turn out to be another than was announced
 _STREAM = "application/offset+octet-stream"
 _TUS = {"Tus-Resumable": "1.0.0"}
@@ -28,7 +28,7 @@ SentBytes = Callable[[int, int], None]
 
 
 def send_capture(client: ServerClient, name: str, files: list[CaptureFile], progress: SentBytes) -> str:
-    """Send the files, going on with what the server has of them, and return the path of the capture there.
+    """Send the files that the server lacks, and return the path of the capture there.
 
     Raises:
         InputError: the server refuses it or cannot be reached for long, or a file changes while it is sent.
@@ -100,7 +100,7 @@ class _Sending:
                 self._send_content(address, file, sha256, known is None and attempt == 0)
                 return
             except RefusedError as error:
-                if error.code == "upload-finished":  # by another client that sent the same
+                if error.code == "upload-finished":  # another client sent the same
                     return
                 if error.code != "checksum-mismatch":
                     raise

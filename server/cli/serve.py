@@ -186,7 +186,7 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _asking(address: str, opened: bool, any_keys: bool) -> tuple[Asking, str]:
-    """Return when keys are asked for, and the line that says who may use the server, "" where keys do.
+    """Return the rule for keys, and a line about access to the server; "" where keys decide.
 
     Raises:
         InputError: others can reach the server, and it is said neither that it is open nor who may use it.

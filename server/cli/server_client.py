@@ -35,16 +35,16 @@ _PATIENCE = 600.0  # seconds without any success after which a server that answe
 _LONGEST_WAIT = 20.0  # seconds between two tries
 _LONGEST_PATIENCE = 1e6  # seconds
 _HOST = re.compile(r"[\w.:%-]+")
-_MAY_PASS = frozenset((408, 429, 502, 503, 504))  # that another try may not get
+_MAY_PASS = frozenset((408, 429, 502, 503, 504))  # answers that may differ at another try
 
 
 @dataclass(frozen=True)
 class Answer:
-    """What a server answered."""
+    """A server's answer."""
 
     status: int
     headers: Mapping[str, str]
-    value: Any  # of a JSON body, else None
+    value: Any  # None without a JSON body
 
 
 class RefusedError(InputError):
@@ -60,7 +60,7 @@ class RefusedError(InputError):
 
 
 class LostConnectionError(Exception):
-    """A connection broke, or the server answered what may pass."""
+    """A broken connection, or an answer that calls for another try."""
 
 
 def add_patience_option(parser: argparse.ArgumentParser) -> None:
@@ -96,7 +96,7 @@ class ServerClient:
         self._own = threading.local()
         self._connections: list[http.client.HTTPConnection] = []  # those of all threads
         self._patience = patience
-        self._failing: float | None = None  # since when
+        self._failing: float | None = None  # monotonic seconds
 
     def once(
         self,
@@ -123,7 +123,7 @@ class ServerClient:
         began = time.monotonic()
         try:
             answer = self._exchange(method, self._parts.path.rstrip("/") + path, sent, body)
-        except ssl.SSLError as error:  # which another try would get, too
+        except ssl.SSLError as error:  # another try would end alike
             self._drop()
             reason = getattr(error, "verify_message", "") or error.reason or str(error)
             cure = "is it http:// there? else mend the server's certificate"
@@ -179,7 +179,7 @@ class ServerClient:
             raise StageStopped
 
     def stop(self) -> None:
-        """End what other threads wait for: their next try, or an answer."""
+        """End the waits of other threads: for their next try or an answer."""
         self._stopped.set()
         for connection in list(self._connections):
             with contextlib.suppress(OSError, AttributeError):
@@ -226,7 +226,7 @@ class ServerClient:
             self._own.connection = found
             self._connections.append(found)
             found.connect()
-        if self._stopped.is_set():  # after it is connected: `stop` ends what it finds so
+        if self._stopped.is_set():  # connected: `stop` may end it now
             raise StageStopped
         return found
 
@@ -252,6 +252,6 @@ def _parts(url: str) -> SplitResult:
         known = parts.scheme in ("http", "https") and _HOST.fullmatch(host) and parts.port != 0
         if known and not (parts.query or parts.fragment or any(map(str.isspace, url))):
             return parts
-    except ValueError:  # of a port, a bracket, or a name that nobody can have
+    except ValueError:  # a bad port, bracket or host name
         pass
     raise InputError(f"{url[:100]!r}", "is not the address of a server", "give it as in http://host:8000")

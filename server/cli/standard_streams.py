@@ -13,7 +13,7 @@ _ANY_TEXT = "hgs-any-text"
 
 
 def accept_any_text() -> None:
-    """Let both streams take what their encoding cannot say: bytes of file names as they are, other letters as \\xe9."""
+    """Make both streams accept any text: bytes of file names as they are, other letters as \\xe9."""
     codecs.register_error(_ANY_TEXT, _any_text)
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):  # None where it is closed, and anything in tests
@@ -21,7 +21,7 @@ def accept_any_text() -> None:
 
 
 def flush_output() -> None:
-    """Write out what is left, as long as a fault can still be told.
+    """Flush the output while a fault can still be reported.
 
     Raises:
         OSError: standard output takes no more.
@@ -31,7 +31,7 @@ def flush_output() -> None:
 
 
 def discard_output() -> None:
-    """Let what is left in the buffer go nowhere: at its end Python would complain once more."""
+    """Discard the buffer: Python would complain about it once more at its end."""
     with contextlib.suppress(OSError, ValueError, AttributeError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())

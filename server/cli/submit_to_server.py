@@ -33,7 +33,7 @@ INTERRUPTED = 130
 
 
 def submit_to_server(options: argparse.Namespace) -> int:
-    """Do what `hgs submit --to` says, and return the exit status.
+    """Run `hgs submit --to` and return the exit status.
 
     Raises:
         InputError: the capture cannot be sent, or the check stops it; the capture stays on the server then.
@@ -45,7 +45,7 @@ def submit_to_server(options: argparse.Namespace) -> int:
         raise InputError("--masks", "masks are sent with the capture", "put the folder into it, as masks/")
     if (audio := _sent_sound(options)) != OWN_SOUND:
         settings["audio"] = audio
-    archive_ending(options.capture)  # before a server is asked
+    archive_ending(options.capture)  # ahead of any request
     with (
         ServerClient(options.to, options.patience) as client,
         Interrupts() as interrupts,
@@ -108,7 +108,7 @@ def _limits(client: ServerClient) -> UploadLimits:
 
 
 def _sent_sound(options: argparse.Namespace) -> str:
-    """Return what --audio asks for, a file by its path in the capture, with which it is sent."""
+    """Return the request of --audio: a file by its path in the capture that is sent."""
     audio: str = options.audio
     if audio in (OWN_SOUND, NO_SOUND) or camera_of_sound(audio) is not None:
         return audio
@@ -120,7 +120,7 @@ def _sent_sound(options: argparse.Namespace) -> str:
 
 
 def _trainable(client: ServerClient, uploaded: str) -> str:
-    """Return the capture in what was sent: the folder itself, or one inside it."""
+    """Return the capture among the sent files: the folder itself, or one inside it."""
     while True:
         listed = client.request("GET", "/v1/captures").value["captures"]
         inside = [one for one in listed if one["capture"] == uploaded or one["capture"].startswith(f"{uploaded}/")]
@@ -137,7 +137,7 @@ def _trainable(client: ServerClient, uploaded: str) -> str:
 
 
 def _check(client: ServerClient, capture: str, bars: ProgressBars, trusted: bool) -> None:
-    """Have the capture checked, and show what was found."""
+    """Request a check of the capture, and show its findings."""
     listed = {one["capture"]: one for one in client.request("GET", "/v1/captures").value["captures"]}
     if listed.get(capture, {}).get("layout") == "videos without poses":
         print("nothing says where the cameras stand: the job finds that out from the videos first", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`hgs sync CAPTURE`: by how much the videos of a capture are apart, told by sound or by what moves, into sync.json."""
+"""`hgs sync CAPTURE`: the offsets between the videos of a capture, found by sound or motion, into sync.json."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _starts(path: Path, by: str, progress: ProgressCallback) -> Starts:
 
 
 def _refuse_aligned(path: Path, capture: Capture) -> None:
-    """Refuse a capture whose footage was put in step when it was opened: offsets of what is left would replace that.
+    """Refuse a capture that was put in step when it was opened: offsets of the rest would replace those.
 
     Raises:
         InputError: a camera shows another frame of its own than the capture's, or took it at another time.

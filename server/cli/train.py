@@ -35,7 +35,7 @@ def add_parser(commands: Any) -> None:
 def _run(options: argparse.Namespace) -> int:
     config = training_config(options)
     require_writable_folder(options.out)
-    if config.train.backend == "triton":  # before minutes of initialisation
+    if config.train.backend == "triton":  # ahead of minutes of initialisation
         from hgs_core.render.backends import training_device
 
         training_device(config.train.backend)

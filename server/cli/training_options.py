@@ -1,4 +1,4 @@
-"""The options that choose what a training does, shared by `hgs train` and `hgs submit`."""
+"""The options of a training, shared by `hgs train` and `hgs submit`."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def add_masks_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_audio_option(parser: argparse.ArgumentParser, default: str | None, otherwise: str) -> None:
-    """Add --audio; `otherwise` says what its default does."""
+    """Add --audio; `otherwise` describes its default."""
     parser.add_argument(
         "--audio",
         metavar="FILE",

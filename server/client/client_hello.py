@@ -1,4 +1,4 @@
-"""What a client in Python says first on every connection: what it has, where its playhead is, and what it wants."""
+"""The first message of the Python client on every connection: its chunks, its playhead, its wishes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a client plays what arrives: which moments can be shown, when playing goes on, and how fast the line is.
+"""Playback of an arriving scene: playable moments, pauses, and the rate of the line.
 
 Nothing here draws, and nothing asks for the time. The rules are those of docs/protocol.md, "Waiting for data".
 """
@@ -75,7 +75,7 @@ class Buffer:
         return max(0, bisect_right(self._starts, time) - 1)
 
     def playable(self, time: float, have: Collection[str]) -> bool:
-        """Return whether what must be there at `time` is there."""
+        """Return whether the chunks required at `time` are there."""
         return all(name in have for name in (*self._room, *self._slices[self.slice_at(time)]))
 
     def lasts(self, time: float, rate: float, have: Collection[str], line: float, reserve: float) -> bool:
@@ -101,9 +101,9 @@ class Clock:
     buffer: Buffer
     time: float  # seconds of the scene
     rate: float = 1.0
-    stalls: int = 0  # since it first moved
+    stalls: int = 0  # from the first movement on
     waited: float = 0.0  # seconds, since it first moved
-    started: float | None = None  # when it first moved
+    started: float | None = None  # moment of the first movement
     waiting: bool = True
     at_edge: bool = False  # it waits for the scene to grow, which is no stall
     _reserve: float = FIRST

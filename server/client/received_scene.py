@@ -1,4 +1,4 @@
-"""What a client has of a scene, whichever way it came."""
+"""A scene as far as a client has received it."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class ReceivedScene:
         self.missing: set[str] = set()
         self.complete = False  # but for what limits leave out
         self.payload = 0  # bytes of chunks that have come
-        self.twice = 0  # of them, bytes that had come before
+        self.twice = 0  # bytes received twice
         self.wire = 0  # bytes of all messages that have come
-        self.manifests = 0  # that have come
+        self.manifests = 0  # received manifests
         self.line = Throughput()
         self.arrived = arrived
         self.paged: PagedManifest | None = None
@@ -41,7 +41,7 @@ class ReceivedScene:
         return None if self.paged is None else self.paged.manifest
 
     def become(self, document: Mapping[str, Any]) -> None:
-        """Go on with a manifest or an index, given as plain JSON: the first, or what the scene has become.
+        """Continue with a manifest or an index, given as plain JSON: the first, or the next of a growing scene.
 
         Raises:
             StreamRefusedError: it is that of another scene than before.

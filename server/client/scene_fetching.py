@@ -18,7 +18,7 @@ from server.stream.send_order import SendOrder
 __all__ = ["SceneFetching"]
 
 PARALLEL = 4  # downloads
-MOST_REFUSALS = 3  # of a chunk in whose place something else comes
+MOST_REFUSALS = 3  # answers with other bytes, for one chunk
 POLL = 2.0  # seconds between two looks at a scene that grows
 FIRST_RETRY = 0.5  # seconds; doubled with each attempt
 LAST_RETRY = 8.0
@@ -87,7 +87,7 @@ class SceneFetching:
         return read_scene(self._scene.url, text).whole
 
     async def _fetch_all(self, index: SceneIndex) -> None:
-        """Fetch what is missing, a few chunks at a time."""
+        """Fetch the missing chunks, a few at a time."""
         order = self._order(index)
         running: dict[asyncio.Task[bool], Chunk] = {}
         try:

@@ -24,7 +24,7 @@ _GZIP = b"\x1f\x8b"
 
 
 class AwayError(Exception):
-    """The server does not answer, or not with what was asked for; another try may help."""
+    """The server does not answer, or answers something else; another try may help."""
 
 
 @dataclass
@@ -35,7 +35,7 @@ class SceneFiles:
     whole: str  # the whole manifest, of an index in pages
     opens: str = ""
     key: str = ""  # sent as Authorization: Bearer
-    _tag: str | None = field(default=None, init=False)  # of the first
+    _tag: str | None = field(default=None, init=False)  # ETag of the first answer
 
     @classmethod
     def beside(cls, stream: str, key: str = "") -> Self:
@@ -91,7 +91,7 @@ class SceneFiles:
         """Return a body and its ETag, None where the tag is that one still."""
         request = urllib.request.Request(url)
         if self.key:
-            request.add_unredirected_header("Authorization", f"Bearer {self.key}")  # for this server alone
+            request.add_unredirected_header("Authorization", f"Bearer {self.key}")  # sent to this server alone
         if tag:
             request.add_header("If-None-Match", tag)
         try:
@@ -111,7 +111,7 @@ class _NothingThereError(StreamRefusedError):
 
 
 def _refusal(error: urllib.error.HTTPError, url: str) -> StreamRefusedError | AwayError:
-    """Return what an answer of 400 or more means: whether another try would get the same."""
+    """Return the meaning of a status of 400 or more: final, or worth another try."""
     try:
         told = json.loads(error.read(1 << 16))
     except (ValueError, OSError, http.client.HTTPException):

@@ -48,7 +48,7 @@ class _SilentError(Exception):
 
 
 class StreamClient(ReceivedScene):
-    """Receives a scene and keeps it in memory; comes back with what it has after a broken connection, and follows a
+    """Receives a scene and keeps it in memory; reconnects with its chunks after a broken connection, and follows a
     scene that grows. Where something on the way passes no WebSockets, or where the address is that of a folder on a web
     server, the scene is fetched over HTTP.
 
@@ -66,7 +66,7 @@ class StreamClient(ReceivedScene):
         key: str = "",
         arrived: Callable[[], None] = lambda: None,
     ) -> None:
-        """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first what is shown `at` that second.
+        """Receive the scene of `url`, ws://host/v1/scenes/{scene}/stream, first the chunks shown `at` that second.
 
         `url` may be that of a scene's folder, manifest.json or index.hgs on a web server, too. With `audio` the scene's
         sound comes, and `have` holds the pieces that the manifest's `audio` names. `key` is what the server asks for.
@@ -83,7 +83,7 @@ class StreamClient(ReceivedScene):
         self._window = self._granted = 0
         self._trip = SHORTEST_TRIP
         self._pinged: float | None = None
-        self._told = (0.0, 0.0)  # when, and bytes per second
+        self._told = (0.0, 0.0)  # moment, bytes per second
 
     async def run(self) -> None:
         """Receive; return when the client has closed the stream.
@@ -248,7 +248,7 @@ class StreamClient(ReceivedScene):
         await self._grant(len(message), now)
 
     async def _grant(self, received: int, now: float) -> None:
-        """Give credit back in quarters of the window, which is twice what the line carries in a round trip."""
+        """Give credit back in quarters of the window, which holds two round trips of the line."""
         self._granted -= received
         rate = self.line.rate(now)
         wanted = 2 * rate * self._trip if rate else self._window + received

@@ -1,4 +1,4 @@
-"""A viewer without a picture: plays what a stream brings, as the player does, and keeps count."""
+"""A viewer without a picture: it plays a stream as the player does, and keeps count."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ TICK = 0.01  # seconds between two frames of a viewer
 
 @dataclass(frozen=True)
 class Watched:
-    """What a viewer has got; times in seconds, `start` since the line was opened."""
+    """The figures of a viewer; times in seconds, `start` since the line was opened."""
 
     start: float | None  # seconds until playing began; None: not at all
-    start_bytes: int  # of all messages that had come then
+    start_bytes: int  # bytes of all messages by then
     stalls: int
     waited: float  # seconds of stalls
     bytes: int
@@ -32,12 +32,12 @@ class Watched:
     over_http: bool = False  # no stream, but one download after the other
 
     def to_json(self) -> dict[str, Any]:
-        """Return the plain form, without what was shown."""
+        """Return the plain form, without the shown moments."""
         return {name: value for name, value in vars(self).items() if name != "shown"}
 
 
 class Viewer:
-    """A client that plays what it gets, as the player does, without a picture."""
+    """A client that plays as the player does, without a picture."""
 
     def __init__(self, url: str, key: str = "") -> None:
         """Watch the scene of `url`; with protocol 1 as players did that knew no layers. `key` may be asked for."""
@@ -81,7 +81,7 @@ class Viewer:
         return time.monotonic() - begun
 
     def can_show(self, moment: float) -> bool:
-        """Return whether what must be there at that second of the scene is there."""
+        """Return whether that second of the scene can be shown."""
         return self.clock is not None and self.clock.buffer.playable(moment, self.client.have)
 
     @property
@@ -90,7 +90,7 @@ class Viewer:
         return self.clock is not None and self.clock.started is not None
 
     def watched(self) -> Watched:
-        """Return what it has got so far."""
+        """Return the figures so far."""
         clock, client = self.clock, self.client
         start = None if clock is None or clock.started is None else clock.started - self._begun
         stalls, waited = (0, 0.0) if clock is None else (clock.stalls, clock.waited)

@@ -86,12 +86,12 @@ class Hello:
     credits: int  # bytes: the first grant
     have: frozenset[bytes] = frozenset()  # ids of complete chunks the client keeps
     parts: Mapping[bytes, int] = field(default_factory=dict)  # first bytes of chunks that it keeps: id -> how many
-    pages: Mapping[bytes, bytes] = field(default_factory=dict)  # that it keeps, and a bit for each chunk they list
+    pages: Mapping[bytes, bytes] = field(default_factory=dict)  # kept pages, with a bit for each chunk they list
     manifest_id: bytes | None = None  # SHA-256 of the index that it keeps
     time: float | None = None  # seconds; None is the scene's start
     rate: float = DEFAULT_RATE  # scene seconds per second
-    splats: int | None = None  # of a picture, that the client can draw; None is any number
-    bytes_per_second: int | None = None  # of chunk frames, that the client wants at most; None is any number
+    splats: int | None = None  # most in a picture; None is any number
+    bytes_per_second: int | None = None  # most, in chunk frames; None is any number
     audio: bool = False  # whether the client wants the scene's sound
     follow: bool = False  # whether the client accepts additions to a growing scene
 

@@ -131,7 +131,8 @@ def _whole(file: Path, most_bytes: int) -> bytes | None:
 def _line_count(parameters: list[tuple[str, str]]) -> int:
     for name, _ in parameters:
         if name != "lines":
-            raise ProblemError(422, "query-invalid", f"unknown parameter {name[:40]!a}; the only one is lines", field=name)
+            detail = f"unknown parameter {name[:40]!a}; the only one is lines"
+            raise ProblemError(422, "query-invalid", detail, field=name)
     if len(parameters) > 1:
         raise ProblemError(422, "query-invalid", "lines: given twice", field="lines")
     text = parameters[0][1] if parameters else str(_LINES)

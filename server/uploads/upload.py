@@ -55,7 +55,7 @@ class Upload:
         self._data = folder / "data"
         self._tree = folder / "capture"
         self._journal = FileJournal(folder / "files.jsonl")
-        self._files: list[ArrivingFile | None] = []  # file of each number; None: replaced by a later file of the same path
+        self._files: list[ArrivingFile | None] = []  # place: number of the file; None: replaced
         self._by_path: dict[str, ArrivingFile] = {}
         self._names = FolderNames()
         self._total = 0  # total size of the files in `_by_path`, bytes
@@ -205,7 +205,8 @@ class Upload:
             limit = f"{path[:80]!r} is one file more than the {self.announced.files} announced for this upload"
             raise ProblemError(413, "upload-too-large", f"{limit}; start another upload", field="files")
         if total > self.announced.bytes:
-            limit = f"{path[:80]!r} makes {bytes_for_people(total)}, more than the {self.announced.bytes:,} bytes announced"
+            announced = f"{self.announced.bytes:,} bytes announced"
+            limit = f"{path[:80]!r} makes {bytes_for_people(total)}, more than the {announced}"
             raise ProblemError(413, "upload-too-large", f"{limit}; start another upload", field="bytes")
 
     def _require_complete(self) -> None:
