@@ -1,4 +1,4 @@
-"""One round of tidying a home: jobs past their time, what an interrupted removal left, chunks that no scene names."""
+"""One round of tidying a home: jobs past their time, remains of interrupted removals, chunks that no scene names."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _PAGE = 1000
 
 @dataclass(frozen=True)
 class Tidied:
-    """What was removed, or in a dry run would be."""
+    """The removed jobs and bytes; in a dry run those to remove."""
 
     jobs: tuple[str, ...]
-    job_bytes: int  # of run folders, those that interrupted removals left included
+    job_bytes: int  # bytes of run folders, remains of interrupted removals included
     chunks: Collection
 
 
 def tidy(client: JobClient, retention: Retention, *, delete: bool, youngest: float = YOUNGEST) -> Tidied:
-    """Find, and if `delete` is given remove, what need not be kept; published scenes all stay.
+    """Find, and if `delete` is given remove, everything past its retention; published scenes all stay.
 
     Raises:
         InputError: as `collect_chunks`; jobs are removed before.

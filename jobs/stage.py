@@ -99,13 +99,13 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         return _explain(error, report)
     finally:
-        ProcessTree(os.getpid()).kill()  # of those that it leaves behind it alone knows all
+        ProcessTree(os.getpid()).kill()  # it alone knows all of its descendants
     return DONE
 
 
 def _end() -> NoReturn:
     """End without the worker, and leave no process behind that nobody would look after."""
-    with contextlib.suppress(ChildProcessError):  # without any there is nothing to look for, and not a moment to lose
+    with contextlib.suppress(ChildProcessError):  # no children: nothing to look for
         os.waitpid(-1, os.WNOHANG)
         ProcessTree(os.getpid()).kill()
     os._exit(ORPHANED)
@@ -176,7 +176,7 @@ def _run(
 
 
 class _NotPublishedError(Exception):
-    """The worker could not publish; `outcome` is what it answered."""
+    """The worker could not publish; `outcome` is its answer."""
 
     def __init__(self, outcome: dict[str, str]) -> None:
         super().__init__(outcome["waiting"] or outcome["error"])
@@ -192,7 +192,7 @@ def _ask_to_publish(report: IO[str], answers: queue.SimpleQueue[bytes]) -> None:
 
 
 def _claim_stdout() -> IO[str]:
-    """Return the real stdout for our lines, and send what anything else prints there to stderr."""
+    """Return the real stdout for our lines, and send all other prints to stderr."""
     ours = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
     return ours

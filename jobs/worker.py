@@ -44,8 +44,8 @@ WORKFLOW_VERSION = "jobs-1"
 POLL_INTERVAL = 0.5  # seconds between two looks into the queue
 ROUND_INTERVAL = 2.0  # seconds between two looks after other workers
 TIDY_INTERVAL = 600.0  # seconds between two looks for copies of runs that nobody needs
-SAVE_SECONDS = 12.0  # to bring what the stage has saved to the store, where the state of runs lies there
-LEAVE_SECONDS = 5.0  # to hand the running job over at the end
+SAVE_SECONDS = 12.0  # time to bring saved state to the store, where runs lie there
+LEAVE_SECONDS = 5.0  # time to hand the running job over at the end
 # Connections to Postgres of the job table and DBOS together; the proof of life has another. In one worker of all, DBOS
 # keeps one of them: nothing here may hold a connection while it waits for another.
 MOST_CONNECTIONS = 2
@@ -170,7 +170,7 @@ def _refusal(surroundings: Surroundings, workflow: TrainingWorkflow, *, doubtful
 
 
 def _leave(recovery: Recovery, register: WorkerRegister) -> None:
-    """Hand over what this worker worked on, unless the database keeps it waiting."""
+    """Hand over the work of this worker, unless the database keeps it waiting."""
 
     def leave() -> None:
         recovery.leave()

@@ -80,7 +80,7 @@ class ArtifactStore:
 
     @property
     def lock(self) -> StoreLock:
-        """What keeps publishing and collecting apart.
+        """The lock between publishing and collecting.
 
         Raises:
             ValueError: the store was opened without one.

@@ -30,11 +30,11 @@ _CHUNK_NAME = re.compile(rb"[0-9a-f]{64}")
 
 @dataclass(frozen=True)
 class Collection:
-    """What no scene names: removed, or in a dry run only found."""
+    """Chunks that no scene names: removed, or in a dry run only found."""
 
     chunks: int = 0
     bytes: int = 0
-    scenes: int = 0  # whose manifests were looked through
+    scenes: int = 0  # manifests read
 
 
 def collect_chunks(store: ArtifactStore, *, delete: bool, youngest: float = YOUNGEST) -> Collection:

@@ -50,7 +50,7 @@ class Publication:
         self._progress(Progress("publish", 0, len(stored_sizes(self._manifest)) + 1))
 
     def put(self, there: bytes | None, require_lock: Callable[[], object]) -> None:
-        """Put what the store lacks; nothing, where the manifest that is `there` is not an earlier version of this one.
+        """Put the missing files; nothing unless the manifest that is `there` is an earlier version of this one.
 
         `require_lock` is called before the manifest is put, and raises if nobody may publish any more.
 

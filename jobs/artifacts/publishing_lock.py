@@ -1,4 +1,4 @@
-"""Publishing and collecting exclude each other: who publishes does not store a chunk again that is there already.
+"""The exclusion of publishing and collecting: a publisher does not store a chunk again that is there already.
 
 The lock is a file where all processes share a folder, and an advisory lock of Postgres where they do not.
 """
@@ -122,5 +122,5 @@ def _connected(engine: sa.Engine) -> Iterator[sa.Connection]:
 
 
 def _away() -> OSError:
-    """Return what a broken connection is to jobs: a fault that passes."""
+    """Return a broken connection as a passing fault."""
     return OSError(errno.ECONNRESET, os.strerror(errno.ECONNRESET), "the job database")

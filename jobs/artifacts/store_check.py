@@ -1,4 +1,4 @@
-"""The check of the store: every chunk that a scene's manifest names is there and is what its name says."""
+"""The check of the store: every chunk named by a manifest is there, and its SHA-256 is its name."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class ChunkFault:
 
 @dataclass(frozen=True)
 class StoreCheck:
-    """What was looked through, and what is wrong."""
+    """The extent of a check, and its findings."""
 
     scenes: int
     chunks: int

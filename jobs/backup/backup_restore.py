@@ -25,7 +25,7 @@ _PART = ".restoring"
 
 
 def restore(source: Path, home: Home) -> Backup:
-    """Make a home of a backup, all of whose files are compared with their SHA-256 before anything is written.
+    """Make a home of a backup, after all of its files have been compared with their SHA-256.
 
     Jobs whose captures lay in the old home find them in the new one. The database of a home with Postgres must have
     been restored before, and be the one of `home`.
@@ -40,14 +40,16 @@ def restore(source: Path, home: Home) -> Backup:
     _require_empty(home)
     names = list(_checked(source))
     part = home.folder / _PART
-    shutil.rmtree(part, ignore_errors=True)  # of one that was cut off
+    shutil.rmtree(part, ignore_errors=True)  # remains of an interrupted restoration
     part.mkdir(parents=True)
     try:
         for name in names:
             (part / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(source / name, part / name)
         _move_captures(backup, home, part)
-        for entry in sorted(part.iterdir(), key=lambda entry: entry.name == DATABASE):  # which makes it a home
+        for entry in sorted(
+            part.iterdir(), key=lambda entry: entry.name == DATABASE
+        ):  # the database last: it makes the folder a home
             target = _target(home, entry.name)
             if entry.name == STORE and target.is_dir():
                 target.rmdir()
@@ -59,7 +61,7 @@ def restore(source: Path, home: Home) -> Backup:
 
 
 def read_backup(source: Path) -> Backup:
-    """Return what a backup says of itself.
+    """Return a backup's description of itself.
 
     Raises:
         InputError: it is none, or of a later version.

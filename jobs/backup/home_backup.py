@@ -51,7 +51,7 @@ _LEFT_OUT = re.compile(r"\..*|run\.lock|run\.lease\..*")
 
 @dataclass(frozen=True)
 class Backup:
-    """What was copied."""
+    """The extent of a backup."""
 
     format: int
     software: str
@@ -77,7 +77,7 @@ def store_folder(home: Home) -> Path | None:
 
 
 def back_up(home: Home, target: Path) -> Backup:
-    """Copy a home, whose server and workers may run, into a new folder, which appears whole or not at all.
+    """Copy a home, in use or not, into a new folder, which appears whole or not at all.
 
     Raises:
         InputError: there is no home, or something lies at `target`.
@@ -91,7 +91,7 @@ def back_up(home: Home, target: Path) -> Backup:
     if target.resolve().is_relative_to(home.folder):
         raise InputError(target, f"lies in the home {home.folder}", "give a folder outside of it")
     part = target.with_name(f".{target.name}.part")
-    shutil.rmtree(part, ignore_errors=True)  # of a backup that was cut off
+    shutil.rmtree(part, ignore_errors=True)  # remains of an interrupted backup
     part.mkdir(parents=True)
     try:
         made = _fill(home, database, part)
@@ -134,7 +134,7 @@ def _fill(home: Home, database: Path | None, part: Path) -> Backup:
 
 
 class _Sums:
-    """The digests of what was copied to a folder."""
+    """The digests of the files copied to a folder."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -160,7 +160,7 @@ class _Sums:
 
     def _note(self, file: Path, digest: str) -> None:
         name = file.relative_to(self._root).as_posix()
-        escaped = name.replace("\\", "\\\\").replace("\n", "\\n")  # as GNU coreutils do
+        escaped = name.replace("\\", "\\\\").replace("\n", "\\n")  # the escapes of GNU coreutils
         self.lines.append(f"{'' if escaped == name else chr(92)}{digest}  {escaped}")
         self.bytes += file.stat().st_size
 

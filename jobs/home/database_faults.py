@@ -1,4 +1,4 @@
-"""Faults of the job database, which pass: what must be written is written when it is back."""
+"""Passing faults of the job database: writes are repeated until it is back."""
 
 from __future__ import annotations
 

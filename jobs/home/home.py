@@ -34,17 +34,17 @@ class Home:
     database_url: str  # sqlite:///FILE or postgresql://USER:PASSWORD@HOST/DATABASE
     store_url: str  # a folder as file:///FOLDER, or s3://BUCKET/PREFIX
     pipeline: str = "hgs_core.runs.stages"  # the module that gives create_run, initialise, train and encode
-    stage_silence: StageSeconds = SILENCE  # that a stage may neither report nor compute, before it is started again
-    stage_report: StageSeconds = REPORT  # that it may not report, whatever it does
-    stage_memory: StageBytes | None = None  # that each of its processes may take; None: any
-    stage_processes: StageCount = PROCESSES  # that it may have; threads in proportion
-    stage_files: StageCount = FILES  # that each of its processes may have open
+    stage_silence: StageSeconds = SILENCE  # longest time without report or computation
+    stage_report: StageSeconds = REPORT  # longest time without report
+    stage_memory: StageBytes | None = None  # memory of each process; None: any
+    stage_processes: StageCount = PROCESSES  # most processes; threads in proportion
+    stage_files: StageCount = FILES  # most open files of each process
     stage_file_size: StageBytes = FILE_SIZE  # bytes of the longest file that it may write
     capture_cache: float = 100e9  # bytes that copies of uploaded captures may take, where runs lie in the store
-    run_state: str = "home"  # where the state of runs lies: in the folder, or in the "store"
+    run_state: str = "home"  # place of the state of runs: "home" or "store"
 
     def __post_init__(self) -> None:
-        """Refuse what cannot work.
+        """Refuse settings that cannot work.
 
         Raises:
             InputError: the state of runs is to lie in a folder's store, or beside a database that others cannot reach.

@@ -35,7 +35,7 @@ class HomeIdentity:
     id: str
 
     def mismatch(self) -> InputError | None:
-        """Return what is wrong with the folder as it is now, or None."""
+        """Return the fault of the folder as it is now, or None."""
         file = self.folder / FILE
         cure = f"mount the shared folder there, or, if it was replaced on purpose, write {self.id} into {file}"
         try:
@@ -90,7 +90,7 @@ def _read_or_make_in_store(home: Home) -> str:
 
 
 def _require_store(home: Home, known: str) -> None:
-    """Refuse a store that is not the one whose database this is: it would hold none of the runs."""
+    """Refuse a store of another database: it would hold none of the runs."""
     found = _id_in_store(home)
     if found != known:
         problem = f"is the store of another database ({FILE}: {found})" if found else f"has no {FILE}"

@@ -1,4 +1,4 @@
-"""Opens the place of what all machines share: a folder, or an object store such as S3."""
+"""The store that all machines share: a folder, or an object store such as S3."""
 
 from __future__ import annotations
 

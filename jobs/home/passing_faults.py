@@ -44,7 +44,7 @@ def one_line(error: object) -> str:
 
 
 def chain(error: BaseException) -> Iterator[BaseException]:
-    """Yield an error, what it was raised from or while, and so on."""
+    """Yield an error and the chain of its causes."""
     seen: set[int] = set()
     cause: BaseException | None = error
     while cause is not None and id(cause) not in seen:

@@ -19,7 +19,7 @@ _schema = sa.Table("hgs_schema", _metadata, sa.Column("number", sa.Integer, prim
 
 
 def require_known_schema(home: Home, engine: sa.Engine) -> None:
-    """Refuse a database whose tables later software has changed, before anything of it is.
+    """Refuse a database with tables of later software, before any change to it.
 
     Raises:
         InputError: says how to go on.

@@ -13,8 +13,8 @@ from jobs.home.byte_sizes import bytes_of
 __all__ = ["HELP", "SHOW", "STAGES", "StageBytes", "StageCount", "StageSeconds"]
 
 STAGES = ("initialise", "train", "encode", "publish")
-HELP = "help"  # with a segment of a job that another worker has
-SHOW = "show"  # what a training by segments has made so far: publish it
+HELP = "help"  # make a segment of another worker's job
+SHOW = "show"  # publish the finished segments of a training
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class _StageNumbers(ABC):
 
     @classmethod
     def parse(cls, name: str, text: str) -> Self:
-        """Read what `str` gives.
+        """Read the form that `str` gives.
 
         Raises:
             InputError: under the setting's `name`, if a number is not positive or a stage is unknown.

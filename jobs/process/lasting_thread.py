@@ -15,7 +15,7 @@ log = logging.getLogger(__name__)
 
 
 def lasting_thread(name: str, work: Callable[[], object]) -> threading.Thread:
-    """Return a thread, not started yet, that ends when `work` returns, and runs it again whatever it raises."""
+    """Return a thread, not started yet, that ends when `work` returns, and repeats it after any exception."""
 
     def run() -> None:
         pause = threading.Event()

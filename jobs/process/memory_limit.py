@@ -11,7 +11,7 @@ from jobs.home.passing_faults import chain, one_line
 
 __all__ = ["CURE", "limit_memory", "out_of_memory", "system_kills"]
 
-_GOES_FIRST = 500  # of 1000: when the system lacks memory, a stage ends before anything else that runs here
+_GOES_FIRST = 500  # out of 1000: when memory is short, the system ends a stage first
 _COUNTERS = Path("/proc/vmstat")
 CURE = "give it more (a larger machine, or a higher HGS_STAGE_MEMORY), or --set capture.downscale=2"
 
@@ -32,7 +32,7 @@ def limit_memory(most: float | None) -> None:
 def out_of_memory(error: BaseException) -> str:
     """Return in one line that an error means too little memory, of the machine or the GPU, and the cure; else ""."""
     for cause in chain(error):
-        named = type(cause).__name__ == "OutOfMemoryError"  # of torch, which is not imported here
+        named = type(cause).__name__ == "OutOfMemoryError"  # torch's, without importing torch
         refused = isinstance(cause, RuntimeError) and "can't allocate memory" in str(cause)  # torch's, on the CPU
         if isinstance(cause, MemoryError) or named or refused or getattr(cause, "errno", None) == errno.ENOMEM:
             return f"out of memory: {one_line(cause) or 'no more could be had'}; {CURE}"

@@ -32,7 +32,7 @@ def _await_end_of_stdin(act: Callable[[], object], hear: Callable[[bytes], objec
 
 
 def _read() -> bytes:
-    """Return what has come, b"" at the end; a stdin that is closed or broken has ended."""
+    """Return the next bytes, b"" at the end; a closed or broken stdin has ended."""
     try:
         return os.read(_STDIN, 4096)
     except OSError as error:

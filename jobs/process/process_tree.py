@@ -1,4 +1,4 @@
-"""The processes of a stage, whatever group or session they went to: how many they are, and how all of them are ended.
+"""The processes of a stage, in any group or session: their number, and the end of them all.
 
 `RLIMIT_NPROC` would count every process of the user, and does not bind root; a control group of its own needs rights
 that a worker in a container does not have. So the worker looks (Linux: in /proc).
@@ -20,22 +20,22 @@ __all__ = ["THREADS_EACH", "Process", "ProcessTree", "keep_orphans", "too_many"]
 THREADS_EACH = 32  # threads on average for each process that is allowed: pools of threads grow with the machine
 _LINUX = Path("/proc/self/stat").exists()
 _LOOK = 1.0  # seconds between two looks at how many there are
-_LOOK_SHARE = 0.02  # of a processor that looking takes at most
-_ROUNDS = 100  # of looking for those that multiply while others are killed
-_SET_CHILD_SUBREAPER = 36  # of prctl
+_LOOK_SHARE = 0.02  # largest share of a processor for looking
+_ROUNDS = 100  # rounds against processes that multiply while others are killed
+_SET_CHILD_SUBREAPER = 36  # prctl(2)
 
 
 @dataclass(frozen=True)
 class Process:
-    """What the system says of a process; one that has ended counts until its parent has taken note of it."""
+    """The system's figures of a process; a zombie counts until its parent has reaped it."""
 
     pid: int
     parent: int
     group: int
     session: int
     threads: int
-    seconds: float  # of processor time
-    began: int  # in ticks since the system started: tells it from a later one of the same id
+    seconds: float  # processor time
+    began: int  # ticks after the system's start; tells it from a later process of the same id
 
 
 class ProcessTree:
@@ -43,7 +43,7 @@ class ProcessTree:
 
     def __init__(self, root: int) -> None:
         self._root = root
-        self._seen: dict[int, int] = {}  # when each began, by id: some lose their parent
+        self._seen: dict[int, int] = {}  # id -> begin; some lose their parent
 
     def look(self) -> list[Process]:
         """Return all of them; none where the system has no /proc.

@@ -1,4 +1,4 @@
-"""What a stage is told by environment variables: what decodes strangers' videos gets none of the worker's secrets.
+"""The environment variables of a stage: a process that decodes strangers' videos receives none of the worker's secrets.
 
 A flaw in a video decoder would otherwise hand the database and the store to whoever may submit a capture.
 """
@@ -30,11 +30,11 @@ _SECRETS = (
 )
 """How the names of variables begin that give access to something, or lead to it."""
 
-_SET_DUMPABLE = 4  # of prctl
+_SET_DUMPABLE = 4  # prctl(2)
 
 
 def without_secrets(environment: Mapping[str, str] = os.environ) -> dict[str, str]:
-    """Return what a process that only reads captures and works in folders needs of an environment."""
+    """Return the part of an environment for a process that only reads captures and works in folders."""
     return {name: value for name, value in environment.items() if not name.startswith(_SECRETS)}
 
 

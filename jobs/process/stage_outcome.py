@@ -1,4 +1,4 @@
-"""How a stage ended, in one line: what it said itself, or else what its exit status and the system tell."""
+"""The outcome of a stage, in one line: its own report, or else its exit status and the system's."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ class StageOutcome:
     error: str = ""
     waiting: str = ""  # the fault passes: the stage shall be run again later
     killed: bool = False  # a signal ended it and not its own code
-    cause: str = ""  # with `waiting`: the `Cause` that this machine found, if it found one
+    cause: str = ""  # the `Cause` of `waiting`, if this machine found one
 
 
 def outcome_of(stage: str, status: int, said: StageOutcome, *, silent: bool, killed_before: int | None) -> StageOutcome:
-    """Return how a stage ended whose process did with `status`.
+    """Return the outcome of a stage from the exit status of its process.
 
     `said` is what it told of its failure, if anything; `silent`: it was killed for saying nothing; `killed_before` is
     `system_kills` of when it began.

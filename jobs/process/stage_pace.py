@@ -13,7 +13,7 @@ SHORTEST = 5.0  # seconds that must have been seen before anything is said
 
 
 class StagePace:
-    """The reports of one stage process; one that goes on from a checkpoint begins at what it reports first."""
+    """The reports of one stage process; after a checkpoint it begins at its first report."""
 
     def __init__(self) -> None:
         self._stage = ""

@@ -106,7 +106,7 @@ class StageRunner:
         finally:
             for watch in watches:
                 watch.cancel()
-            self.abandon(_showing(name))  # before the stage: it keeps others from publishing meanwhile
+            self.abandon(_showing(name))  # first: it keeps others from publishing
             running.tree.kill()
             await process.wait()
             await asyncio.gather(*publishing, return_exceptions=True)
@@ -118,7 +118,7 @@ class StageRunner:
         return outcome_of(stage, status, said, silent=silence.over, killed_before=killed_before)
 
     async def _publish(self, name: str, running: _Running, run: Path) -> None:
-        """Publish what a stage has made so far, in a process of its own that may, and tell the stage how that went."""
+        """Publish the finished part of a stage in a process of its own, and report the result to the stage."""
 
         async def is_heard(progress: Progress) -> None:
             running.silence.broken()
@@ -165,14 +165,14 @@ class StageRunner:
 
 
 def _showing(name: str) -> str:
-    """Return the name under which runs what publishes for a stage."""
+    """Return the workflow name of a stage's publisher."""
     return f"{name} {SHOW}"
 
 
 async def _relay(
     running: _Running, on_progress: Callable[[Progress], Awaitable[None]], publish: Callable[[], object]
 ) -> StageOutcome:
-    """Pass on progress and wishes until stdout ends; return what the stage said of its failure, if anything."""
+    """Pass on progress and requests until stdout ends; return the stage's own report of a failure, if any."""
     assert running.process.stdout is not None
     said = StageOutcome()
     async for line in running.process.stdout:
@@ -188,7 +188,7 @@ async def _relay(
 
 
 async def _end_with(running: _Running) -> None:
-    """Kill what a stage leaves behind when it ends: its stdout would stay open, too."""
+    """Kill the processes left behind by a stage: they would keep its stdout open."""
     await running.process.wait()
     running.tree.kill()
 

@@ -14,8 +14,8 @@ from jobs.process.process_tree import ProcessTree
 
 __all__ = ["Silence"]
 
-LOOKS = 10  # in the longest silence that is allowed
-BUSY_SHARE = 0.003  # of one processor; threads that only watch something use less
+LOOKS = 10  # looks during the longest allowed silence
+BUSY_SHARE = 0.003  # share of one processor; watching threads use less
 
 
 class Silence:

@@ -1,4 +1,4 @@
-"""What the API and the command line use of the queue: submit, look at, cancel and retry jobs."""
+"""The client of the queue, for the API and the command line: submit, list, cancel and retry jobs."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ __all__ = ["CreateRun", "JobClient", "JobConflictError", "KeyReusedError"]
 
 
 class CreateRun(Protocol):
-    """What begins a run, as `hgs_core.runs.creation.create_run` does."""
+    """The beginning of a run, as in `hgs_core.runs.creation.create_run`."""
 
     def __call__(  # noqa: D102
         self, run: Path, capture: Path, config: RunConfig, *, masks: Path | None, audio: str
@@ -40,7 +40,7 @@ class CreateRun(Protocol):
 
 
 class JobConflictError(Exception):
-    """The job is in a state that does not allow what was asked; the API answers 409."""
+    """The state of the job does not allow the request; the API answers 409."""
 
 
 class KeyReusedError(JobConflictError):
@@ -169,7 +169,7 @@ class JobClient:
         return self._known(job_id)
 
     def retry(self, job_id: str) -> Job:
-        """Queue a failed or cancelled job again, or try a waiting one now; it goes on from what its run folder holds.
+        """Queue a failed or cancelled job again, or try a waiting one now; it resumes from its run folder.
 
         Raises:
             KeyError: there is no such job.

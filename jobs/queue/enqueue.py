@@ -25,7 +25,7 @@ TRAINING_QUEUE = "training"
 TRAIN_JOB = "train_job"  # the name of the workflow that runs a job's stages
 HELP_JOB = "help_job"  # and of the one that makes a segment of a job that another worker has
 
-MAX_PRIORITY = 100  # of a job, and the least is -100: the higher is taken first
+MAX_PRIORITY = 100  # the least is -100; the higher is taken first
 
 RESUMED, NEW = 1, 1000  # priorities of DBOS, of which the lower is taken first; a job's own is taken off NEW
 

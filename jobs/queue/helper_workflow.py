@@ -30,10 +30,10 @@ log = logging.getLogger(__name__)
 
 
 class HelperWorkflow:
-    """The workflow as one worker runs it. What goes wrong is no fault of the job: its own worker meets it, too."""
+    """The workflow as one worker runs it. A helper's failure is not the job's: its own worker meets it, too."""
 
     def __init__(self, home: Home, engine: sa.Engine, stages: StageRunner, attended: set[tuple[str, int]]) -> None:
-        """Note in `attended` what this process works on, under the helpers' names."""
+        """Note the work of this process in `attended`, under the helpers' names."""
         self._home = home
         self._table = JobTable(engine)
         self._stages = stages
@@ -65,7 +65,7 @@ class HelperWorkflow:
             return "the job is not running"
         name = workflow_id(helper_name(job_id, number), attempt)
         run = self._home.run(job_id)
-        if self._home.runs_in_store:  # what it makes goes there, and what this machine has of the run is another's
+        if self._home.runs_in_store:  # its results go there; the run's copy here is another worker's
             run = help_folder(self._home, helper_name(job_id, number))
             run.mkdir(parents=True, exist_ok=True)
         stage = asyncio.create_task(self._stages.run(name, HELP, run, unheard))

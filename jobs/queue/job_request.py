@@ -1,4 +1,4 @@
-"""What is asked for when a job is submitted, checked before anything is written."""
+"""The request for a job, checked before anything is written."""
 
 from __future__ import annotations
 
@@ -37,15 +37,15 @@ class JobRequest:
     config: RunConfig
     title: str = ""
     masks: Path | None = None  # a folder of masks to use instead of the capture's own
-    audio: str = "auto"  # what is heard, as of `hgs_core.runs.stages.train_scene`; files by absolute paths
-    labels: tuple[str, ...] = ()  # for people to find the job by
+    audio: str = "auto"  # sound, in the form of `hgs_core.runs.stages.train_scene`; files by absolute paths
+    labels: tuple[str, ...] = ()  # search terms for people
     priority: int = 0  # -100 to 100: the highest are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # a URL that is told when the job ends
     key: str = ""  # idempotency key: the same request with the same key is the same job
 
     def __post_init__(self) -> None:
-        """Check what people and pages will read.
+        """Check the texts shown to people.
 
         Raises:
             InputError: the title is too long or holds control characters, a path is no text, a label or the key is

@@ -192,7 +192,7 @@ class TrainingWorkflow:
     async def _saved_stage(
         self, stage: str, job_id: str, attempt: int, on_progress: Callable[[Progress], Awaitable[None]]
     ) -> StageOutcome:
-        """Run a stage once, and save what it made; a stage whose results are not saved has not ended well."""
+        """Run a stage once and save its results; a stage without saved results has failed."""
         name = workflow_id(job_id, attempt)
         try:
             async with self.saving.meanwhile((job_id, attempt), lambda: self._stages.abandon(name)):
@@ -208,7 +208,7 @@ class TrainingWorkflow:
         return await self.saving.save((job_id, attempt))
 
     def _lacking(self, job_id: str, stage: str) -> Missing | None:
-        """Return what this machine lacks for a stage, the store left aside."""
+        """Return the lack of this machine for a stage, apart from the store."""
         job = self._table.get(job_id)
         if job is None:
             return None

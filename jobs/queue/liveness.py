@@ -117,7 +117,7 @@ class PostgresLiveness:
         )
         self._session: sa.Connection | None = None
         self._holds = False  # the session has our own lock
-        self._turn = threading.Lock()  # to use the session
+        self._turn = threading.Lock()  # one user of the session at a time
         self._first_seen_dead: dict[str, float] = {}
         self._last_proof = 0.0
         self._lost = threading.Event()
@@ -154,7 +154,7 @@ class PostgresLiveness:
         return executor in self._first_seen_dead
 
     def _ask(self, question: sa.ColumnElement[Any]) -> Any:
-        """Return what the server answers on our session, which is made if there is none."""
+        """Return the server's answer on our session, which is opened if needed."""
         with self._turn:
             if self._session is None:
                 self._session, self._holds = self._engine.connect(), False

@@ -1,4 +1,4 @@
-"""What every worker looks after beside its own job: that each unfinished job is worked on, or says why not.
+"""The recovery of jobs by every worker: each unfinished job is worked on, or has a reason to wait.
 
 A worker may die, lose a workflow to another, or be unable to write how one ended; then DBOS keeps the workflow as
 pending for ever. Each worker looks for such workflows, its own included, and queues them again.
@@ -44,7 +44,7 @@ class Recovery:
         attended: Collection[Attempt],
         surroundings: Surroundings,
     ) -> None:
-        """Act as `executor`, whose process works on the `attended` attempts at the moment."""
+        """Act as `executor`, at work on the `attended` attempts."""
         self._dbos = dbos
         self._executor = executor
         self._table = table
@@ -58,7 +58,7 @@ class Recovery:
 
     def give_up_lost(self) -> None:
         """Kill the stages of workflows that another worker has taken over."""
-        running = self._stages.workflows()  # before the query: what was started later is not judged by older news
+        running = self._stages.workflows()  # ahead of the query: later starts are not judged by older rows
         if running:
             for workflow in DBOS.list_workflows(workflow_ids=running, load_input=False, load_output=False):
                 ours = workflow.status == "PENDING" and workflow.executor_id == self._executor
@@ -110,7 +110,7 @@ class Recovery:
                 self._table.keep_alive(*attempt)
 
     def wake(self) -> None:
-        """Queue the jobs at once that wait for what this machine sees; their pauses may be hours long."""
+        """Queue the waiting jobs that this machine can run now; their pauses may be hours long."""
         if time.monotonic() < self._next_wake:
             return
         self._next_wake = time.monotonic() + WAKE
@@ -126,7 +126,7 @@ class Recovery:
                     log.info("%s need not wait any more", job.id)
 
     def leave(self) -> None:
-        """Queue what this worker worked on again, at its end; its stages have ended and it takes nothing any more."""
+        """Queue this worker's jobs again at its end, once its stages have ended."""
         own = DBOS.list_workflows(status="PENDING", executor_id=self._executor, load_input=False, load_output=False)
         self._queue_again(
             self._executor,

@@ -34,7 +34,7 @@ _rows = sa.Table(
 
 @dataclass(frozen=True)
 class Announcement:
-    """What is told of the end of one attempt, and how that went so far."""
+    """The announcement of the end of one attempt, and the state of its delivery."""
 
     job_id: str
     attempt: int

@@ -1,4 +1,4 @@
-"""A job as its users see it: its state, what was asked for, and how far it is."""
+"""A job as its users see it: state, request, progress."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ACTIVE = (JobState.QUEUED, JobState.RUNNING, JobState.WAITING)  # not finished
 
 @dataclass(frozen=True)
 class Job:
-    """One row of the job table. Empty strings stand for what is not known (yet)."""
+    """One row of the job table. Empty strings stand for unknown values."""
 
     id: str
     title: str
@@ -45,21 +45,21 @@ class Job:
     attempt: int = 1  # counts retries, the queue's own too; every write of a worker names the attempt it belongs to
     epoch: int = 0  # counts the workers that took it: the last one's fences all earlier ones off the run's state
     stage: str = ""  # initialise, train, encode or publish
-    done: int = 0  # of `total` units of the stage
+    done: int = 0  # units of the stage, out of `total`
     total: int = 0
     figures: Mapping[str, float] = field(default_factory=dict)  # e.g. loss, psnr, splats
     error: str = ""  # one line, when failed
     scene_id: str = ""  # the published scene, when succeeded
     waiting: str = ""  # one line: why an unfinished job does not go on at the moment
-    cause: str = ""  # of a waiting job: what could not be seen, a `Cause` of surroundings.py; "" if that is not known
+    cause: str = ""  # a `Cause` of readiness.py for a waiting job; "" if unknown
     created: float = 0.0  # seconds since the epoch
     updated: float = 0.0
-    labels: tuple[str, ...] = ()  # for people to find it by
+    labels: tuple[str, ...] = ()  # search terms for people
     priority: int = 0  # higher ones are taken first
     time_limit: float = 0.0  # seconds that an attempt may take once a worker has taken it; 0: any
     webhook: str = ""  # the URL that is told when the job ends
-    audio: str = ""  # what is heard, as was asked for: JobRequest.audio; of jobs from before it was kept, not known
-    stage_ends: float = 0.0  # when the running stage will probably end, seconds since the epoch; 0: nobody knows
+    audio: str = ""  # sound, in the form of JobRequest.audio
+    stage_ends: float = 0.0  # expected end of the running stage, seconds since the epoch; 0: unknown
 
     def to_json(self) -> dict[str, Any]:
         """Return the fields as plain JSON values."""

@@ -28,7 +28,7 @@ class JobFilter:
     until: float = 0.0  # submitted before; 0 for no end
 
     def conditions(self) -> list[sa.ColumnElement[bool]]:
-        """Return what the rows of `hgs_job` must meet."""
+        """Return the conditions on rows of `hgs_job`."""
         conditions: list[sa.ColumnElement[bool]] = [
             job_rows.c.id.in_(sa.select(job_labels.c.job_id).where(job_labels.c.label == label))
             for label in self.labels

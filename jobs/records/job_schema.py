@@ -1,4 +1,4 @@
-"""The tables of jobs and of what is found by: rows, labels, workers."""
+"""The database tables of jobs, labels and workers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The job table: what a user sees of a job, in the same database as the queue."""
+"""The job table, in the same database as the queue."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from jobs.records.job_schema import job_labels, job_rows, metadata
 __all__ = ["JobTable", "metadata"]
 
 SILENCE = 60.0  # seconds without a word from a worker, which speaks every 20 s, after which a running job says so
-_MOST_IDS = 10_000  # in one query: SQLite takes 32,766 values, Postgres 65,535
+_MOST_IDS = 10_000  # ids of one query; SQLite allows 32,766 values, Postgres 65,535
 
 
 class JobTable:
@@ -31,7 +31,7 @@ class JobTable:
         self._engine = engine
 
     def insert(self, connection: sa.Connection, job: Job, request: tuple[str, str] | None = None) -> None:
-        """Add a row inside the caller's transaction; `request` is the key and the digest of what was asked.
+        """Add a row inside the caller's transaction; `request` is the key and the digest of the request.
 
         Raises:
             sqlalchemy.exc.IntegrityError: another job has this key.
@@ -46,7 +46,7 @@ class JobTable:
             connection.execute(sa.insert(job_labels), labels)
 
     def requested(self, key: str) -> tuple[str, str] | None:
-        """Return the id of the job that was asked for with this key, and the digest of what was asked; or None."""
+        """Return the id of the job requested with this key, and the digest of the request; or None."""
         query = sa.select(job_rows.c.id, job_rows.c.request_digest).where(job_rows.c.request_key == key)
         with self._engine.connect() as connection:
             row = connection.execute(query).one_or_none()

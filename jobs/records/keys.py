@@ -43,7 +43,7 @@ _secrets = sa.Table(
 
 
 class Scope(StrEnum):
-    """What a key allows."""
+    """The permissions of a key."""
 
     VIEW = "view"  # look at scenes
     SUBMIT = "submit"  # captures and jobs
@@ -57,7 +57,7 @@ IMPLIED = {
     Scope.PUBLISH: frozenset({Scope.PUBLISH, Scope.VIEW}),
     Scope.ADMIN: frozenset(Scope),
 }
-"""What each scope allows."""
+"""The permissions of each scope."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The workers that there are, and what each does: for people to look at, not for the queue to decide by.
+"""The register of workers and their activity: for people, not for decisions of the queue.
 
 `python -m jobs.records.worker_register` is the health check of a container: is there a worker on this host that speaks?
 Whether a worker is dead is told by its lock (`jobs.queue.liveness`).
@@ -33,14 +33,14 @@ class Worker:
     host: str
     pid: int
     device: str  # CUDA_VISIBLE_DEVICES, where that is set
-    job_id: str  # what it works on; empty if it is idle
+    job_id: str  # its current job; "" while idle
     idle_because: str  # one line: why it takes no job at the moment; empty if it would
     started: float  # seconds since the epoch
     seen: float
 
 
 class WorkerRegister:
-    """What one worker says of itself."""
+    """The entry of one worker."""
 
     def __init__(self, engine: sa.Engine, executor: str) -> None:
         """Speak as `executor`."""
@@ -50,7 +50,7 @@ class WorkerRegister:
         self._next = 0.0
 
     def tell(self, job_id: str, idle_because: str) -> None:
-        """Say what the worker does; nothing is written within 10 s if that has not changed."""
+        """Write the worker's activity; within 10 s only if it has changed."""
         if self._said == (job_id, idle_because) and time.monotonic() < self._next:
             return
         now = time.time()

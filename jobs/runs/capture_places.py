@@ -1,4 +1,4 @@
-"""What run.json says of places that differ from machine to machine: where a capture lies, and its sound."""
+"""Paths in run.json that differ from machine to machine: the capture and its sound."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SPEC = "run.json"
 
 
 class Translation:
-    """What run.json says of places that differ from machine to machine."""
+    """The paths in run.json that differ from machine to machine."""
 
     def __init__(self, portable: Callable[[str], str], local: Callable[[str], str]) -> None:
         """Translate the path of a capture, or of a file in it, from this machine's to everybody's, and back."""

@@ -1,4 +1,4 @@
-"""The course of a job: what its stages reported, thinned out, in a file of its run folder that the API reads.
+"""The progress log of a job: reports of its stages, thinned out, in a file of its run folder that the API reads.
 
 `progress.jsonl` holds one JSON object a line: `attempt`, `stage`, `done`, `total`, `time` (seconds since the epoch) and
 `figures`. A stage is written at most 500 times in one go, whatever it reports. One that goes on from a checkpoint
@@ -75,7 +75,7 @@ class CourseWriter:
 
 
 def read_course(run: Path) -> list[Milestone]:
-    """Return what was written in a run folder, in order; nothing where there is no file.
+    """Return the reports in a run folder, in order; none without a file.
 
     A damaged line is left out. What was reported twice, because a stage went on from a checkpoint, counts once.
 

@@ -1,4 +1,4 @@
-"""What a job needs around it, and whether this machine sees it: the home, room on its disk, the store, the capture.
+"""The readiness of this machine for a job: the home, room on its disk, the store, the capture.
 
 A stage that fails while one of them is missing is not to blame, and a machine that misses one takes no job.
 """
@@ -31,7 +31,7 @@ STORE_HANGS = 10.0  # seconds after which a look that has not ended says enough
 
 
 class Cause(StrEnum):
-    """What cannot be seen."""
+    """The causes of waiting."""
 
     HOME = "home"
     DISK = "disk"
@@ -41,19 +41,19 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class Missing:
-    """What this machine does not see now, and that in one line."""
+    """A lack of this machine, in one line."""
 
     cause: Cause
     reason: str
 
 
 class Surroundings:
-    """What this machine sees of the home's folder, its disk, the store and captures; methods may block on a disk."""
+    """This machine's view of the home's folder, its disk, the store and captures; methods may block on a disk."""
 
     def __init__(self, home: Home, identity: HomeIdentity) -> None:
         self._home = home
         self._identity = identity
-        self._store: Missing | None = None  # as it was at the last look
+        self._store: Missing | None = None  # result of the last look
         self._looked = False
         self._looking_since: float | None = None
 
@@ -62,7 +62,7 @@ class Surroundings:
         lasting_thread("store", self._watch).start()
 
     def of_machine(self) -> Missing | None:
-        """Return what this machine lacks for any job, the store as `watch_store` last saw it; None if nothing."""
+        """Return the lack of this machine for any job, the store as `watch_store` last saw it; None if ready."""
         if lacking := self.home():
             return lacking
         began = self._looking_since
@@ -71,7 +71,7 @@ class Surroundings:
         return self._store
 
     def of_job(self, capture: Path) -> Missing | None:
-        """Return what this machine lacks for the stages of a job before its publication; None if nothing."""
+        """Return the lack of this machine for the stages of a job before its publication; None if ready."""
         return self.home() or _capture(capture)
 
     def store(self) -> Missing | None:
@@ -83,7 +83,7 @@ class Surroundings:
         return None
 
     def is_back(self, cause: Cause, capture: Path) -> bool:
-        """Return whether this machine sees what a job waits for."""
+        """Return whether the cause of a job's wait is gone on this machine."""
         match cause:
             case Cause.STORE:
                 return self._looked and self._store is None

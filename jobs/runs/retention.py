@@ -25,7 +25,7 @@ class FinishedRun:
 
 @dataclass(frozen=True)
 class Retention:
-    """What is kept must meet every condition; by default everything is kept."""
+    """The retention of finished runs: a kept run meets every condition; by default all are kept."""
 
     jobs: float = math.inf
     days: float = math.inf
@@ -46,7 +46,7 @@ class Retention:
         )
 
     def expired(self, runs: Sequence[FinishedRun], now: float) -> list[FinishedRun]:
-        """Return the runs that are not kept, of all finished ones; what ended last is kept first."""
+        """Return the runs to remove among all finished ones; the latest are kept first."""
         expired: list[FinishedRun] = []
         total = 0
         for place, run in enumerate(sorted(runs, key=lambda run: run.job.updated, reverse=True)):
@@ -57,7 +57,7 @@ class Retention:
 
 
 def folder_bytes(folder: Path) -> int:
-    """Return how many bytes the files below a folder hold; what vanishes meanwhile counts nothing."""
+    """Return the bytes of the files below a folder; files that vanish meanwhile count nothing."""
     total = 0
     for root, _, names in os.walk(folder):
         for name in names:

@@ -26,7 +26,7 @@ Known = Callable[[Collection[str]], Container[str]]
 
 
 class RunPlace(Protocol):
-    """What becomes of the run folders of jobs, beside the work on them."""
+    """The run folders of jobs, apart from the work on them."""
 
     def submitted(self, job_id: str) -> None:
         """Keep the run folder of a job that is about to be queued."""
@@ -40,13 +40,13 @@ class RunPlace(Protocol):
         """
 
     def removed(self, job_id: str) -> None:
-        """Remove what `remove` left."""
+        """Remove the remains of `remove`."""
 
     def sizes(self, job_ids: Collection[str]) -> Mapping[str, int]:
         """Return how many bytes the runs of these jobs take."""
 
     def left_over(self, known: Known, *, delete: bool) -> int:
-        """Return the bytes of what is of no job, and if `delete` is given remove it; `known` tells which jobs are."""
+        """Return the bytes of folders without a job; with `delete` remove them. `known` returns the existing jobs."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class RunsInHome:
         return {job_id: folder_bytes(self.home.run(job_id)) for job_id in job_ids}
 
     def left_over(self, known: Known, *, delete: bool) -> int:
-        """Look after what an interrupted removal left."""
+        """Finish interrupted removals."""
         freed = 0
         for job_id in trash(self.home):
             freed += folder_bytes(self.home.folder / "trash" / job_id)
@@ -95,7 +95,7 @@ class RunsInStore:
         empty_trash(self._home, job_id)
 
     def remove(self, job_id: str) -> None:
-        """Remove the run; who still saves learns that it is gone."""
+        """Remove the run; a process that still saves it finds it gone."""
         self._run(job_id).remove()
 
     def removed(self, job_id: str) -> None:
@@ -107,10 +107,10 @@ class RunsInStore:
         return {job_id: found[job_id][0] if job_id in found else 0 for job_id in job_ids}
 
     def left_over(self, known: Known, *, delete: bool) -> int:
-        """Look after runs whose jobs were never queued, or are deleted, and what late writers put there."""
+        """Remove runs without a job: never queued, deleted, or written late."""
         before, freed = datetime.now(UTC) - _YOUNGEST, 0
         found = self._listed()
-        jobs = known(found)  # after the listing: a run comes before its job
+        jobs = known(found)  # queried last: a run is older than its job
         for job_id, (size, newest) in found.items():
             if job_id not in jobs and newest < before:
                 freed += size

@@ -1,4 +1,4 @@
-"""What the API and the command line read of run folders: those of the home, or copies of what the store has."""
+"""Run folders for reading, by the API and the command line: those of the home, or copies from the store."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class _StoreReader:
     def __init__(self, home: Home) -> None:
         self._store = open_object_store(home.store_url, once=True)  # somebody waits
         self._folder = home.folder / "shown"
-        self._copied: dict[str, Mapping[str, str]] = {}  # of a run, what each copy's content is
+        self._copied: dict[str, Mapping[str, str]] = {}  # run -> digest of each copied file
         self._next_look: dict[str, float] = {}
         self._turns: dict[str, threading.Lock] = {}
         self._turn = threading.Lock()
@@ -77,7 +77,7 @@ class _StoreReader:
         try:
             head = stored.head()
             files = {} if head is None else {name: head.files[name] for name in SHOWN & head.files.keys()}
-            if job_id not in self._copied:  # by another process, of which nothing is known
+            if job_id not in self._copied:  # another process made the copy
                 shutil.rmtree(folder, ignore_errors=True)
                 with self._turn:
                     self._make_room()
@@ -100,5 +100,5 @@ class _StoreReader:
 
 
 def run_reader(home: Home) -> RunReader:
-    """Return what reads the runs of a home."""
+    """Return the reader of the runs of a home."""
     return _StoreReader(home) if home.runs_in_store else _HomeReader(home)

@@ -35,7 +35,7 @@ def remove_copies(home: Home, many: Callable[[Collection[str]], Mapping[str, Job
                 throw_away(home, name)
                 removed.append(name)
     helped = help_folder(home, "")
-    for folder in helped.iterdir() if helped.is_dir() else ():  # of a worker that was killed
+    for folder in helped.iterdir() if helped.is_dir() else ():  # left by a killed worker
         if (job := many([job_of_folder(folder)]).get(job_of_folder(folder))) is None or job.state.finished:
             shutil.rmtree(folder, ignore_errors=True)
     for name in trash(home):

@@ -34,7 +34,7 @@ QUIET_INTERVAL = 10.0  # seconds after which a log is saved that alone has grown
 AGAIN = 5.0  # seconds after which a save that failed is tried again
 
 SHOWN = QUIET | {"run.json", "check.json", "train.json", "eval.json", "report.html", "scene/thumbnail.jpg"}
-"""What is kept of a job's run once its scene is published: nothing goes on from it, and people may look at it."""
+"""The files kept of a job's run after publication, for people to look at."""
 
 log = logging.getLogger(__name__)
 
@@ -45,7 +45,7 @@ Attempt = tuple[str, int]  # job id, attempt
 class _Claim:
     epoch: int
     state: RunState | None = None  # None: not claimed yet
-    taken: bool = False  # by another process
+    taken: bool = False  # another process has the run
     held: ExitStack = field(default_factory=ExitStack)  # the capture
 
 
@@ -68,7 +68,7 @@ class RunSaving:
             claim.held.close()
 
     async def claim(self, attempt: Attempt) -> StageOutcome:
-        """Have the run, and its folder here as it was last saved; the outcome says what is in the way, if anything."""
+        """Claim the run and restore its folder here; the outcome gives the reason of a refusal, if any."""
         if self._store is None:
             return StageOutcome()
         claim = self._claims[attempt]
@@ -113,11 +113,11 @@ class RunSaving:
 
     @contextlib.asynccontextmanager
     async def meanwhile(self, attempt: Attempt, on_taken: Callable[[], object]) -> AsyncIterator[None]:
-        """Save now and then what changes; `on_taken` is called if another process is found to have the run."""
+        """Save changes now and then; call `on_taken` if another process has the run."""
         saving = asyncio.create_task(self._save_again_and_again(attempt, on_taken))
         try:
             yield
-        except asyncio.CancelledError:  # of the job: what there is may be of use to a retry, but nobody waits for it
+        except asyncio.CancelledError:  # job cancelled: the state may help a retry, but nobody waits for it
             asyncio.get_running_loop().run_in_executor(None, self._save, attempt)
             raise
         finally:
@@ -141,7 +141,7 @@ class RunSaving:
             thread.join(max(deadline - time.monotonic(), 0.0))
 
     def complete(self, attempt: Attempt) -> None:
-        """Drop what nobody needs of a run whose scene is published; what fails here is left to `hgs gc`."""
+        """Drop the superfluous files of a published run; failures are left to `hgs gc`."""
         if self._store is None:
             return
         stored, epoch = StoredRun(self._store, run_prefix(attempt[0])), self._claims[attempt].epoch

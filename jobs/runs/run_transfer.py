@@ -29,9 +29,9 @@ QUIET = frozenset({"stage.log", COURSE, "preview.jpg"})
 
 _LOCKS = re.compile(r"run\.lock|run\.lease\..*|segments/[^/]*\.lock")
 _THREADS = 8  # files moved at once
-_TRIES = 20  # of what a race with another process may spoil
+_TRIES = 20  # tries of an operation that another process may spoil
 
-Stamp = tuple[int, int]  # of a file: when it was changed, in nanoseconds, and its bytes
+Stamp = tuple[int, int]  # a file's modification time, nanoseconds, and its bytes
 
 
 def run_prefix(job_id: str) -> str:
@@ -63,7 +63,7 @@ class RunState:
         self._wanted = wanted
         self._translate = translate
         self._head: RunHead | None = None  # ours, the last one that was put
-        self._saved: dict[str, Stamp] = {}  # what the files of the head looked like here
+        self._saved: dict[str, Stamp] = {}  # stamps of the head's files on this machine
         self._turn = threading.Lock()
 
     @property
@@ -83,7 +83,7 @@ class RunState:
             self._saved = stamps
 
     def claim(self) -> None:
-        """Become the only one who may save, then bring the folder to the state in the store.
+        """Become the only saver, then bring the folder to the state in the store.
 
         Raises:
             RunTakenError: a later epoch has the run.
@@ -108,7 +108,7 @@ class RunState:
         self._stored.remove_superseded(head)
 
     def save(self, *, complete: bool = False, free: bool = False, always: bool = False) -> None:
-        """Put what has changed, and the head that names it; with `always` a head even if nothing has.
+        """Put the changed files and a head that names them; with `always` a head even without changes.
 
         Raises:
             RunTakenError: another process has the run; nothing was saved.
@@ -140,7 +140,7 @@ class RunState:
                 raise InputError(self._stored.prefix, "is not in the store", "delete the job and submit it again")
             if before.epoch > self._epoch:
                 raise RunTakenError(f"{self._stored.prefix}: epoch {before.epoch} has this run, not {self._epoch}")
-            with contextlib.suppress(RunTakenError):  # by one of an earlier epoch, who saved in between
+            with contextlib.suppress(RunTakenError):  # a saver of an earlier epoch came in between
                 return self._stored.replace(before, RunHead(self._epoch, before.files)), before
         raise RunTakenError(f"{self._stored.prefix}: others change it without a pause")
 
@@ -151,7 +151,7 @@ class RunState:
             return None
 
     def _fetch(self, head: RunHead) -> None:
-        (self._folder / self._mark).unlink(missing_ok=True)  # until all is there, the folder is of no epoch
+        (self._folder / self._mark).unlink(missing_ok=True)  # no epoch while the folder is incomplete
         for name in self._look().keys() - head.files.keys():
             (self._folder / name).unlink(missing_ok=True)
         try:
@@ -159,7 +159,7 @@ class RunState:
         except FileNotFoundError as error:  # no fault of the store, which would be waited for
             where = f"the store's {self._stored.prefix}"
             raise InputError(where, f"lacks what its head names ({error})", "submit the job again") from None
-        for left in self._folder.glob(".*.part"):  # of a download that was cut off, of what is not wanted any more
+        for left in self._folder.glob(".*.part"):  # interrupted downloads of superseded files
             left.unlink()
         self._saved = self._look()
 
@@ -219,7 +219,7 @@ def bring(
 
 
 def files_of_run(folder: Path) -> Iterator[tuple[str, Stamp]]:
-    """Yield the files of a run folder, by path below it, that are its state: not its locks, nor what is being written.
+    """Yield the state files of a run folder, by path below it: neither locks nor files being written.
 
     A folder comes before what lies in it, so that whoever finds a manifest finds the chunks it names, too.
     """

@@ -11,7 +11,7 @@ __all__ = ["empty_trash", "throw_away", "trash"]
 
 
 def trash(home: Home) -> list[str]:
-    """Return the jobs whose run folders were moved away and are still on the disk."""
+    """Return the jobs with run folders that were moved away and are still on the disk."""
     folder = home.folder / "trash"
     return sorted(path.name for path in folder.iterdir()) if folder.is_dir() else []
 

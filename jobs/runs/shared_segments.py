@@ -25,7 +25,7 @@ LOOK = 0.5  # seconds between two looks whether others have made theirs
 
 
 class Segments(Protocol):
-    """What a pipeline does for one segment; `hgs_core.runs.by_segment`."""
+    """A pipeline's work for one segment: `hgs_core.runs.by_segment`."""
 
     def segment_count(self, run: Path) -> int: ...  # noqa: D102
     def made(self, run: Path, number: int) -> bool: ...  # noqa: D102
@@ -35,7 +35,7 @@ class Segments(Protocol):
 
 
 class Exchange(Protocol):
-    """How those who make segments of one run keep out of each other's way."""
+    """The coordination of processes that make segments of one run."""
 
     def claimed(self, number: int, meanwhile: Callable[[], object]) -> AbstractContextManager[bool]:
         """Claim a segment for the block, which learns whether that was possible; `meanwhile` may be called in it."""
@@ -95,7 +95,7 @@ def help_with_segment(
     publish: Callable[[], None],
     exchange: Exchange | None = None,
 ) -> None:
-    """Make one segment of a run whose first one is made; none if all are made or claimed.
+    """Make one segment of a run after its first one; none if all are made or claimed.
 
     With an `exchange` whoever has the job publishes it.
     """
@@ -108,7 +108,7 @@ def help_with_segment(
 
 
 def _is_complete(run: Path) -> bool:
-    """Return whether whoever has the job has finished the scene meanwhile."""
+    """Return whether the job's own worker has finished the scene meanwhile."""
     try:
         return "live" not in json.loads((run / "scene" / "manifest.json").read_bytes())
     except FileNotFoundError:

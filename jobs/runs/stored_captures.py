@@ -98,7 +98,7 @@ class StoredCaptures:
         return str((self._uploaded if here else self._fetched) / inside)
 
     def translation(self) -> Translation:
-        """Return what brings run.json from one machine to another."""
+        """Return the translation of run.json from one machine to another."""
         return Translation(self.portable, self.local)
 
     @contextlib.contextmanager
@@ -119,7 +119,7 @@ class StoredCaptures:
             if not (self._fetched / name).is_dir():
                 self._fetch(name)
             os.utime(self._fetched / name)
-            fcntl.flock(lock, fcntl.LOCK_SH)  # which keeps it from being removed
+            fcntl.flock(lock, fcntl.LOCK_SH)  # keeps it from being removed
             yield
 
     def _fetch(self, name: str) -> None:

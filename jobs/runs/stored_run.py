@@ -44,7 +44,7 @@ class RunTakenError(Exception):
 class StoredFile:
     """The content of one file."""
 
-    epoch: int  # under which it was put
+    epoch: int  # epoch of the put
     sha256: str  # 64 lower-case hexadecimal digits
     size: int  # bytes
 
@@ -56,16 +56,16 @@ class StoredFile:
 
 @dataclass(frozen=True)
 class RunHead:
-    """What the head says."""
+    """The head of a stored run."""
 
     epoch: int
-    files: Mapping[str, StoredFile] = field(default_factory=dict)  # by path below the run folder
+    files: Mapping[str, StoredFile] = field(default_factory=dict)  # path below the run folder -> file
     complete: bool = False  # nothing will follow; of a segment: it is made
     free: bool = False  # whoever had it has given it up
-    tag: str = ""  # of the object, for the next conditional put
+    tag: str = ""  # the object's ETag, for the next conditional put
 
     def to_json(self) -> dict[str, Any]:
-        """Return what the object holds, but for its tag."""
+        """Return the content of the object, without its tag."""
         files = {name: [file.epoch, file.sha256, file.size] for name, file in self.files.items()}
         return {"epoch": self.epoch, "complete": self.complete, "free": self.free, "files": files}
 
@@ -213,7 +213,7 @@ class StoredRun:
         self._delete([f"{self.prefix}/{file.name}" for file in files])
 
     def remove(self) -> None:
-        """Remove the run, segments included: the head first, so that whoever works on it learns that it is gone."""
+        """Remove the run, segments included: the head first, so that a process at work finds it gone."""
         self._delete([f"{self.prefix}/{_HEAD}"])
         self._delete([item["path"] for page in obstore.list(self._store, prefix=self.prefix) for item in page])
 

@@ -60,7 +60,7 @@ def is_of_segment(run: Path, name: str) -> bool:
 
 
 def fetch_for_help(home: Home, folder: Path) -> contextlib.ExitStack:
-    """Bring what making a segment takes into a helper's folder; what is returned holds the capture until it is closed.
+    """Bring the inputs of a segment into a helper's folder; the returned object holds the capture until it is closed.
 
     Raises:
         RunTakenError: the run is gone.
@@ -116,7 +116,7 @@ class StoredSegments:
                 except RunTakenError:
                     self._on_lost()
                     return
-                except Exception as error:  # at the end it is raised
+                except Exception as error:  # raised at the end
                     log.warning("segment %d was not saved: %s", number, one_line(error))
 
         beating = threading.Thread(target=beat, name="segment", daemon=True)
@@ -185,7 +185,7 @@ class StoredSegments:
         return state
 
     def _nothing_seen(self, error: BaseError) -> None:
-        """Begin to watch anew: who could not say a word to the store is not dead."""
+        """Begin to watch anew: a worker cut off from the store is not dead."""
         log.warning("the segments of others are not known: %s", one_line(error))
         self._seen.clear()
 

@@ -1,4 +1,4 @@
-"""Which addresses are of the public internet: what else a name leads to is inside somebody's network.
+"""Addresses of the public internet: any other address of a name lies inside somebody's network.
 
 The registries of special addresses are IANA's (RFC 6890 and its updates). Python's `is_global` follows them, each
 version as they were then, and knows nothing of the IPv4 addresses inside of IPv6 ones.
@@ -11,7 +11,7 @@ from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_add
 
 __all__ = ["is_public"]
 
-_RELAYS = IPv4Network("192.88.99.0/24")  # of 6to4, gone since RFC 7526
+_RELAYS = IPv4Network("192.88.99.0/24")  # 6to4 relays, gone since RFC 7526
 _PROTOCOLS = IPv4Network("192.0.0.0/24")  # IETF protocol assignments
 _UNICAST = IPv6Network("2000::/3")  # all that is given to networks of the internet
 _SPECIAL = (IPv6Network("2001::/23"), IPv6Network("2001:db8::/32"), IPv6Network("3fff::/20"))
@@ -36,7 +36,7 @@ def _is_public_v4(number: IPv4Address) -> bool:
 
 
 def _inside(number: IPv6Address) -> Iterator[IPv4Address]:
-    """Yield the IPv4 addresses to which translators and tunnels send what goes to this one."""
+    """Yield the IPv4 addresses that translators and tunnels derive from this one."""
     bits = int(number)
     if number in _SIX_TO_FOUR:
         yield IPv4Address(bits >> 80 & 0xFFFF_FFFF)

@@ -32,7 +32,7 @@ log = logging.getLogger(__name__)
 
 
 class WebhookDelivery:
-    """Sends what is due; any number of processes may do so at once."""
+    """The delivery of due announcements, by any number of processes at once."""
 
     def __init__(self, table: WebhookTable, rules: WebhookRules) -> None:
         self._table = table

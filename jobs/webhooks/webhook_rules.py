@@ -31,7 +31,7 @@ _NAME = re.compile(rf"{_LABEL}(?:\.{_LABEL})*")
 class WebhookRules:
     """The operator's settings; without hosts there are no webhooks."""
 
-    hosts: frozenset[str] = frozenset()  # in lower case, perhaps with a port; a leading dot stands for all below
+    hosts: frozenset[str] = frozenset()  # lower case, perhaps with a port; a leading dot stands for all subdomains
     secret: bytes = field(default=b"", repr=False)
     private: bool = False  # hosts at private addresses are allowed, and plain HTTP
 

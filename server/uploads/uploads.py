@@ -181,9 +181,7 @@ class Uploads:
             )
             raise ProblemError(429, "uploads-open", detail, headers={"Retry-After": "60"})
         if len(unfinished) >= limits.open:
-            detail = (
-                f"{limits.open} uploads are unfinished (--uploads open); finish or delete one, or try again later"
-            )
+            detail = f"{limits.open} uploads are unfinished (--uploads open); finish or delete one, or try again later"
             raise ProblemError(503, "uploads-open", detail, headers={"Retry-After": "60"})
         held = sum(upload.announced.bytes for upload in self._uploads.values())
         if held + announced.bytes > limits.quota:
