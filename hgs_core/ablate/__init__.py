@@ -1,3 +1,3 @@
-"""What each part of the method is worth: runs that differ in one thing, trained and scored alike."""
+"""Ablation of the method: runs that differ in one thing, trained and scored alike."""
 
 __all__: list[str] = []

@@ -31,7 +31,7 @@ _RESULT = "ablation.json"
 
 
 def ablate(ablation: Ablation, progress: ProgressCallback) -> dict[str, Any]:
-    """Train and score what is missing, and return the result; ablation.json has it after every run.
+    """Train and score the missing runs, and return the result; ablation.json is up to date after every run.
 
     Everything is fixed before the first run starts: the last state of each is scored, and no score decides anything.
 
@@ -63,7 +63,7 @@ def ablate(ablation: Ablation, progress: ProgressCallback) -> dict[str, Any]:
 
 
 def _check(ablation: Ablation) -> None:
-    """Find what would stop a run before the first one has trained for hours."""
+    """Refuse faults that would stop a later run, before the first one trains for hours."""
     config = ablation.config.capture
     if not config.hold_out:
         raise InputError("--hold-out", "names no camera to score", "give one or more")
@@ -96,7 +96,7 @@ def _check_folder(ablation: Ablation) -> None:
 
 
 def _finish(ablation: Ablation, run: RowRun, runs: Sequence[RowRun], progress: ProgressCallback) -> Mapping[str, Any]:
-    """Bring one run to its scores, without repeating what is done, and return eval.json."""
+    """Bring one run to its scores, without repeating finished work, and return eval.json."""
     scores = _scores(ablation, run)
     if scores is None:
         initialise_run(run, runs, progress)

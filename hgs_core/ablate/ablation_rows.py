@@ -13,8 +13,8 @@ from hgs_core.runs.run_config import RunConfig
 
 __all__ = ["FULL", "ROWS", "Row", "rows_named"]
 
-_MASK_SHARES = (20, 40, 60, 80, 95)  # per cent of the picture
-_MASK_PIXELS = 3  # that masks are eroded or dilated by
+_MASK_SHARES = (20, 40, 60, 80, 95)  # % of the picture
+_MASK_PIXELS = 3  # pixels of erosion or dilation
 _DROPPED_SHARE = 0.3  # share of the components
 _BLOBS, _BLOB_SHARE = 8, 0.05  # discs in each picture, and what they cover of it
 
@@ -25,9 +25,9 @@ class Row:
 
     name: str
     asks: str  # the question, in a sentence
-    fields: Mapping[str, Any] = field(default_factory=dict)  # of the config, replaced, by their dotted paths
+    fields: Mapping[str, Any] = field(default_factory=dict)  # dotted path -> replacement in the config
     masks: MaskChange | None = None  # done to every training mask, before the first points are found
-    masks_vary: bool = False  # with the seed
+    masks_vary: bool = False  # different masks for each seed
     statics_at_rest: bool = False  # not trained: the statics of the full run are stored as dynamics at rest
 
     def config(self, base: RunConfig, seed: int) -> RunConfig:

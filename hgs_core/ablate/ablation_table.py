@@ -24,7 +24,7 @@ _COLUMNS: Mapping[str, tuple[str, Callable[[float], str]]] = {
 
 
 def table_text(result: Mapping[str, Any]) -> str:
-    """Return the table of an ablation (the fields of ablation.json), and what its marks mean."""
+    """Return the table of an ablation (the fields of ablation.json), and the meaning of its marks."""
     rows = result["rows"]
     cells = [["row", "seeds", "moving", "to full", *_COLUMNS], *(_cells(row) for row in rows)]
     lines = _aligned(cells)

@@ -62,12 +62,12 @@ def moving_share(run: RowRun) -> float:
 
 
 def _masks_of(run: RowRun) -> tuple[Any, ...]:
-    """Return what decides the masks of a run."""
+    """Return the settings that determine a run's masks."""
     return () if run.row.masks is None else (run.row.name, run.seed if run.row.masks_vary else None)
 
 
 def _points_of(run: RowRun) -> tuple[Any, ...]:
-    """Return what decides the first points of a run."""
+    """Return the settings that determine a run's first points."""
     return (_masks_of(run), run.config.seed, run.config.capture, run.config.points)
 
 

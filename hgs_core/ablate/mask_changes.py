@@ -1,4 +1,4 @@
-"""Ways to spoil a mask of what moves: too wide, too narrow, and wrong."""
+"""Damage to motion masks: too wide, too narrow, and wrong."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an ablation consists of: runs, each in a folder of its own."""
+"""The plan of an ablation: runs, each in a folder of its own."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class RowRun:
 
     row: Row
     seed: int
-    path: Path  # of the run folder
+    path: Path  # run folder
     config: RunConfig
 
     @cached_property
@@ -31,16 +31,16 @@ class RowRun:
 
 @dataclass(frozen=True)
 class Ablation:
-    """What is asked for: every row with every seed, on one capture."""
+    """The request: every row with every seed, on one capture."""
 
     capture: Path
     out: Path
-    config: RunConfig  # of the full method; its seed is replaced
+    config: RunConfig  # full method; its seed is replaced
     rows: Sequence[Row]  # the full method first (`rows_named`)
     seeds: Sequence[int]
-    masks: Path | None = None  # to train with, instead of the capture's own
-    truth: Path | None = None  # to score against, instead of the capture's pictures
-    score_masks: Path | None = None  # that tell the scored regions, instead of the capture's own
+    masks: Path | None = None  # training masks, instead of the capture's own
+    truth: Path | None = None  # reference pictures, instead of the capture's own
+    score_masks: Path | None = None  # masks of the scored regions, instead of the capture's own
 
     def run(self, row: Row, seed: int) -> RowRun:
         """Return the run of a row and a seed."""
@@ -51,6 +51,6 @@ class Ablation:
         return [self.run(row, seed) for seed in self.seeds for row in self.rows]
 
     def sources(self) -> dict[str, str | None]:
-        """Return the folders, beside the capture, that decide what is trained on and scored against."""
+        """Return the folders, beside the capture, that determine training and scoring."""
         paths = {"masks": self.masks, "truth": self.truth, "score_masks": self.score_masks}
         return {name: None if path is None else str(path.resolve()) for name, path in paths.items()}

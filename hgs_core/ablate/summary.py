@@ -38,7 +38,7 @@ class RowSummary:
     name: str
     runs: Sequence[Mapping[str, Any]]  # seed and figures of each
     mean: Mapping[str, float | None]
-    deviation: Mapping[str, float | None]  # of the sample, n - 1; None for a single seed
+    deviation: Mapping[str, float | None]  # sample deviation (n - 1); None for a single seed
     psnr_difference: float | None  # dB, mean over the seeds of the row minus the full method with the same seed
     needs_seeds: bool  # nearer to the full method than NEAR_DECIBELS with fewer than ENOUGH_SEEDS
 

@@ -1,4 +1,4 @@
-"""Static splats stored as dynamic ones that never move: what it costs not to share parameters over time."""
+"""Static splats stored as dynamic ones that never move: the cost of parameters that are not shared over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every config has in common: fields that are checked, replaced by name, and listed by their dotted paths."""
+"""Fields of configs: checked, replaced by name, and listed by their dotted paths."""
 
 from __future__ import annotations
 

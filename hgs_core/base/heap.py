@@ -9,7 +9,7 @@ __all__ = ["trim_heap"]
 
 
 def trim_heap() -> None:
-    """Give back what the heap holds but nobody uses, where the C library can do that: glibc's.
+    """Return unused memory of the heap to the system, where the C library (glibc) can.
 
     A stage's arrays leave a heap full of holes behind, which the next stage's would only partly fill.
     """

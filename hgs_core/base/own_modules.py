@@ -1,4 +1,4 @@
-"""Processes that run our own modules, whatever lies in the folder that they are started in.
+"""Processes that run our own modules, regardless of the working directory's files.
 
 `python -m` and `python -c` look for every import in the working directory first. A `numpy.py`, or the `jobs.py` and the
 `server/` of somebody's own project, would run there in the place of ours, with a worker's secrets.

@@ -27,7 +27,7 @@ ProgressCallback = Callable[[Progress], None]
 
 
 class StageStopped(Exception):  # noqa: N818 - control flow, not an error
-    """Raised by a progress callback to stop a stage; the stage saves what it can resume from and re-raises."""
+    """A request to stop, raised by a progress callback; the stage saves its checkpoint and re-raises."""
 
 
 def silent(progress: Progress) -> None:
@@ -48,7 +48,7 @@ def interruptible() -> Iterator[None]:
 
 
 def stop_if_interruptible() -> None:
-    """Stop what this thread does, for handlers of signals; elsewhere the next report of progress does.
+    """Stop this thread's work, for handlers of signals; elsewhere the next report of progress does.
 
     Raises:
         StageStopped: the thread is inside `interruptible`.

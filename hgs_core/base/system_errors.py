@@ -34,7 +34,7 @@ _CURES = {
 
 
 def as_input_error(error: OSError, path: Path | None = None) -> InputError:
-    """Return an error of the system as one line: the file, what is wrong with it, and what helps.
+    """Return an error of the system as one line: the file, the problem, the cure.
 
     The file is the one that the error names, or else `path`, or else `THE_OUTPUT`.
     """

@@ -9,7 +9,7 @@ from typing import Any
 __all__ = ["counted", "did_you_mean", "shown"]
 
 _SHOWN = 40  # characters of a bad value that an error repeats
-_NEAR = 0.6  # of difflib's ratio, 0 to 1: a letter or two apart
+_NEAR = 0.6  # least ratio of difflib, 0 to 1: a letter or two apart
 
 
 def counted(count: int, noun: str, plural: str = "") -> str:

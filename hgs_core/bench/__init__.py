@@ -1,3 +1,3 @@
-"""Speed and error of the rasterizers on synthetic scenes: what `hgs bench` runs."""
+"""Benchmarks of `hgs bench`: rasterizers, codec, whole trainings."""
 
 __all__: list[str] = []

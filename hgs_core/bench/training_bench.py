@@ -34,7 +34,7 @@ class TrainingReport:
     machine: Mapping[str, str | int | float | None]
     device: str
     config: Mapping[str, Any]
-    minutes: float  # of the stage that trains
+    minutes: float  # minutes of the stage `train`
     minutes_in_all: float  # initialisation, training and encoding
     profile: Mapping[str, float]  # seconds of training by activity
     psnr: float  # dB

@@ -22,8 +22,8 @@ __all__ = ["DICTIONARIES", "Board", "Sighting", "find_board", "open_cv"]
 DICTIONARIES = tuple(f"{bits}X{bits}_{count}" for bits in (4, 5, 6, 7) for count in (50, 100, 250, 1000))
 """OpenCV's families of markers: bits along a side, and how many markers there are."""
 
-_MOMENTS = 40  # that the board is looked for at
-_FEWEST_CORNERS = 6  # of a sighting
+_MOMENTS = 40  # moments searched for the board
+_FEWEST_CORNERS = 6  # corners of a sighting
 
 Floats = npt.NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Board:
 
     @property
     def corners(self) -> Floats:
-        """The inner corners [N, 3], metres: x to the right, y down, and z, which is 0, away from who looks at it."""
+        """The inner corners [N, 3], metres: x to the right, y down, and z, always 0, away from the viewer."""
         across, down = np.meshgrid(np.arange(1, self.columns), np.arange(1, self.rows))
         flat = np.stack([across.ravel(), down.ravel(), np.zeros(across.size)], axis=1)
         return np.asarray(flat * self.square)

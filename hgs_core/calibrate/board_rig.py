@@ -16,7 +16,7 @@ from hgs_core.calibrate.structure import Solution, SolvedCamera
 
 __all__ = ["cameras_of_board"]
 
-_FIRST_FOCAL = 1.2  # of the longer side, where too few sightings tell it
+_FIRST_FOCAL = 1.2  # longer sides; the default for too few sightings
 _FEWEST_FOR_LENS = 4  # sightings by one camera from which its own lens is estimated first
 _ROUNDS = 60
 _OUTLIER = 2.0  # pixels from which on a corner counts less
@@ -29,7 +29,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass
 class _State:
-    """What is solved for: lenses (f, k1, k2) and poses (axis times angle, place) of cameras and of the board."""
+    """The unknowns: lenses (f, k1, k2) and poses (axis times angle, place) of cameras and of the board."""
 
     lenses: Floats  # [C, 3]
     cameras: Floats  # [C, 6] from the world
@@ -47,7 +47,7 @@ def cameras_of_board(
     sizes: Sequence[tuple[int, int]],  # width and height of each camera's pictures
     board: Board,
     sightings: Sequence[Sighting],
-    focal: float | None = None,  # of all cameras, pixels, for lenses without distortion
+    focal: float | None = None,  # pixels, of all cameras, for lenses without distortion
     floor: bool = False,  # whether the board lies on the floor where it is first seen
 ) -> Solution:
     """Return the cameras in metres. With `floor` y is 0 on it, and the origin is the board's middle there.
@@ -154,7 +154,7 @@ def _adjusted(
     moments: Sequence[int],
     lenses: bool,
 ) -> tuple[_State, float]:
-    """Return what fits all corners best, and the mean error in pixels: Levenberg and Marquardt, outliers weighing less.
+    """Return the best fit to all corners, and the mean error in pixels: Levenberg-Marquardt, robust to outliers.
 
     The poses as a whole may move freely, which damping holds.
     """

@@ -1,4 +1,4 @@
-"""What poses are found from: features of several moments of each camera."""
+"""The views for finding poses: features of several moments of each camera."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hgs_core.scene.camera import Camera
 __all__ = ["MOMENTS", "Pinhole", "View", "look"]
 
 MOMENTS = 10
-_ENOUGH_FEATURES = 2500  # of a picture: four moments do then
+_ENOUGH_FEATURES = 2500  # features of a picture with which four moments suffice
 _FEWER_MOMENTS = 4
 
 ReadPicture = Callable[[int, int], npt.NDArray[np.uint8]]
@@ -43,8 +43,8 @@ class View:
     name: str
     width: int  # pixels of its pictures
     height: int
-    known: Pinhole | None  # for these pictures
-    features: tuple[Features, ...]  # per moment, in pixels of these pictures: all of the first, then of what moves
+    known: Pinhole | None  # pixels of these pictures
+    features: tuple[Features, ...]  # pixels of these pictures, one entry a moment: all of the first, then moving ones
 
 
 def look(

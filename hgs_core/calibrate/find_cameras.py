@@ -26,7 +26,7 @@ __all__ = ["COLMAP_FOLDER", "cameras_of_views", "find_cameras"]
 COLMAP_FOLDER = Path("sparse", "0")
 """Where the cameras are written, below the folder of the videos."""
 
-_FEWEST_FEATURES = 40  # that the points of the scene explain, of each camera
+_FEWEST_FEATURES = 40  # features of each camera explained by points of the scene
 _LARGEST_ERROR = 2.0  # pixels
 _CURE = "add cameras in between, at most 30 degrees apart, or show them a board (--board, docs/cameras.md)"
 

@@ -21,8 +21,8 @@ from hgs_core.points.matching import likely_pairs
 
 __all__ = ["Solution", "SolvedCamera", "solve"]
 
-_FEWEST_MATCHES = 15  # of a pair
-_FIRST_FOCAL = 1.0  # of the longer side, where nothing is known: between phones and action cameras
+_FEWEST_MATCHES = 15  # matches of a pair
+_FIRST_FOCAL = 1.0  # longer sides; a first guess between phones and action cameras
 _DIFFERENT_LENSES = 0.6  # pixels of error with one lens for all, from which on each its own is tried
 _LOSS_SCALE = 0.5  # pixels
 _SEED = 0

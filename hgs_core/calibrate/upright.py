@@ -1,4 +1,4 @@
-"""Which way is up, how large the rig is, and where its origin lies: what pictures alone do not tell of a solution."""
+"""The up direction, size and origin of a rig, which pictures alone do not determine."""
 
 from __future__ import annotations
 

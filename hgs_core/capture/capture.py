@@ -1,4 +1,4 @@
-"""What every loader returns: fixed cameras, a clock, and pictures on demand."""
+"""The capture that every loader returns: fixed cameras, a clock, and pictures on demand."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class FrameSource(Protocol):
         """Return the picture [H, W, 3], and up to `neighbours` others that had to be decoded on the way."""
 
     def read_mask(self, camera: int, frame: int) -> npt.NDArray[np.bool_] | None:
-        """Return the given mask [H, W] of what moves, or None if the capture has none for this camera."""
+        """Return the given motion mask [H, W], or None if the capture has none for this camera."""
 
     def mask_file(self, camera: int, frame: int) -> Path | None:
         """Return the file of a given mask, or None if the capture has none for this camera."""
@@ -61,7 +61,7 @@ class Capture:
         notes: Sequence[str] = (),
         unaligned: Sequence[Path] = (),
         left_out: Sequence[str] = (),
-        videos: Sequence[CameraVideo | None] = (),  # of each camera; None: it has pictures
+        videos: Sequence[CameraVideo | None] = (),  # one for each camera; None: it has pictures
     ) -> None:
         """Loaders call this; everybody else calls `open_capture`.
 
@@ -84,13 +84,13 @@ class Capture:
         self._moments = np.broadcast_to(self.times, (len(names), len(self.times))) if moments is None else moments
         in_order = np.arange(len(self.times))
         self._numbers = np.broadcast_to(in_order, (len(names), len(in_order))) if numbers is None else numbers
-        self.notes = tuple(notes)  # what people should know: files left out, masks found
+        self.notes = tuple(notes)  # notes for people: omitted files, found masks
         self.unaligned = tuple(unaligned)  # the cameras' videos, where nothing says when they began; else none
         self.left_out = tuple(left_out)  # footage beside the cameras', of which there is no camera
         self._videos = tuple(videos)
         self._source = source
         self._fingerprint = fingerprint
-        self.cache_bytes = cache_bytes  # for decoded pictures
+        self.cache_bytes = cache_bytes  # bytes of decoded pictures
         self._cache = FrameCache(cache_bytes)
         self._locks = tuple(threading.Lock() for _ in cameras)
         # Each camera may fill its share of the cache with frames that were decoded only on the way to another.
@@ -140,7 +140,7 @@ class Capture:
         return float(self._moments[camera, frame])
 
     def number(self, camera: int, frame: int) -> int:
-        """Return which frame of the camera's own footage, from 0, is shown: what given masks are called by.
+        """Return the index, from 0, of the shown frame in the camera's own footage: the number of given masks.
 
         Raises:
             IndexError: no such camera or frame.
@@ -149,8 +149,7 @@ class Capture:
         return int(self._numbers[camera, frame])
 
     def video(self, camera: int) -> tuple[Path, float] | None:
-        """Return a camera's video and what is to be added to its own times, seconds, to have the capture's; None where
-        the camera has pictures instead.
+        """Return a camera's video and the offset of its times, seconds, to the capture's; None where the camera has pictures.
 
         Raises:
             IndexError: no such camera.

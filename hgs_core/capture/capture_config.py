@@ -1,4 +1,4 @@
-"""What a run sees of its capture."""
+"""The config of a run's view of its capture."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["SYNC_BY", "CaptureConfig"]
 
 SYNC_BY = ("auto", "audio", "motion", "none")
-"""What may tell when videos began: their sound, what moves, the one of both that is sure, or nothing."""
+"""The sources for the starts of videos: sound, motion, the surer of both, or none."""
 
 _RANGES: dict[str, Range] = {
     "downscale": (1, 512),  # an 8K picture is 16 pixels wide then, the least that a capture may have
@@ -35,9 +35,9 @@ class CaptureConfig:
     ] = ()  # camera names that neither training nor initialisation may see; ("auto",): one of six
     downscale: int = 1  # pictures are reduced by this factor when they are read, for training and scores alike
     downscale_cameras: tuple[str, ...] = ()  # "cam04=4": those that are reduced by another factor than the others
-    frame_memory_mib: int = 1536  # for decoded frames; a longer capture is visited in blocks that fit
+    frame_memory_mib: int = 1536  # MiB of decoded frames; longer captures are visited in blocks that fit
     trust_poses: bool = False  # train whatever the check of the capture says
-    sync: str = "auto"  # what tells when videos began that nothing is said of: auto, audio, motion or none
+    sync: str = "auto"  # source for unknown starts of videos: auto, audio, motion or none
 
     def __post_init__(self) -> None:
         """Check every field.

@@ -106,7 +106,7 @@ class Place:
 
     folder: Path
     kind: Kind
-    footage: tuple[Footage, ...]  # in the order of their names
+    footage: tuple[Footage, ...]  # sorted by name
 
 
 def is_video(name: str) -> bool:
@@ -120,7 +120,7 @@ def is_picture(name: str) -> bool:
 
 
 def natural_order(name: str) -> tuple[tuple[int, int, str], ...]:
-    """Return what sorts names by the numbers in them: cam2 before cam10."""
+    """Return the sort key of natural order: cam2 before cam10."""
     parts = (part for part in _DIGITS.split(name.casefold()) if part)
     return (*((0, int(part), "") if part.isdigit() else (1, 0, part) for part in parts), (-1, 0, name))
 

@@ -1,4 +1,4 @@
-"""Which footage is whose: cameras and their pictures, matched by name.
+"""The footage of each camera, matched by name.
 
 A camera's pictures are called like it, in capital letters or small; or else the last numbers of their names agree:
 cam_1 and camera_0001. Cameras without names (poses_bounds.npy) take footage in its order. Of several places the best
@@ -26,10 +26,10 @@ __all__ = ["Matched", "match_footage"]
 
 _KINDS: tuple[Kind, ...] = ("videos", "folders", "moments", "photographs")
 _LIKELY = ("images", "videos", "recordings", "ims", "frames", "rgb")  # folders, where two are otherwise alike
-_NAME, _NUMBER, _ORDER = range(3)  # by what footage is matched, the surest first
+_NAME, _NUMBER, _ORDER = range(3)  # kinds of match, the surest first
 _LAST_NUMBER = re.compile(r"(\d+)\D*$")
 _LONGEST_NAME = 255  # characters
-_MOST_DIGITS = 18  # of a number in a name
+_MOST_DIGITS = 18  # digits of a number in a name
 _MOST_NAMED = 12  # cameras or videos that a message lists
 
 
@@ -37,16 +37,16 @@ _MOST_NAMED = 12  # cameras or videos that a message lists
 class Matched:
     """The footage of each camera of a rig."""
 
-    names: tuple[str, ...]  # of the cameras
+    names: tuple[str, ...]  # camera names
     footage: tuple[Footage, ...]
     kind: Kind
-    folder: Path | None = None  # where it was found; None: the cameras' file names it
+    folder: Path | None = None  # place of discovery; None: named by the cameras' file
     notes: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()  # footage that lies beside it and is of no camera
 
 
 def match_footage(capture: Path, rig: Rig) -> Matched:
-    """Return the footage that the cameras' file names, or else what is found below the capture.
+    """Return the footage that the cameras' file names, or else the footage below the capture.
 
     Raises:
         InputError: there is no footage, or none that has a picture for every camera, or two places with equal right.
@@ -87,7 +87,7 @@ def _place_of(places: Sequence[Place], own: Matched) -> Place | None:
 
 
 def _with_left_out(own: Matched, capture: Path, place: Place | None) -> Matched:
-    """Return it with what else lies in its place, and a word on that."""
+    """Return it with the other footage in its place, and a note on that."""
     if place is None:
         return own
     used = {file for one in own.footage for file in one.files}
@@ -146,7 +146,7 @@ def _by_name(capture: Path, cameras: Sequence[CalibratedCamera], place: Place) -
 
 
 def _by_number(cameras: Sequence[CalibratedCamera], place: Place) -> _Found | None:
-    """Match the last numbers of the names; not where pictures are single files, whose numbers may mean frames."""
+    """Match the last numbers of the names; not those of single picture files, which may mean frames."""
     if place.kind in ("moments", "photographs"):
         return None
     footage = {_number(one.name): one for one in place.footage}

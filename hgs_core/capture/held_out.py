@@ -15,7 +15,7 @@ __all__ = ["AUTO", "with_held_out"]
 AUTO = ("auto",)
 """The `hold_out` that stands for the camera that `with_held_out` chooses."""
 
-_FEWEST_CAMERAS = 6  # of a capture that can spare one
+_FEWEST_CAMERAS = 6  # cameras of a capture that can spare one
 
 
 def with_held_out(config: CaptureConfig, cameras: Sequence[Camera]) -> CaptureConfig:
@@ -33,5 +33,5 @@ def with_held_out(config: CaptureConfig, cameras: Sequence[Camera]) -> CaptureCo
     extent = float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) or 1.0
     gaps = np.linalg.norm(places[:, None] - places, axis=2) / extent
     unlike = np.arccos(np.clip(directions @ directions.T, -1.0, 1.0)) + gaps
-    middle = int(unlike.sum(axis=1).round(9).argmin())  # of equals the first, whatever the last bits say
+    middle = int(unlike.sum(axis=1).round(9).argmin())  # rounded, so that the first of equals wins
     return dataclasses.replace(config, hold_out=(cameras[middle].name,))

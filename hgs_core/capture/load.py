@@ -53,11 +53,11 @@ _MASK_FOLDERS = ("masks", "mask", "seg")
 
 @dataclass(frozen=True)
 class Outline:
-    """What can be told of a capture without decoding a picture; it is not checked as `load` checks it."""
+    """An outline of a capture, without decoded pictures and without the checks of `load`."""
 
     cameras: tuple[str, ...]  # their names, in the order of the capture
     frames: int | None = None  # None: not told without reading more
-    seconds: float | None = None  # that the frames last, as far as that is known
+    seconds: float | None = None  # duration of the frames, if known
 
 
 def calibration(capture: Path) -> Iterator[tuple[CameraFormat, Path]]:
@@ -154,7 +154,7 @@ def _reader(name: str, footage: Footage) -> VideoReader | PictureSequence:
 
 
 def _numbers(capture: Path, rig: Rig, matched: Matched, sync: Sync) -> tuple[PictureNumbers | None, list[str]]:
-    """Return the numbers that tell when pictures in folders were taken, and what to say of them; None: others tell."""
+    """Return the moments of pictures in folders, from their numbers, with notes; None: other sources tell."""
     if matched.kind == "photographs" or any(one.video for one in matched.footage):
         return None, []
     files = [one.files for one in matched.footage]
@@ -177,7 +177,7 @@ def _clock(
     sync: Sync,
     numbers: PictureNumbers | None,
 ) -> tuple[Clock, CameraTimes]:
-    """Return the clock and what it is made of."""
+    """Return the clock and its sources."""
     if matched.kind == "photographs":
         count = len(readers)
         one = Clock(np.zeros(1), np.zeros((count, 1), np.int64), np.zeros((count, 1)))
@@ -216,7 +216,7 @@ def _clock(
 
 
 def _of_pictures(names: Sequence[str], readers: Sequence[VideoReader | PictureSequence]) -> list[str]:
-    """Say whose colours are converted, and whose pictures are far larger than the others'."""
+    """Return notes on converted colours, and on pictures far larger than the others'."""
     notes, wide = [], dict[str, list[str]]()
     for name, reader in zip(names, readers, strict=True):
         if isinstance(reader, VideoReader) and reader.wide_colours is not None:

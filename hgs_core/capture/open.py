@@ -26,7 +26,7 @@ def open_capture(
     cache_bytes: int = 1 << 30,
     found: Path | None = None,
 ) -> Capture:
-    """Open the capture in a folder, whatever its layout (docs/captures.md).
+    """Open the capture in a folder of any layout (docs/captures.md).
 
     Args:
         path: the folder.

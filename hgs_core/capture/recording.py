@@ -1,4 +1,4 @@
-"""What lies on disk becomes a `Capture`: pictures straightened and made smaller, frames by the common clock, masks."""
+"""The recording of a capture: pictures straightened and made smaller, frames by the common clock, masks."""
 
 from __future__ import annotations
 
@@ -38,13 +38,13 @@ class Recording:
     """A capture as its files have it."""
 
     path: Path
-    views: Sequence[StraightView]  # of each camera
-    readers: Sequence[FrameReader]  # of each camera
+    views: Sequence[StraightView]  # one for each camera
+    readers: Sequence[FrameReader]  # one for each camera
     clock: Clock
     masks: MaskFiles
     files: Sequence[tuple[Path, int]]  # the pictures' and their sizes in bytes
     described_by: Sequence[Path]  # files of poses and times, all of whose content counts
-    notes: tuple[str, ...] = ()  # what was left out, for people
+    notes: tuple[str, ...] = ()  # omissions, for people
     unaligned: tuple[Path, ...] = ()  # the cameras' videos, where nothing says when they began
     left_out: tuple[str, ...] = ()  # footage beside the cameras', of which there is no camera
 
@@ -101,7 +101,7 @@ class Recording:
 
 
 def _said_of(downscale: int, reductions: Mapping[str, int]) -> list[str]:
-    """Return what a fingerprint says of reduced pictures: nothing of those that are not."""
+    """Return a fingerprint's part on reduced pictures, empty without reduction."""
     whole = [] if downscale == 1 else [str(downscale)]
     return whole + [f"{name}={factor}" for name, factor in sorted(reductions.items())]
 

@@ -11,9 +11,9 @@ __all__ = ["camera_shift"]
 
 _FEWEST = 30  # matches
 _STILL = 1.0  # pixels that a feature on something still may seem to move by
-_STILL_SHARE = 0.25  # of the features; with so many at their places the camera stands still
-_COHERENT_SHARE = 0.5  # of the features, on one affine motion, for it to be the camera's
-_ROUNDS = 20  # of reweighting
+_STILL_SHARE = 0.25  # share of features at rest with which the camera stands still
+_COHERENT_SHARE = 0.5  # share of features on one affine motion that make it the camera's
+_ROUNDS = 20  # rounds of reweighting
 
 Floats = npt.NDArray[np.float64]
 

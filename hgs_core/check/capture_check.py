@@ -31,7 +31,7 @@ from hgs_core.check.watched_cameras import Death, WatchedCamera, watch_cameras
 __all__ = ["check_capture"]
 
 _APART = 1.0  # frames: what offsets are told from
-_APART_IF_SHORT = 1.5  # of fewer frames than `hgs sync` needs: 20 frames of good captures gave 1.4 by chance
+_APART_IF_SHORT = 1.5  # px, short captures: 20 frames of good ones gave 1.4 by chance
 
 
 def check_capture(capture: Capture, progress: ProgressCallback = silent) -> CaptureCheck:

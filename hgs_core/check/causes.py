@@ -18,7 +18,7 @@ Floats = npt.NDArray[np.float64]
 
 FITS = 1.5  # pixels: a mistake is found where undoing it brings the matches that near ...
 _GAIN = 0.4  # ... and to that share of the error before
-_COUNTED = 0.8  # of the pairs, those with the smallest errors
+_COUNTED = 0.8  # share of pairs, the smallest errors first
 _FOCALS = np.exp(np.linspace(np.log(0.4), np.log(2.5), 75))
 _UNITS = {0.01: "centimetres", 0.001: "millimetres", 0.1: "decimetres", 0.0254: "inches", 0.3048: "feet"}
 _AXES = ("right", "down", "forward")
@@ -39,7 +39,7 @@ class _Trial:
     rig: Rig
     problem: str
     cure: str
-    pairs: Pairs | None = None  # where the mistake lies in the pictures: the matches with it undone
+    pairs: Pairs | None = None  # matches with a mistake of the pictures undone
     cost: float = 1.0  # the error counts for so many times as much: rare mistakes need better proof
 
 
@@ -109,7 +109,7 @@ def _fits(after: float, before: float) -> bool:
 
 
 def _error(rig: Rig, pairs: Pairs) -> float:
-    """Return the mean of the pairs' medians without the worst fifth, whose matches may be chance."""
+    """Return the mean of the pairs' medians without the worst fifth, possibly chance matches."""
     errors = np.sort(list(pair_errors(rig, pairs).values()))
     return float(errors[: int(np.ceil(_COUNTED * len(errors)))].mean())
 

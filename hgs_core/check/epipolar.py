@@ -15,7 +15,7 @@ from hgs_core.scene.camera import Camera
 __all__ = ["FAR", "Pair", "Pairs", "Rig", "camera_errors", "pair_errors", "sampson_distances", "signed_distances"]
 
 FAR = 1000.0  # pixels: what an epipolar line that does not exist is away
-_NOTHING = 1e-12  # of the cameras' distance from the origin
+_NOTHING = 1e-12  # share of the cameras' distance from the origin
 _ENOUGH = 150  # matches of a pair; more tell nothing new
 
 Floats = npt.NDArray[np.float64]
@@ -48,7 +48,7 @@ class Rig:
         return dataclasses.replace(self, intrinsics=intrinsics)
 
     def rearranged(self, order: Sequence[int]) -> Rig:
-        """Return the rig in which each camera i has what camera `order[i]` has."""
+        """Return the rig with the calibration of camera `order[i]` in each camera i."""
         return Rig(self.intrinsics[list(order)], self.poses[list(order)])
 
     def centres(self) -> Floats:
@@ -60,7 +60,7 @@ class Rig:
         turn = self.poses[b, :3, :3] @ self.poses[a, :3, :3].T
         apart = self.poses[b, :3, 3] - turn @ self.poses[a, :3, 3]
         if np.linalg.norm(apart) <= _NOTHING * np.linalg.norm(self.poses[(a, b), :3, 3]):
-            return np.zeros((3, 3))  # at one place: what rounding leaves is no direction
+            return np.zeros((3, 3))  # one place: rounding gives no direction
         x, y, z = apart
         essential = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]]) @ turn
         return np.asarray(np.linalg.inv(self.intrinsics[b]).T @ essential @ np.linalg.inv(self.intrinsics[a]))

@@ -1,4 +1,4 @@
-"""What a check looks at: features of several moments of every camera, and their matches, whatever the poses say."""
+"""The evidence of a check: features of several moments of every camera, and their matches, apart from poses."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from hgs_core.scene.camera import Camera
 __all__ = ["CameraEvidence", "Evidence", "gather", "moments_of"]
 
 _MOMENTS = 4
-_FEW_FEATURES = 600  # of a picture; with fewer it is searched at twice its size
+_FEW_FEATURES = 600  # features of a picture; with fewer it is searched at twice its size
 
 
 @dataclass(frozen=True)
 class CameraEvidence:
-    """What one camera shows."""
+    """The evidence of one camera."""
 
-    features: tuple[Features, ...]  # per moment: all of the first, of the others those on what moves
-    moving: tuple[Features, ...]  # per moment, on what moves
+    features: tuple[Features, ...]  # one entry a moment: all of the first, then moving ones
+    moving: tuple[Features, ...]  # moving features, one entry a moment
     soon: dict[int, Features]  # if followed: a frame later, of the moments between the first and the last
     last: Features | None  # all of the last moment, where that is not the first
     level: tuple[int, float]  # the commonest grey level of the first picture, and the share of the pixels that have it
@@ -38,9 +38,9 @@ class CameraEvidence:
 
 @dataclass(frozen=True)
 class Evidence:
-    """What all cameras show."""
+    """The evidence of all cameras."""
 
-    cameras: tuple[Camera, ...]  # at the size of the pictures that were looked at
+    cameras: tuple[Camera, ...]  # size of the searched pictures
     frames: tuple[int, ...]  # the moments
     views: tuple[CameraEvidence, ...]  # one per camera
     pairs: dict[tuple[int, int], PairMatches]

@@ -1,4 +1,4 @@
-"""What a check finds, and its plain form on disk."""
+"""The findings of a check, and their plain form on disk."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ class Finding:
 
 @dataclass(frozen=True)
 class CameraResult:
-    """What was measured of one camera."""
+    """The measurements of one camera."""
 
     name: str
     partners: int  # cameras that share a view with it
-    matches: int  # with all of them
+    matches: int  # matches with all partners
     error: float | None  # median distance from the epipolar lines, pixels; None without partners
     ahead: float | None  # frames, of most cameras; None where too little moves to tell
 
@@ -69,12 +69,12 @@ class CaptureCheck:
     cameras: tuple[CameraResult, ...]
     findings: tuple[Finding, ...]
     shown: tuple[ShownPair, ...]
-    frames: tuple[int, ...]  # that were looked at
+    frames: tuple[int, ...]  # checked frames
     width: int  # pixels of the largest picture that was looked at
 
     @property
     def stops(self) -> tuple[Finding, ...]:
-        """Return what training would be in vain with."""
+        """Return the findings that make training useless."""
         return tuple(finding for finding in self.findings if finding.stops)
 
     def to_json(self) -> dict[str, Any]:
@@ -87,7 +87,7 @@ class CaptureCheck:
 
     @classmethod
     def load(cls, path: Path) -> CaptureCheck:
-        """Read what `save` wrote.
+        """Read a file that `save` wrote.
 
         Raises:
             InputError: the file is unreadable.
@@ -108,7 +108,7 @@ class CaptureCheck:
         )
 
     def table(self) -> str:
-        """Return the table for people, one camera a line, and what was found below."""
+        """Return the table for people, one camera a line, with the findings below."""
         head = ("camera", "partners", "matches", "px", "ahead")
         rows = [head, *(_cells(one) for one in self.cameras)]
         widths = [max(len(row[column]) for row in rows) for column in range(len(head))]

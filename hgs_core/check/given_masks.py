@@ -16,9 +16,9 @@ from hgs_core.check.findings import Finding
 
 __all__ = ["MaskEvidence", "judge_masks", "mask_evidence"]
 
-_ALL = 0.995  # of the pixels
-_LEAST_MOTION = 0.002  # of the pixels
-_MISPLACED = 0.2  # of the moving pixels; good masks mark 0.55 and more
+_ALL = 0.995  # share of pixels
+_LEAST_MOTION = 0.002  # share of pixels
+_MISPLACED = 0.2  # share of moving pixels; good masks mark 0.55 and more
 _MANY_SHADES = 32  # levels
 _HALF = 128  # level
 _THRESHOLD = "mogrify -threshold 50% masks/*/*.png (ImageMagick) writes 0 and 255"

@@ -1,4 +1,4 @@
-"""Findings about videos whose pictures are of two moments each."""
+"""Findings about interlaced videos: pictures of two moments each."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["judge_interlacing"]
 
 
 def judge_interlacing(capture: Capture) -> list[Finding]:
-    """Find videos that say that their pictures are interlaced: what moves has combs for edges."""
+    """Find videos flagged as interlaced: moving edges have combs."""
     found = [(i, camera.name) for i, camera in enumerate(capture.cameras) if capture.interlaced(i)]
     if not found:
         return []

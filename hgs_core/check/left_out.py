@@ -9,7 +9,7 @@ from hgs_core.check.findings import Finding
 
 __all__ = ["judge_left_out"]
 
-_MOST_LEFT_OUT = 1 / 3  # of the footage: with more missing the calibration is hardly of this capture
+_MOST_LEFT_OUT = 1 / 3  # share of the footage; with more missing the calibration is hardly of this capture
 _MOST_NAMED = 12
 
 

@@ -24,7 +24,7 @@ _AGAIN = "calibrate again, or find poses from the videos with hgs cameras"
 def judge_poses(
     rig: Rig, pairs: Pairs, names: Sequence[str], features: Sequence[int] = ()
 ) -> tuple[Suspects, list[Finding]]:
-    """Return how the cameras fare and what is wrong with them; `features` are how many each of their pictures has."""
+    """Return the measurements of cameras and the findings; `features` counts those of each picture."""
     suspects = find_suspects(len(names), pair_errors(rig, pairs), pairs)
     findings = [] if not pairs else _geometry(rig, pairs, names, suspects)
     return suspects, findings + _without_views(names, suspects, features) + _place(rig)

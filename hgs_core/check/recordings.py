@@ -16,7 +16,7 @@ from hgs_core.check.findings import Finding
 
 __all__ = ["judge_pictures", "judge_rates"]
 
-_FLAT = 0.96  # of the pixels; an object before a plain background leaves more
+_FLAT = 0.96  # share of pixels; an object before a plain background leaves more
 _FEW_CAMERAS = 4
 
 

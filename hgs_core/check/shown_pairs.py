@@ -1,4 +1,4 @@
-"""Pairs of pictures that show people what the figures say."""
+"""Pairs of pictures that show people the meaning of the figures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""When each camera began, told by sound or by what moves, and its place: sync.json."""
+"""The starts of cameras, found by sound or motion, and their file: sync.json."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from hgs_core.check.watched_cameras import watch_cameras
 
 __all__ = ["Starts", "starts_by_energy", "starts_by_motion", "starts_by_sound"]
 
-_FRAMES = 90  # from the first, in which motion energy is measured before poses are known
+_FRAMES = 90  # first frames with motion energy, before poses are known
 _CURE = f"write the offsets to {SYNC_FILE} by hand (docs/captures.md)"
 
 
@@ -35,7 +35,7 @@ class Starts:
 
     by: str  # sound or motion
     unit: str  # seconds or frames
-    values: dict[str, float]  # by camera, after a camera that began early
+    values: dict[str, float]  # camera -> seconds after a camera that began early
     confidence: dict[str, float] = field(default_factory=dict)  # 0..1 by camera, where it is known
 
     @property
@@ -101,7 +101,7 @@ def starts_by_sound(where: Path, names: Sequence[str], videos: Sequence[Path], p
 
 
 def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
-    """Return when cameras began by what moves, under poses that are known.
+    """Return the starts of cameras from motion, under known poses.
 
     Raises:
         InputError: too little that moves is seen by some camera, or it is mostly frozen or blank; names it. There are
@@ -124,7 +124,7 @@ def starts_by_motion(capture: Capture, progress: ProgressCallback) -> Starts:
 
 def starts_by_energy(
     names: Sequence[str],
-    picture: Callable[[int, int], npt.NDArray[np.uint8]],  # of a camera and a frame
+    picture: Callable[[int, int], npt.NDArray[np.uint8]],  # camera, frame -> picture
     frames: int,
     progress: ProgressCallback,
 ) -> Starts | None:

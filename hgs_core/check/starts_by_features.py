@@ -41,7 +41,7 @@ class Leads:
 
 
 def match_leads(rig: Rig, pairs: Iterable[tuple[int, int]], views: Sequence[CameraEvidence]) -> Leads:
-    """Return what the matches of all pairs tell, in both directions."""
+    """Return the votes of all pairs' matches, in both directions."""
     frames, weights, cameras = [np.zeros(0)], [np.zeros(0)], [np.zeros((0, 2), np.int64)]
     for a, b in (way for pair in pairs for way in (pair, pair[::-1])):
         fundamental = rig.fundamental(a, b)

@@ -14,7 +14,7 @@ __all__ = ["energy_offsets"]
 
 _FEWEST = 12  # frames that two cameras must overlap by
 _AGREES = 0.75  # frames
-_LEAST_AGREEMENT = 0.8  # of the pairs' weight, in the median camera; where fewer agree all is chance
+_LEAST_AGREEMENT = 0.8  # share of the pairs' weight in the median camera; below it all is chance
 _ROUNDS = 30
 
 Floats = npt.NDArray[np.float64]

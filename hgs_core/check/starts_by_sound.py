@@ -43,14 +43,14 @@ Floats = npt.NDArray[np.float64]
 class Heard:
     """When a camera's first frame was taken."""
 
-    seconds: float  # after the first camera that began
+    seconds: float  # seconds after the first camera
     confidence: float  # 0..1: how far the places where the tracks fit stand out, in the median over its pairs
     partners: int  # cameras whose tracks agree
 
 
 @dataclass(frozen=True)
 class Sounds:
-    """What the tracks of all cameras tell."""
+    """The result of all cameras' tracks."""
 
     cameras: tuple[Heard | None, ...]  # None: no track, silence, or nothing that others heard, too
     disagreeing: tuple[int, ...]  # cameras that fit others well, at places that contradict each other
@@ -104,7 +104,7 @@ def _onsets(track: npt.NDArray[np.float32]) -> Floats | None:
     loud = np.stack([band.mean(axis=1) for band in bands if band.shape[1]], axis=1)
     if loud.max() < 1e-9:
         return None
-    quiet = np.median(loud, axis=0) + 1e-4 * loud.max()  # what a microphone hears all the time does not count
+    quiet = np.median(loud, axis=0) + 1e-4 * loud.max()  # constant noise does not count
     rise = np.maximum(np.diff(np.log1p(loud / quiet), axis=0), 0).sum(axis=1)
     smooth = np.convolve(rise, [0.25, 0.5, 0.25], "same")
     return np.asarray(np.minimum(smooth, 8 * np.mean(smooth) + 1e-12) - np.mean(smooth))  # one bang is not all there is
@@ -180,7 +180,7 @@ def _starts(count: int, group: Sequence[int], fits: dict[tuple[int, int], _Fit])
         weights[a, b] = weights[b, a] = fit.confidence
     centre = max(group, key=lambda camera: (weights[camera].sum(), -camera))
     starts, known = np.zeros(count), {centre}
-    while missing := [c for c in group if c not in known]:  # from the best-connected camera outwards
+    while missing := [c for c in group if c not in known]:  # best-connected camera first
         camera = max(missing, key=lambda c: weights[c, sorted(known)].sum())
         others = sorted(known)
         starts[camera] = _weighted_median(starts[others] + lags[camera, others], weights[camera, others])

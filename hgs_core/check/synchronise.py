@@ -33,13 +33,13 @@ FARTHEST = 15
 """Frames that two cameras may be apart."""
 
 LEAST_AGREEMENT = 0.9
-"""Of what motion energy tells of a camera; with less, features know better."""
+"""The least share of a camera's motion energy in agreement; below it, features decide."""
 
-_FRAMES = 300  # from the first, in which motion energy is measured
+_FRAMES = 300  # first frames with motion energy
 _MOMENTS = 6
 _ROUNDS = 4
 _SETTLED = 0.2  # frames by which offsets may change still
-_LEAST_SHARE = 0.25  # of what a camera's matches tell, that must agree: later rounds confirm it
+_LEAST_SHARE = 0.25  # share of a camera's matches in agreement; later rounds confirm it
 _NEAR = 0.75  # frames: features correct what motion energy says by less; by more they are chance
 
 

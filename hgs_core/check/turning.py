@@ -1,4 +1,4 @@
-"""By how much a camera is turned from what its pose says."""
+"""The angle between a camera and its stated pose."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hgs_core.check.epipolar import Pairs, Rig, signed_distances
 
 __all__ = ["turned_to_fit"]
 
-_STEPS = 15  # of Gauss-Newton
+_STEPS = 15  # Gauss-Newton steps
 _PROBE = 1e-5  # radians
 
 Floats = npt.NDArray[np.float64]

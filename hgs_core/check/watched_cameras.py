@@ -24,11 +24,11 @@ _BLANK_SPREAD = 1.5  # levels
 _STILL = 0.15  # mean change, as a share of the usual one
 _STILL_ENERGY = 0.02  # motion energy, as a share of the usual one
 _ALIVE_PERCENTILE = 85
-_LEAST_USUAL = 0.3  # as a share of the other cameras'
+_LEAST_USUAL = 0.3  # share of the other cameras' value
 _FLOOR = 0.3  # levels of noise
 _ABRUPT = 0.5  # motion energy, as a share of the usual one
 _LONG = 3  # changes
-_MOST_FREEZES = 3  # of more the camera repeats pictures
+_MOST_FREEZES = 3  # more are repeated pictures
 _SPARSE = 2  # changes between frames far apart
 _FEWEST_REPEATS = 4
 _UNSURE_SHARE = 0.15  # share of the frames below which a doubtful freeze is not reported
@@ -87,7 +87,7 @@ class WatchedCamera:
 
 
 def watch_cameras(
-    pictures: Sequence[Picture],  # of each camera
+    pictures: Sequence[Picture],  # one for each camera
     frames: npt.NDArray[np.int64],  # watched, increasing, from 0 to the last
     measured: Callable[[int], None] = lambda cameras: None,
 ) -> list[WatchedCamera]:

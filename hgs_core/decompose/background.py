@@ -1,4 +1,4 @@
-"""What moves in the pictures of one fixed camera, from their statistics over time.
+"""Motion in the pictures of one fixed camera, from their statistics over time.
 
 The background of a pixel is its median over frames spread evenly over time, which anything that stands at a place for
 less than half of them does not touch. A pixel moves in a frame where it differs from its background by more than the
@@ -28,7 +28,7 @@ _DEVIATION_PER_MEDIAN = 0.79  # standard deviations per median of the largest of
 _NOISE_FACTOR = 4.5  # standard deviations of the smoothed difference that count as motion
 _NOISE_FLOOR = 5.0  # levels of 255 that no threshold goes below: slow drift and quantisation
 _NOISE_SPAN = 1.75  # a pixel's own threshold is at most this much above the picture's, or motion would hide itself
-_TEXTURE_SHARE = 0.16  # of the local contrast: coding errors follow it, and jump where the encoder starts afresh
+_TEXTURE_SHARE = 0.16  # share of the local contrast: coding errors follow it, and jump at key frames
 _RESTLESS_SHARE = 0.5  # share of the frames that differ, from which on there is no background
 _MARGIN_PIXELS = 2  # pixels added around what was seen to move, for soft borders
 
@@ -61,7 +61,7 @@ def estimate_background(frame: Frame, frames: int) -> Background:
     # The median over time is deaf to what passes by.
     deviation = np.partition(differences, len(chosen) // 2, axis=0)[len(chosen) // 2]
     noise = np.float32(_DEVIATION_PER_MEDIAN) * deviation.astype(np.float32)
-    base = max(_NOISE_FLOOR, _NOISE_FACTOR * float(np.median(noise)))  # of the still pixels: they are the most
+    base = max(_NOISE_FLOOR, _NOISE_FACTOR * float(np.median(noise)))  # noise of still pixels, the majority
     texture = np.float32(_TEXTURE_SHARE * 3 / (2 * radius + 1)) * _contrast(rgb)
     threshold = np.clip(_NOISE_FACTOR * noise, base, _NOISE_SPAN * base) + texture
     restless = (differences > threshold).mean(axis=0) > _RESTLESS_SHARE
@@ -78,7 +78,7 @@ def median_picture(stack: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
 
 
 def moving_pixels(picture: npt.NDArray[np.uint8], background: Background) -> npt.NDArray[np.bool_]:
-    """Return the mask [H, W] of what moves in a picture [H, W, 3]: objects, their shadows and reflections."""
+    """Return the motion mask [H, W] of a picture [H, W, 3]: objects, their shadows and reflections."""
     exposed = compensated(_reduced(picture, background.halved), background.rgb)
     differs = _difference(exposed, background.rgb, background.radius) > background.threshold
     moving = despeckle(differs | background.restless, 2, 0.3)

@@ -12,14 +12,14 @@ import numpy.typing as npt
 __all__ = ["compensated"]
 
 _COMPARED_PIXELS = 8192  # about so many are compared
-_REWEIGHTINGS = 6  # of reweighting; the fit settles in three or four
+_REWEIGHTINGS = 6  # rounds; the fit settles in three or four
 _INLIER_DEVIATIONS = 2.5  # standard deviations: what is farther off moves, and does not count
 _AGREEING_SHARE = 0.4  # share of the pixels that must follow one gain and offset
 _DARK, _BRIGHT = 5, 250  # levels of 255 between which a channel is not clipped
 _LARGEST_GAIN = 1.3  # a larger change, or its inverse, is light that changes, which moves
 _LARGEST_OFFSET = 25.0  # levels of 255, likewise
 _PRIOR_WEIGHT = 0.01  # weight, in shares of the pixels, of no change: it decides for pictures without contrast
-_PRIOR_GAIN, _PRIOR_OFFSET = 0.05, 5.0  # what the prior thinks likely
+_PRIOR_GAIN, _PRIOR_OFFSET = 0.05, 5.0  # deviations of the prior
 
 
 def compensated(picture: npt.NDArray[np.uint8], background: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:

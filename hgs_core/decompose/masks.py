@@ -1,4 +1,4 @@
-"""The masks of what moves in a capture: given ones where it has them, automatic ones elsewhere."""
+"""The motion masks of a capture: given ones where it has them, automatic ones elsewhere."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from hgs_core.decompose.background import estimate_background, moving_pixels, sa
 __all__ = ["MotionMasks", "motion_masks"]
 
 _STAGE = "masks"
-_SHARE_FRAMES = 16  # per camera, for the estimate of `MotionMasks.share`
+_SHARE_FRAMES = 16  # frames of each camera for the estimate of `MotionMasks.share`
 
 
 class MotionMasks:
@@ -78,7 +78,7 @@ class MotionMasks:
 
     @classmethod
     def load(cls, path: Path, capture: Capture) -> MotionMasks:
-        """Read what `save` wrote; the capture gives the masks that are its own.
+        """Read a file that `save` wrote; given masks come from the capture.
 
         Raises:
             InputError: the file is missing, unreadable, or belongs to another capture.
@@ -102,7 +102,7 @@ class MotionMasks:
 
 
 def motion_masks(capture: Capture, cameras: Sequence[int], *, progress: ProgressCallback) -> MotionMasks:
-    """Return the masks of what moves for the given cameras; no other camera is read. At one moment nothing moves.
+    """Return the motion masks of the given cameras; no other camera is read. At a single moment nothing moves.
 
     Raises:
         InputError: a picture is missing or unreadable.

@@ -27,7 +27,7 @@ def box_sum(values: npt.NDArray[np.int16], radius: int) -> npt.NDArray[np.int16]
 
 
 def despeckle(mask: npt.NDArray[np.bool_], radius: int, share: float) -> npt.NDArray[np.bool_]:
-    """Keep the pixels of the mask whose window is set for at least `share` of its area."""
+    """Keep a pixel of the mask if its window is set for at least `share` of its area."""
     count = box_sum(mask.astype(np.int16), radius)
     return mask & (count >= share * (2 * radius + 1) ** 2)
 

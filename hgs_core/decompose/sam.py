@@ -1,4 +1,4 @@
-"""Object borders from SAM 2 (Ravi et al., 2024): the automatic masks say what moves, the model says where it ends.
+"""Object borders from SAM 2 (Ravi et al., 2024): automatic masks find the motion, the model its borders.
 
 The model runs in the library transformers (extra `sam`) with weights that the user brings: a folder in its format.
 """
@@ -23,12 +23,12 @@ from hgs_core.decompose.morphology import dilate
 __all__ = ["Sam2Refiner"]
 
 _WINDOW_FRAMES = 16  # frames that an object is followed through, from the one in their middle
-_MOST_OBJECTS = 6  # per window
-_SMALLEST_SHARE = 5e-4  # of the picture; smaller parts are left to the automatic masks
+_MOST_OBJECTS = 6  # objects of a window
+_SMALLEST_SHARE = 5e-4  # share of the picture; smaller parts are left to the automatic masks
 _BOX_LABELS = (2, 3)  # SAM's prompt labels of a box's upper left and lower right corner
 _AGREEMENT_SHARE = 0.5  # share of an object's pixels that the automatic mask must see move
 _BORDER_PIXELS = 4  # pixels around an object where its border replaces the automatic one
-_MEAN = (0.485, 0.456, 0.406)  # of the pictures that the model was trained with (ImageNet), sRGB in [0, 1]
+_MEAN = (0.485, 0.456, 0.406)  # ImageNet mean, sRGB in [0, 1]
 _DEVIATION = (0.229, 0.224, 0.225)
 
 

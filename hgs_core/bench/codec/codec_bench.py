@@ -35,7 +35,7 @@ from hgs_core.train.checkpoint import TrainState
 __all__ = ["SWEEP", "CodecPoint", "CodecReport", "bench_codec"]
 
 SWEEP = (0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8)
-DECODING_REPEATS = 5  # of decoding; the fastest counts, which other work on the machine disturbs least
+DECODING_REPEATS = 5  # the fastest counts: other work disturbs it least
 
 
 @dataclass(frozen=True)
@@ -43,25 +43,25 @@ class CodecPoint:
     """An encoding."""
 
     name: str  # the budget, or "" in the sweep
-    coarseness: float  # of static splats
+    coarseness: float  # coarseness of static splats
     dynamic_share: float  # coarseness of dynamic splats over that
-    bytes_static: int  # of chunks; the manifest is not counted
+    bytes_static: int  # bytes of chunks, without the manifest
     bytes_dynamic: int
     splats_static: int  # encoded
     splats_dynamic: int
     loss: float  # dB, of training views, or of made-up ones
     loss_moving: float | None  # dB, of what moves in them; None: nothing tells what does
     loss_held_out: float | None  # dB, of cameras that nothing was chosen on
-    encode_seconds: float  # of a budget with the search and the training further
+    encode_seconds: float  # search and fine-tuning included, for a budget
 
 
 @dataclass(frozen=True)
 class CodecReport:
-    """What `bench_codec` measured."""
+    """The results of `bench_codec`."""
 
     machine: Mapping[str, Any]
     source: str
-    splats_static: int  # before encoding
+    splats_static: int  # trained splats
     splats_dynamic: int
     budgets: tuple[CodecPoint, ...]
     sweep: tuple[CodecPoint, ...]
@@ -69,8 +69,8 @@ class CodecReport:
     prefix_loss_shuffled: float  # dB, of a quarter of its chunks' bytes in random order
     decode_rates: Mapping[str, float]  # splats per second of processor time by kind, chunk by chunk
     bytes_splatv: int
-    bytes_spz: Mapping[str, int]  # by version, of a still scene
-    errors: Mapping[str, StaticErrors]  # of a still scene, by format
+    bytes_spz: Mapping[str, int]  # version -> bytes of a still scene
+    errors: Mapping[str, StaticErrors]  # format -> errors of a still scene
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form."""

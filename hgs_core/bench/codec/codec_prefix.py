@@ -1,4 +1,4 @@
-"""What the first part of a scene's bytes shows: chunks in the order of the manifest, against any order."""
+"""Quality of the first part of a scene's bytes: chunks in the order of the manifest, against any order."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSpl
 
 __all__ = ["PREFIX_SHARE", "prefix_losses"]
 
-PREFIX_SHARE = 0.25  # of the bytes of the static chunks, and of those of every slice
+PREFIX_SHARE = 0.25  # share of the static chunks' bytes, and of every slice's
 SHUFFLES = 3
 
 

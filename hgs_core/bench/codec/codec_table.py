@@ -1,4 +1,4 @@
-"""What a benchmark of the codec measured, as text for people."""
+"""Results of the codec's benchmark as text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What pictures lose while a part of a scene's chunks has not come."""
+"""The loss of pictures while a part of a scene's chunks is missing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hgs_core.scene.splats import joined
 __all__ = ["partial_psnr"]
 
 LONGEST_SIDE = 512  # pixels
-CAMERAS = 3  # of the scene's, evenly chosen
+CAMERAS = 3  # cameras of the scene, evenly chosen
 BEST = 99.0  # dB, of pictures that are the same
 
 

@@ -24,7 +24,7 @@ STAGES = ("project", "bin", "forward", "loss", "backward", "optimiser")
 
 @dataclass(frozen=True)
 class Work:
-    """What the compiled rasterizer had to do for one picture, and how fast it did it."""
+    """The work of the compiled rasterizer for one picture, and its speed."""
 
     visible_static: int
     visible_dynamic: int
@@ -39,7 +39,7 @@ class Point:
     """One backend at one size with one number of threads. Times are medians in seconds."""
 
     size: str
-    splats: int  # of both sets
+    splats: int  # splats of both sets
     width: int  # pixels
     height: int  # pixels
     backend: str
@@ -51,8 +51,8 @@ class Point:
     forward_backward: float  # the part of it that draws and differentiates, called as the trainer does
     stages: Mapping[str, float | None]  # STAGES; of the reference, project and bin are in forward
     backward_parts: Mapping[str, float] | None  # composite_backward and project_backward, of the cpu backend
-    work: Work | None  # of the cpu backend
-    errors: Errors | None  # at the sizes of `truth`
+    work: Work | None  # the cpu backend's only
+    errors: Errors | None  # only at the sizes of `truth`
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class RasterReport:
 
     machine: Mapping[str, str | int | float | None]
     settings: BenchSettings
-    operations: Operations  # that one evaluation counts for
+    operations: Operations  # operations of one evaluation
     fma_peaks: Mapping[int, float]  # threads -> floating-point operations per second; empty without kernels
     points: tuple[Point, ...]
     speedups: tuple[Speedup, ...]

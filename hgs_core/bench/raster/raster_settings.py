@@ -1,4 +1,4 @@
-"""What a benchmark of the rasterizers measures."""
+"""Settings of the rasterizers' benchmark."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class BenchSettings:
     threads: tuple[int, ...]
     backends: tuple[str, ...]
     truth: tuple[Size, ...]  # sizes at which errors against the float64 reference are measured
-    seconds: float  # of timing per point, after the warm-up
-    dynamic_share: float  # of the splats, 0 to 0.9
+    seconds: float  # time per point, after the warm-up
+    dynamic_share: float  # share of splats, 0 to 0.9
     seed: int
 
     @staticmethod
@@ -41,7 +41,7 @@ class BenchSettings:
         dynamic_share: float = 0.0,
         seed: int = 0,
     ) -> BenchSettings:
-        """Fill in what depends on the machine or on other settings.
+        """Fill in the settings that depend on the machine or on other settings.
 
         Args:
             sizes: of scenes and pictures.

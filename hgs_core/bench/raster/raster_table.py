@@ -96,7 +96,7 @@ def _figure(value: float | None) -> str:
 
 
 def aligned(rows: Sequence[Sequence[str]], left: Container[str]) -> list[str]:
-    """Return rows as lines, columns whose titles are in `left` aligned to the left and all others to the right."""
+    """Return rows as lines; columns with titles in `left` are aligned to the left, all others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     names = [title in left for title in rows[0]]
     return [

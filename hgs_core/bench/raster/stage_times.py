@@ -32,7 +32,7 @@ class TrainingTimes(NamedTuple):
     iteration: float
     forward: float  # projection, binning and compositing
     loss: float  # its value and its gradient
-    backward: float  # of compositing and of projection
+    backward: float  # compositing and projection
     optimiser: float
 
 

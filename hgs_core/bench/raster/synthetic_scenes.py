@@ -1,4 +1,4 @@
-"""Synthetic scenes that ask of a rasterizer what trained ones ask: sizes, shapes, opacities and clusters like theirs.
+"""Synthetic scenes with the sizes, shapes, opacities and clusters of trained ones.
 
 The distributions are set on the screen of a 676x507 picture; a smaller or larger picture shows the same scene.
 """
@@ -24,8 +24,8 @@ WIDTH, HEIGHT = 676, 507  # pixels of the picture on which the scene is laid out
 FOCAL = 0.9  # focal length in picture widths
 NEAREST, FARTHEST = 2.0, 10.0  # depth of the splats, world units
 CLUSTERS, CLUSTERED = 40, 0.6  # how many, and the share of the splats in them
-OVERSCAN_SHARE = 0.03  # of the picture's side, beyond each edge
-RADIUS_SPREAD = 0.6  # of ln(radius)
+OVERSCAN_SHARE = 0.03  # share of the picture's side, beyond each edge
+RADIUS_SPREAD = 0.6  # standard deviation of ln(radius)
 LARGE, LARGE_FACTOR = 0.02, 10.0  # share of the splats that are ten times as large
 FAINT_SHARE = 0.55  # share of the splats in the lower of the two opacity modes
 LIFE_SPAN = 0.09  # normalised time in which a dynamic splat's opacity falls to exp(-1/2) of its peak
@@ -33,7 +33,7 @@ LIFE_SPAN = 0.09  # normalised time in which a dynamic splat's opacity falls to 
 
 @dataclass(frozen=True)
 class BenchScene:
-    """What is drawn, in the order of training: each set along a Morton curve."""
+    """The drawn splats in the order of training: each set along a Morton curve."""
 
     static: StaticSplats[Floats]
     dynamic: DynamicSplats[Floats] | None  # None without a share of them

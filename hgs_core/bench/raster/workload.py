@@ -1,4 +1,4 @@
-"""One scene, one view of it and a picture to compare with: what every measurement at a size shares."""
+"""The workload of one size: a scene, one view of it and a picture to compare with."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BACKGROUND = (0.5, 0.5, 0.5)
 
 @dataclass(frozen=True)
 class Workload:
-    """What is drawn and differentiated; the tensors share the memory of the scene's arrays."""
+    """The inputs of drawing and its gradient; the tensors share the memory of the scene's arrays."""
 
     size: Size
     scene: BenchScene
@@ -28,7 +28,7 @@ class Workload:
 
     @staticmethod
     def of(size: Size, seed: int, dynamic_share: float) -> Workload:
-        """Make the workload of a size; scenes of as many splats are the same whatever the picture."""
+        """Make the workload of a size; scenes of as many splats are the same for any picture."""
         camera = bench_camera(size.width, size.height)
         scene = bench_scene(size.splats, seed, dynamic_share)
         return Workload(size, scene, camera, torch.from_numpy(bench_target(camera, seed)))

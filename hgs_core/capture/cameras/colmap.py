@@ -25,7 +25,13 @@ from hgs_core.capture.pictures.picture import list_folders
 
 __all__ = ["COLMAP"]
 
-_FOLDERS = ("sparse", "colmap/sparse", "colmap", "sparse_", ".")  # with models in them, or in folders 0, 1, ... below
+_FOLDERS = (
+    "sparse",
+    "colmap/sparse",
+    "colmap",
+    "sparse_",
+    ".",
+)  # folders of models, or of folders 0, 1, ... with models
 _NUMBER = re.compile(r"[0-9]{1,4}")
 _OF_A_FRAME = re.compile(r"(?:colmap|frame|time|t)?[_-]?(\d+)")
 
@@ -123,7 +129,7 @@ def _models(capture: Path) -> list[Path]:
 
 
 def _ranked(capture: Path) -> list[tuple[Path, tuple[int, int, int]]]:
-    """Return the folders of all models, the best first, and what the best has most of.
+    """Return the folders of all models, the best first, and the reason for the best.
 
     That are cameras with footage, cameras, and bytes of images; none of a damaged model. Its number means nothing.
     """
@@ -132,7 +138,7 @@ def _ranked(capture: Path) -> list[tuple[Path, tuple[int, int, int]]]:
         return [(folder, (0, 0, 0)) for folder in folders]
     footage = {plain_name(one.name) for place in find_places(capture) for one in place.footage}
     ranks = [_rank(folder, footage) for folder in folders]
-    return sorted(zip(folders, ranks, strict=True), key=lambda pair: pair[1], reverse=True)  # of equals the first
+    return sorted(zip(folders, ranks, strict=True), key=lambda pair: pair[1], reverse=True)  # the first among equals
 
 
 def _rank(folder: Path, footage: set[str]) -> tuple[int, int, int]:

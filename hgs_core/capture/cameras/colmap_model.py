@@ -21,7 +21,7 @@ __all__ = ["ColmapCamera", "ColmapImage", "model_files", "read_model"]
 
 _CURE = "export the model again"
 _BY_NUMBER = {number: (name, len(parameters.split())) for name, (number, parameters) in COLMAP_MODELS.items()}
-_POINT_BYTES = 24  # of a point in images.bin
+_POINT_BYTES = 24  # one point in images.bin
 _LONGEST_IMAGE_LINE = 1 << 13  # characters, name and all; lines of points are far longer
 _LARGEST_SIDE = 10**9  # pixels
 _LONGEST_NAME = 4096  # bytes
@@ -186,7 +186,7 @@ def _pose(
     place = np.array(translation, np.float64)
     if len(q) != 4 or not np.isfinite(q).all() or not q.any() or len(place) != 3 or not (np.abs(place) < LARGEST).all():
         raise InputError(file, f"a pose is {shown([*quaternion, *translation])}", "estimate the cameras again")
-    q = q / np.abs(q).max()  # whose square is no infinity
+    q = q / np.abs(q).max()  # keeps squares finite
     w, x, y, z = q / np.linalg.norm(q)
     pose = np.eye(4)
     pose[:3, :3] = [

@@ -90,7 +90,7 @@ class OpenCvYaml:
 
 
 def _listed(block: str) -> str | None:
-    """Return what stands in the first brackets."""
+    """Return the text in the first brackets."""
     start = block.find("[")
     end = block.find("]", start)
     return block[start + 1 : end] if 0 <= start < end else None

@@ -50,7 +50,7 @@ def _with_test_cameras(rig: Rig, file: Path) -> Rig:
 
 
 def _cameras(file: Path) -> tuple[list[CalibratedCamera], list[str]]:
-    """Return the cameras, and what to say of them."""
+    """Return the cameras, and notes on them."""
     meta = _read_meta(file)
     listed = [name for row in meta["fn"] for name in row]
     for name in listed:

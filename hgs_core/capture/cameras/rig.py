@@ -1,4 +1,4 @@
-"""What every reader of cameras returns: the cameras as their file has them, whatever pictures they took."""
+"""The rig that every reader of cameras returns: cameras as their file describes them, apart from any pictures."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ MOST_CAMERAS = 100_000
 LARGEST = 1e30
 """Of a number in a calibration: products of more may overflow."""
 
-_LARGEST_RATIO = 1e5  # of a focal length to the width of the picture, and its inverse
-_MOST_COEFFICIENTS = 14  # of a lens
+_LARGEST_RATIO = 1e5  # focal length over picture width, and its inverse
+_MOST_COEFFICIENTS = 14  # coefficients of a lens
 _ROUNDING = 2.0  # pixels by which a scaled picture's side may differ: encoders round to whole and even ones
 
 
@@ -44,14 +44,14 @@ class CalibratedCamera:
     """One camera of a calibration."""
 
     where: str  # the file and the place in it, for people
-    names: tuple[str, ...]  # that its pictures may have, the likeliest first; none: they are told by their order
+    names: tuple[str, ...]  # possible names of its pictures, the likeliest first; none: pictures by order
     world_to_camera: npt.NDArray[np.float64]  # [4, 4], OpenCV: x right, y down, z forward
     focal: tuple[float, float]  # pixels, across and down
     centre: tuple[float, float] | None = None  # pixels, centres of pixels at +0.5; None: the middle of the picture
-    size: tuple[float, float] | None = None  # of the calibrated pictures; None: that of the pictures there are
+    size: tuple[float, float] | None = None  # width, height of the calibrated pictures; None: the footage's size
     lens: Lens = PINHOLE
-    pictures: tuple[Path, ...] = ()  # that the file itself names: one video, or one picture for each frame
-    stamps: tuple[float, ...] = ()  # of these pictures, if the file has them: numbers of frames, or seconds
+    pictures: tuple[Path, ...] = ()  # named by the file itself: one video, or one picture for each frame
+    stamps: tuple[float, ...] = ()  # frame numbers or seconds of these pictures, if the file has them
 
     def fits(self, width: int, height: int) -> bool:
         """Return whether pictures of `width` by `height` pixels may be the calibrated ones, scaled."""
@@ -99,10 +99,10 @@ class CalibratedCamera:
 class Rig:
     """All cameras of a capture."""
 
-    files: tuple[Path, ...]  # that they were read from, all of whose content counts
+    files: tuple[Path, ...]  # all sources; their content is part of the fingerprint
     cameras: Sequence[CalibratedCamera]
     rate: float | None = None  # frames per second of pictures in folders, where the format has one
-    notes: tuple[str, ...] = ()  # what was left out, for people
+    notes: tuple[str, ...] = ()  # omissions, for people
     stamps_in_seconds: bool = False  # whether the cameras' stamps are seconds
 
 
@@ -110,10 +110,10 @@ class Rig:
 class CameraFormat:
     """A way in which calibrations are written."""
 
-    name: str  # for people
-    files: str  # what they are called, for people
+    name: str  # shown to people
+    files: str  # usual file names, shown to people
     find: Callable[[Path], Path | None]  # the file in the folder of a capture
-    read: Callable[[Path, Path], Rig]  # of the folder of a capture and the file
+    read: Callable[[Path, Path], Rig]  # capture folder, file -> rig
 
 
 def _other_shape(calibrated: tuple[float, float], size: tuple[int, int]) -> tuple[str, str]:

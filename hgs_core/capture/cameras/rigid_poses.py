@@ -13,7 +13,7 @@ from hgs_core.capture.cameras.rig import CalibratedCamera, Rig
 
 __all__ = ["with_rigid_poses"]
 
-_ORTHONORMAL = 1e-3  # by which products of the rotation's rows may differ from 1 and 0, as `Camera` has it
+_ORTHONORMAL = 1e-3  # tolerance of `Camera` on products of the rotation's rows
 _LARGEST_SCALE = 1e6  # and its inverse: what lies beyond is damage
 
 

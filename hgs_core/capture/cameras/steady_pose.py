@@ -10,8 +10,8 @@ import numpy.typing as npt
 __all__ = ["differing", "median_pose", "pose_groups", "rig_radius", "same_pose", "spread"]
 
 _SAME_TURN = 2e-3  # radians, and
-_SAME_PLACE = 2e-3  # of the rig's radius, by which poses of one camera may differ: structure from motion is not exact
-_EXACT = 1e-5  # of both: what is written with six digits, and no more worth a word
+_SAME_PLACE = 2e-3  # share of the rig's radius between poses of one camera: structure from motion is not exact
+_EXACT = 1e-5  # rounding to six digits, not worth a note
 
 Pose = npt.NDArray[np.float64]
 """World to camera, [4, 4]."""
@@ -67,7 +67,7 @@ def spread(groups: Sequence[Sequence[Pose]], radius: float) -> str:
 
 
 def differing(by: str) -> str:
-    """Return the sentence on what was made of poses that differ."""
+    """Return the note on poses that differ."""
     return f"the poses of one camera differ by {by} from picture to picture; their median is taken"
 
 

@@ -62,7 +62,7 @@ def _rig(capture: Path, file: Path, files: tuple[Path, ...], frames: list[Frame]
 
 
 def _cameras(frames: list[Frame], poses: list[Pose]) -> tuple[list[tuple[list[Frame], Pose]], list[str]]:
-    """Return the frames of each camera and its pose, and what to say of it: of poses that are alike, or nearly so."""
+    """Return the frames and pose of each camera, with notes; poses that are nearly alike count as one camera's."""
     alike: dict[tuple[str, bytes], list[int]] = defaultdict(list)
     for index, (frame, pose) in enumerate(zip(frames, poses, strict=True)):
         alike[frame.intrinsics, (np.round(pose, 6) + 0.0).tobytes()].append(index)

@@ -32,12 +32,12 @@ class Frame:
 
     @property
     def time(self) -> float | None:
-        """When its picture was taken, in whatever unit; None: it does not say."""
+        """The moment of its picture, in the file's unit; None: not given."""
         return number_of(self.values, "time", self.where) if "time" in self.values else None
 
     @property
     def intrinsics(self) -> str:
-        """What pictures of one lens share."""
+        """The key shared by pictures of one lens."""
         return json.dumps([self.values.get(name) for name in ("fl_x", "fl_y", "cx", "cy", "w", "h", "k1")])
 
 
@@ -50,7 +50,7 @@ def transforms_files(capture: Path) -> list[Path]:
 
 
 def read_frames(capture: Path, files: Sequence[Path]) -> tuple[list[Frame], list[str]]:
-    """Return the frames of all files, and what to say of the names of their pictures.
+    """Return the frames of all files, and notes on the names of their pictures.
 
     Raises:
         InputError: a file is unreadable, lists no frames, or names a picture outside the capture.

@@ -26,7 +26,7 @@ _FISHEYE = ("OPENCV_FISHEYE", "SIMPLE_RADIAL_FISHEYE", "RADIAL_FISHEYE")
 
 
 def camera_of_frame(values: dict[str, Any], size: tuple[int, int] | None, where: str) -> CalibratedCamera:
-    """Return the nameless camera of a frame, whose picture has `size` (width, height) if that is known.
+    """Return the nameless camera of a frame; `size` (width, height) is its picture's, if known.
 
     `values` are those of the frame and, where it has none, of the file.
 

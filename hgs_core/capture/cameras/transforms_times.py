@@ -26,7 +26,7 @@ _LAST_NUMBER = re.compile(r"(\d+)\D*$")
 
 @dataclass(frozen=True)
 class FrameTimes:
-    """What times mean."""
+    """The meaning of times."""
 
     stamps: dict[float, float] = field(default_factory=dict)  # numbers of frames, or seconds, by the time in the file
     in_seconds: bool = False
@@ -34,7 +34,7 @@ class FrameTimes:
 
 
 def frame_times(file: Path, cameras: Sequence[Sequence[Frame]]) -> FrameTimes:
-    """Return what the times of all cameras' frames mean, each of which has one.
+    """Return the meaning of the times of all cameras' frames; every frame has one.
 
     Raises:
         InputError: steps from frame to frame are those of no rate in any unit; names the file.

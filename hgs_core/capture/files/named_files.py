@@ -25,9 +25,9 @@ _LONGEST_NAME = 250  # bytes: file systems have 255, and an ending may be added
 
 @dataclass(frozen=True)
 class NamedFiles:
-    """What was found."""
+    """The found files."""
 
-    files: tuple[Path | None, ...]  # of each name, a file or a folder; None: there is none
+    files: tuple[Path | None, ...]  # file or folder of each name; None: missing
     otherwise: tuple[tuple[str, Path], ...] = ()  # names that are written otherwise than their files, and these
 
 
@@ -82,7 +82,7 @@ def _is_written(name: str, there: str) -> bool:
 
 
 def _longest_end(folders: _Folders, capture: Path, name: str) -> tuple[tuple[str, ...], Path] | None:
-    """Return the folders that are taken away from the front of a name, and what is left."""
+    """Return the folders removed from the front of a name, and the rest."""
     for spelled in _spellings(name):
         parts = tuple(part for part in posixpath.normpath(spelled).split("/") if part not in ("", "."))
         for away in range(len(parts)):
@@ -98,7 +98,7 @@ def _spellings(name: str) -> Iterator[str]:
 
 
 class _Folders:
-    """What lies in folders, each listed once."""
+    """The contents of folders, each listed once."""
 
     def __init__(self) -> None:
         self._files: dict[Path, dict[str, str]] = {}

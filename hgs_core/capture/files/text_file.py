@@ -1,4 +1,4 @@
-"""The text files of a capture, read within bounds: what comes from strangers is measured before it is parsed.
+"""The text files of a capture, read within bounds: strangers' files are measured before they are parsed.
 
 | text           | most bytes | most values | why                                                                |
 |----------------|------------|-------------|--------------------------------------------------------------------|
@@ -24,7 +24,7 @@ from hgs_core.capture.files.unreadable import unreadable
 __all__ = ["LONGEST_LINE", "begins_with", "read_json", "read_text", "read_toml", "text_lines"]
 
 LONGEST_LINE = 1 << 16
-"""Characters of a line that `text_lines` gives; what is beyond them is left out."""
+"""The most characters of a line that `text_lines` yields; the rest is dropped."""
 
 _MOST_BYTES = 4 << 20
 _MOST_JSON_BYTES = 32 << 20
@@ -32,7 +32,7 @@ _MOST_JSON_VALUES = 1_000_000
 _MOST_BYTES_BY_LINE = 1 << 30
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 _MARK_OF_UTF32 = codecs.BOM_UTF32_LE
-_WHOLE_DIGITS = 18  # of whole numbers that 64 bits hold
+_WHOLE_DIGITS = 18  # digits of whole numbers in 64 bits
 _DEEPEST_KEY = 32  # tables within tables, which TOML can name in one line
 
 
@@ -68,7 +68,7 @@ def begins_with(file: Path, start: str) -> bool:
 
 
 def text_lines(file: Path, cure: str) -> Iterator[str]:
-    """Yield the lines of a file without what ends them, and of long ones the first `LONGEST_LINE` characters.
+    """Yield the lines of a file without line endings, long ones cut to `LONGEST_LINE` characters.
 
     Raises:
         InputError: as `read_text`.

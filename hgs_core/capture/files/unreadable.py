@@ -1,4 +1,4 @@
-"""What to say of a file that cannot be read."""
+"""The error for a file that cannot be read."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["unreadable"]
 
 
 def unreadable(file: Path, error: Exception, cure: str, what: str = "unreadable") -> InputError:
-    """Return the error for a file that could not be read; `cure` is for damage, not for what may not be read."""
+    """Return the error for a file that could not be read; `cure` is for damage, not for lack of permission."""
     if isinstance(error, PermissionError):
         return InputError(file, "may not be read", "make it readable")
     reason = getattr(error, "strerror", None) or error

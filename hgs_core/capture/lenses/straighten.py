@@ -19,7 +19,7 @@ WIDEST = 60.0
 """Degrees from the axis to a side of a straight picture, at most: a pinhole makes a fisheye's pixel 4 times as long."""
 
 _FARTHEST = 80.0  # degrees from the axis up to which a lens is looked at
-_STEPS = 400  # of its angles in the table that begins the inversion
+_STEPS = 400  # angles in the first table of the inversion
 _NEWTON_STEPS = 8
 _EDGE_SAMPLES = 65  # points on each side of the picture
 _STRIP_ROWS = 128  # rows at a time, so that resampling needs little memory
@@ -33,12 +33,12 @@ class StraightView:
 
     bent: Camera  # focal lengths and centre of the pictures as they are
     lens: Lens
-    camera: Camera  # of the straight picture
+    camera: Camera  # camera of the straight picture
     cut: bool = False  # whether the lens sees farther to a side than the straight picture shows
 
     @classmethod
     def of(cls, bent: Camera, lens: Lens) -> StraightView:
-        """Return the view whose straight picture is the largest rectangle that the photograph covers.
+        """Return the view of the largest straight rectangle that the photograph covers.
 
         No pixel of it lies outside the photograph, and what bends over its edges is cut off; so is what lies more than
         60 degrees from the axis to a side: it has hardly more than twice the photograph's pixels then. Focal lengths
@@ -71,7 +71,7 @@ class StraightView:
             raise InputError(f"camera {bent.name}", problem, "check its principal point and distortion coefficients")
         straight = dataclasses.replace(
             bent,
-            width=int((right - left) * bent.fx) + 1,  # from the centre of the first pixel to that of the last
+            width=int((right - left) * bent.fx) + 1,  # first to last pixel centre
             height=int((bottom - top) * bent.fy) + 1,
             cx=0.5 - left * bent.fx,
             cy=0.5 - top * bent.fy,
@@ -96,7 +96,7 @@ class StraightView:
         return result
 
     def straight_mask(self, mask: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
-        """Return the mask [H, W] without distortion: a pixel is set if half of what it shows is."""
+        """Return the mask [H, W] without distortion: a pixel is set if half of its area is."""
         if self.lens == PINHOLE:
             return mask
         return self.straightened(mask[..., None].astype(np.uint8) * 255)[..., 0] >= 128

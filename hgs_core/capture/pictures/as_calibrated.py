@@ -27,7 +27,7 @@ class _For(Enum):
 def show_as_calibrated(
     cameras: Sequence[CalibratedCamera], names: Sequence[str], readers: Sequence[VideoReader | PictureSequence]
 ) -> list[str]:
-    """Turn or stretch the pictures whose calibration is for such; return what to say of the others.
+    """Turn or stretch pictures to match their calibration; return notes on the others.
 
     Raises:
         InputError: a camera's pictures, turned as EXIF says, have different sizes.

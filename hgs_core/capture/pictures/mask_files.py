@@ -1,4 +1,4 @@
-"""Given masks of what moves: one PNG per camera and frame, `<camera>/<FFFF>.png`, where any value above 0 moves.
+"""Given motion masks: one PNG per camera and frame, `<camera>/<FFFF>.png`, where any value above 0 moves.
 
 This is what segmentation tools such as SAM 2 or Track Anything write: 0 and 255, or the number of an object, as grey
 values or palette entries (docs/captures.md). In JPEG files, which keep no number exactly, 128 and above moves.
@@ -27,8 +27,8 @@ _SUFFIXES = (".jpeg", ".jpg", ".png")  # the last counts where there are several
 class MaskFiles:
     """The mask files of some cameras, one per frame."""
 
-    files: Mapping[str, Mapping[int, Path]]  # by the camera's name, and by the number of its frame
-    folder: Path | None = None  # where they are, for people
+    files: Mapping[str, Mapping[int, Path]]  # camera name -> frame number -> file
+    folder: Path | None = None  # place, shown to people
 
     def read(self, view: StraightView, frame: int) -> npt.NDArray[np.bool_] | None:
         """Return the mask [H, W] of a frame's straight picture, or None if none are given for the camera.
@@ -40,7 +40,7 @@ class MaskFiles:
         if files is None:
             return None
         path = files[frame]
-        if picture_size(path) == (view.camera.width, view.camera.height):  # as `hgs masks` writes it
+        if picture_size(path) == (view.camera.width, view.camera.height):  # the size that `hgs masks` writes
             return read_mask(path, view.camera)
         return view.straight_mask(read_mask(path, view.bent))
 
@@ -67,9 +67,9 @@ def find_masks(
     views: Sequence[StraightView],
     others: Sequence[str],  # the cameras' names in the footage
     pictures: Sequence[Sequence[str] | None],  # the names of the cameras' pictures, without endings; None: of a video
-    frames: Sequence[Sequence[int]],  # of each camera, that need masks
+    frames: Sequence[Sequence[int]],  # frames of each camera that need masks
     *,
-    numbers: Sequence[Sequence[int]] | None = None,  # of each camera's pictures; None: of videos
+    numbers: Sequence[Sequence[int]] | None = None,  # numbers of each camera's pictures; None: videos
     required: bool = False,
 ) -> MaskFiles:
     """Return the masks in the first of the folders that has some, one folder per camera; the others' are not given.

@@ -1,4 +1,4 @@
-"""One picture in a file: what its header says, and its pixels, as far as they can be trusted.
+"""One picture in a file: its header, and its pixels, as far as they can be trusted.
 
 Only formats that hold pixels are opened: Pillow would also run Ghostscript for a PostScript file of any name. A header
 is read before memory is taken for what it announces. What is transparent shows black, the background of scenes.
@@ -23,11 +23,11 @@ from hgs_core.base.errors import InputError
 __all__ = ["PictureHeader", "has_transparency", "read_header", "read_pixels"]
 
 _FORMATS = ("PNG", "JPEG", "JPEG2000", "TIFF", "BMP", "WEBP", "PPM", "TGA")
-_ENDINGS = ("png", "jpg", "jpeg", "tif", "tiff", "webp")  # that a converted picture may keep
-_MOVING = ("PNG", "WEBP")  # of which several pictures in a file are an animation; else pages, or views of a camera
+_ENDINGS = ("png", "jpg", "jpeg", "tif", "tiff", "webp")  # endings that a converted picture may keep
+_MOVING = ("PNG", "WEBP")  # several pictures in a file are an animation; elsewhere pages, or views of a camera
 _MOST_PIXELS = 160_000_000  # more than any sensor has; Pillow refuses what is a little larger by itself
 _ORIENTATION = 274  # tag of EXIF
-_TURNED = {  # what brings stored pixels upright, by EXIF's orientation
+_TURNED = {  # EXIF orientation -> turn to upright
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
     4: Image.Transpose.FLIP_TOP_BOTTOM,
@@ -43,12 +43,12 @@ _QUIET = threading.Lock()  # held while Pillow's warnings, of large pictures and
 
 @dataclass(frozen=True)
 class PictureHeader:
-    """What is known of a picture before it is decoded."""
+    """The header of a picture."""
 
     size: tuple[int, int]  # width and height as stored, pixels
     orientation: int = 1  # EXIF's: 1 is upright as stored, 5 to 8 lie on their side
     transparent: bool = False  # whether it may be so anywhere
-    pictures: int = 1  # in the file
+    pictures: int = 1  # pictures in the file
 
     @property
     def upright(self) -> tuple[int, int]:
@@ -57,7 +57,7 @@ class PictureHeader:
 
 
 def read_header(path: Path) -> PictureHeader:
-    """Return what a picture's header says.
+    """Return the header of a picture.
 
     Raises:
         InputError: the file is missing, unreadable, an animation, or announces more pixels than a picture may have.

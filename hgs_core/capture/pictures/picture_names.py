@@ -18,7 +18,7 @@ _SINCE_1970 = {13: 1e-3, 16: 1e-6, 19: 1e-9}  # seconds of one, by the digits of
 
 
 def labels_of(files: Sequence[Path]) -> list[str]:
-    """Return what tells the pictures of a camera apart: their names without endings, or those of their folders."""
+    """Return the distinguishing names of a camera's pictures: without endings, or those of their folders."""
     parts = [(*file.parts[:-1], file.stem) for file in files]
     if len({len(one) for one in parts}) > 1:
         return [file.stem for file in files]
@@ -48,7 +48,7 @@ def numbers_in(labels: Sequence[Sequence[str]]) -> tuple[Numbers, float | None] 
         if all(place < len(own[0]) for place, own in zip(column, groups, strict=True)):
             numbers = (tuple(int(one[place]) for one in own) for place, own in zip(column, groups, strict=True))
             columns.append(tuple(numbers))
-    if len(counted) > 1:  # of several numbers those tell pictures apart that come once
+    if len(counted) > 1:  # numbers that occur once tell pictures apart
         columns = [column for column in columns if all(len(set(own)) == len(own) for own in column)]
     stamps = [column for column in columns if _since_1970(column) is not None]
     best = next(iter(stamps or columns), None)

@@ -1,4 +1,4 @@
-"""Which moment each picture in a folder is of: what its name says, a number of frames or a time stamp.
+"""The moments of pictures in a folder, from their names: frame numbers or time stamps.
 
 Pictures of equal numbers were taken together, whatever else there is in the folders: a number that a camera lacks is a
 moment of which it has no picture. Numbers are those digits of a name that change within a folder. They count frames, by
@@ -23,11 +23,11 @@ from hgs_core.capture.pictures.picture_names import Numbers, labels_of, numbers_
 
 __all__ = ["PictureNumbers", "picture_numbers"]
 
-_EVEN = 0.1  # of the usual step: steps of time stamps differ by less
+_EVEN = 0.1  # share of the usual step; steps of time stamps differ by less
 _COARSE = 10  # times the step that all numbers share, from which on uneven steps are time stamps
-_FEWEST_STEPS = 5  # that tell time stamps
+_FEWEST_STEPS = 5  # steps that identify time stamps
 _LONGEST = 10**9  # frames, a year at 30 a second
-_MOST_CAMERAS = 12  # that a message lists
+_MOST_CAMERAS = 12  # cameras listed in a message
 _MOST_NAMED = 6  # gaps that a note names
 
 
@@ -36,9 +36,9 @@ class PictureNumbers:
     """The numbers of some cameras' pictures."""
 
     cameras: tuple[str, ...]
-    numbers: tuple[tuple[int, ...], ...]  # of each camera's pictures, increasing
+    numbers: tuple[tuple[int, ...], ...]  # increasing, one row for each camera
     unit: float | None = None  # seconds of one; None: they count frames
-    step: int = 1  # from one frame to the next
+    step: int = 1  # difference between neighbours
     told: bool = True  # whether names have them; else pictures were counted
 
     def seconds(self, rate: float) -> list[npt.NDArray[np.float64]]:
@@ -120,7 +120,7 @@ class PictureNumbers:
 def picture_numbers(
     where: object, cameras: Sequence[str], files: Sequence[Sequence[Path]], *, in_order: bool = False
 ) -> PictureNumbers:
-    """Return the numbers of each camera's pictures, whose files are in the order of their names.
+    """Return the numbers of each camera's pictures, in the order of file names.
 
     Where names have no number that tells, pictures of equal names are of one moment, in that order. With `in_order`,
     where something else tells when they were taken, any names will do.

@@ -27,7 +27,7 @@ class PictureSequence:
             InputError: a file is missing, empty or unreadable, or of another size than most.
         """
         listings: dict[Path, dict[str, int]] = {}
-        self.files: list[tuple[Path, int]] = []  # with their sizes in bytes
+        self.files: list[tuple[Path, int]] = []  # file, bytes
         for frame, path in enumerate(files):
             if path.parent not in listings:
                 listings[path.parent] = list_folder(path.parent)
@@ -39,7 +39,7 @@ class PictureSequence:
             self.files.append((path, size))
         self._headers = [read_header(path) for path in files]
         self._upright = False
-        self.notes: list[str] = []  # what was chosen, for people
+        self.notes: list[str] = []  # choices, for people
         self.width, self.height = self._require_alike(camera, [header.size for header in self._headers])
         if any(header.transparent for header in self._headers) and self._is_transparent():
             self.notes.append("what is transparent in the pictures is black; `mogrify -alpha off` shows what is there")

@@ -67,7 +67,7 @@ class VideoReader:
         self.path = path
         self._packets = packets = VideoPackets.of(path)
         self.files = [(path, path.stat().st_size)]
-        self.notes = packets.notes  # what was chosen, for people
+        self.notes = packets.notes  # choices, for people
         self.rate, self.timecode, self.interlaced = packets.rate, packets.timecode, packets.interlaced
         self._container: InputContainer | None = None
         self._frames: Iterator[av.VideoFrame] | None = None

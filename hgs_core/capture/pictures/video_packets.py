@@ -26,20 +26,20 @@ _PROGRESSIVE = 1  # AVFieldOrder: 0 is unknown, from 2 on frames are of two fiel
 
 @dataclass
 class VideoPackets:
-    """What the packets of a video and its first frame tell."""
+    """The facts in the packets and the first frame of a video."""
 
     stream: int  # its index in the file
     size: tuple[int, int]  # width and height as stored, pixels
     rate: Fraction  # frames per second, as stated
     tick: Fraction  # unit of the stamps, seconds
     counted: bool  # whether stamps are the frames' numbers: the file does not store when one is shown
-    timecode: str | None  # of the first frame
+    timecode: str | None  # time code of the first frame
     aspect: Fraction  # width of a pixel by its height
     interlaced: bool  # whether frames are said to be two fields, half a period apart
-    stamps: list[int] = field(default_factory=list)  # of the frames in the order shown
+    stamps: list[int] = field(default_factory=list)  # one for each frame, in the order shown
     keys: list[int] = field(default_factory=list)  # stamps at which decoding may begin
-    first: list[av.VideoFrame] = field(default_factory=list)  # that the decoder gives
-    notes: list[str] = field(default_factory=list)  # what was chosen, for people
+    first: list[av.VideoFrame] = field(default_factory=list)  # first frames of the decoder
+    notes: list[str] = field(default_factory=list)  # choices, for people
 
     @classmethod
     def of(cls, path: Path) -> VideoPackets:
@@ -127,7 +127,7 @@ class VideoPackets:
 
 
 def open_stream(path: Path, container: InputContainer) -> tuple[VideoStream, str]:
-    """Return the camera's stream in an open file, and what to say of others.
+    """Return the camera's stream in an open file, and notes on others.
 
     Raises:
         InputError: there is none, or more than one.

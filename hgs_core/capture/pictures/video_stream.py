@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 __all__ = ["stated_rate", "video_stream"]
 
-_LONG = 0.2  # of the packets of the longest stream: one with so many is a video, too
+_LONG = 0.2  # share of the longest stream's packets; a stream with more is a video, too
 
 
 def video_stream(path: Path, container: InputContainer) -> tuple[VideoStream | None, str]:
-    """Return the only long stream of pictures in an open file, and what to say of others; None: there is none.
+    """Return the only long stream of pictures in an open file, and notes on others; None: there is none.
 
     Raises:
         InputError: two streams or more are long.

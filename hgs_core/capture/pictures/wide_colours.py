@@ -19,14 +19,14 @@ __all__ = ["WideColours", "wide_colours_of"]
 
 _WHITE = 203.0  # cd/m2 of diffuse white, which becomes 1
 _PEAK = 1000.0  # cd/m2 that are told apart
-_DISPLAY_GAMMA = 2.4  # of BT.1886, what BT.709 pictures are made for
+_DISPLAY_GAMMA = 2.4  # BT.1886, the display of BT.709 pictures
 _TABLE = 4096  # entries of the curve's table, evenly over the root of the light
 
 # FFmpeg's numbers (ITU-T H.273)
 _PQ, _HLG, _BT2020_10, _BT2020_12 = 16, 18, 14, 15
 _BT2020, _P3 = 9, 12
 
-_TO_BT709 = {  # of linear light
+_TO_BT709 = {  # matrices on linear light
     _BT2020: [[1.6605, -0.5876, -0.0728], [-0.1246, 1.1329, -0.0083], [-0.0182, -0.1006, 1.1187]],
     _P3: [[1.2249, -0.2249, 0.0], [-0.0421, 1.0421, 0.0], [-0.0196, -0.0786, 1.0983]],
 }
@@ -49,7 +49,7 @@ class WideColours:
 
     def shown(self, picture: npt.NDArray[np.uint16]) -> npt.NDArray[np.uint8]:
         """Return a picture [H, W, 3] of 16 bits, full range, in BT.709's colours and 8 bits."""
-        light = _light_table(self.transfer)[picture]  # of white, or of HLG's scene
+        light = _light_table(self.transfer)[picture]  # light relative to white, or HLG's scene light
         if self.transfer == _HLG:
             luminance = light @ np.array([0.2627, 0.678, 0.0593], np.float32)
             light *= (np.float32(_PEAK / _WHITE) * np.maximum(luminance, 1e-6) ** np.float32(0.2))[..., None]
@@ -66,7 +66,7 @@ def wide_colours_of(frame: Any) -> WideColours | None:
     """Return the colours that a decoded frame's tags state; None for ordinary ones."""
     transfer, primaries = int(frame.color_trc or 0), int(frame.color_primaries or 0)
     if transfer in (_PQ, _HLG) and primaries not in _TO_BT709:
-        primaries = _BT2020  # which BT.2100 has, where the tag is missing
+        primaries = _BT2020  # BT.2100's, as the default without a tag
     if transfer in (_PQ, _HLG) or primaries in _TO_BT709:
         return WideColours(transfer, primaries)
     return None
@@ -87,7 +87,7 @@ def _light_table(transfer: int) -> Floats:
 
 @functools.cache
 def _curve() -> Floats:
-    """Return what BT.2390's curve multiplies light by, evenly over the root of light in shares of the peak."""
+    """Return the factors of BT.2390's curve on light, evenly over the root of light in shares of the peak."""
     light = np.linspace(0, 1, _TABLE) ** 2 * _PEAK
     whole = _to_pq(np.array(_PEAK))
     most = float(_to_pq(np.array(_WHITE)) / whole)

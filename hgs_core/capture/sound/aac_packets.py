@@ -14,7 +14,7 @@ _HEADER_BYTES = 7
 
 
 class AacHeader:
-    """What is said of a stream before each of its packets."""
+    """The header before each packet of a stream."""
 
     def __init__(self, rate_index: int, channels: int, headed: bool) -> None:
         self._rate_index, self._headed = rate_index, headed
@@ -23,9 +23,7 @@ class AacHeader:
 
     @classmethod
     def of(cls, config: bytes, packet: bytes) -> AacHeader | None:
-        """Return the header for packets of a stream with this AudioSpecificConfig, or, if that is empty, with ADTS
-        headers of their own; None for what is not mono or stereo of low complexity.
-        """
+        """Return the header for packets of a stream with this AudioSpecificConfig, or, if that is empty, with their own ADTS headers; None for anything but mono or stereo of low complexity."""
         headed = len(config) < 2
         if not headed:
             kind, rate, channels = config[0] >> 3, (config[0] & 7) << 1 | config[1] >> 7, config[1] >> 3 & 15
@@ -49,7 +47,7 @@ class AacHeader:
         if length > _LONGEST:
             raise ValueError(f"a packet of {len(packet)} bytes")
         bits = 0xFFF1 << 40 | (_LOW_COMPLEXITY - 1) << 38 | self._rate_index << 34 | self.channels << 30
-        bits |= length << 13 | 0x7FF << 2  # of a buffer of unknown fullness, one block
+        bits |= length << 13 | 0x7FF << 2  # unknown buffer fullness, one block
         return bits.to_bytes(_HEADER_BYTES, "big") + packet
 
 

@@ -13,13 +13,15 @@ from collections.abc import Iterator, Sequence
 __all__ = ["OPUS_RATE", "ogg_opus", "opus_head", "opus_samples"]
 
 OPUS_RATE = 48_000
-"""Samples per second in which Opus counts, whatever was recorded."""
+"""Samples per second in which Opus counts, at any recorded rate."""
 
-_SERIAL = 1  # of the only stream in a file
+_SERIAL = 1  # the only stream in a file
 _FIRST, _LAST = 2, 4  # flags of pages
-_MOST_SEGMENTS = 255  # of a page
+_MOST_SEGMENTS = 255  # segments of a page
 _HEAD = struct.Struct("<8sBBHIhB")  # magic, version, channels, pre-skip, rate, gain, family of the channels' mapping
-_FRAME_SAMPLES = (480, 960, 1920, 2880) * 3 + (480, 960) * 2 + (120, 240, 480, 960) * 4  # by configuration (RFC 6716)
+_FRAME_SAMPLES = (
+    (480, 960, 1920, 2880) * 3 + (480, 960) * 2 + (120, 240, 480, 960) * 4
+)  # indexed with the configuration (RFC 6716)
 _REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
@@ -31,7 +33,7 @@ def opus_samples(packet: bytes) -> int:
 
 
 def opus_head(channels: int, rate: int = OPUS_RATE, gain: int = 0) -> bytes:
-    """Return the header of mono or stereo, of which no sample is to be skipped; `rate` is what was recorded."""
+    """Return the header of mono or stereo, without samples to skip; `rate` is the recorded rate."""
     return _HEAD.pack(b"OpusHead", 1, channels, 0, rate, gain, 0)
 
 

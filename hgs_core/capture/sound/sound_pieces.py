@@ -27,15 +27,15 @@ PIECE_SECONDS = 1.0
 """At least so long is a piece, but for one at a hole: a request costs more than it brings."""
 
 _LEAD = {"opus": 0.12, "aac": 0.04}  # seconds that a decoder needs to find its state: RFC 7845 and half; two packets
-_BITS_PER_CHANNEL = 64_000  # per second, of what is encoded here
-_HOLE = 0.5  # of a packet's length: a longer gap between two begins a new piece
+_BITS_PER_CHANNEL = 64_000  # bits per second
+_HOLE = 0.5  # share of a packet's length; a longer gap begins a new piece
 _ROUNDED = 0.008  # seconds by which stamps may miss the end of the packet before, and still mean it
 _HEAD_BYTES = 19
 
 
 @dataclass(frozen=True)
 class SoundPiece:
-    """A stretch of sound, and a file whose decoded samples end with its last one; before its first others may lie."""
+    """A stretch of sound, and a file of it; decoded samples before its first one may belong to others."""
 
     start: float  # seconds
     end: float
@@ -55,7 +55,7 @@ class CutSound:
 
 @dataclass(frozen=True)
 class _Packet:
-    time: float  # of its first sample, seconds
+    time: float  # first sample, seconds
     length: float  # seconds
     data: bytes
 
@@ -90,7 +90,7 @@ class _Track:
     sample_rate: int
     channels: int
     packets: Sequence[_Packet]
-    head: bytes = b""  # of Opus
+    head: bytes = b""  # Opus header
     encoded_from: str = ""
 
     def between(self, start: float, end: float) -> CutSound | None:
@@ -119,7 +119,7 @@ def _groups(packets: Sequence[_Packet], inside: Sequence[int]) -> Iterator[range
         before = packets[i - 1]
         until = before.time + before.length
         hole = abs(packets[i].time - until) > _HOLE * before.length
-        short = packets[stop - 1].time - until < PIECE_SECONDS / 2  # what is left goes with the last one
+        short = packets[stop - 1].time - until < PIECE_SECONDS / 2  # the rest joins the last piece
         if hole or (until - packets[first].time >= PIECE_SECONDS - 1e-6 and not short):
             yield range(first, i)
             first = i
@@ -155,7 +155,7 @@ def _in_a_row(stamps: Sequence[float], lengths: Sequence[float], datas: Sequence
 
 
 def _encoded(path: Path, start: float, end: float, offset: float) -> CutSound | None:
-    """Encode what browsers do not decode, as Opus.
+    """Encode sound that browsers do not decode, as Opus.
 
     Raises:
         InputError: this FFmpeg has no encoder for Opus.

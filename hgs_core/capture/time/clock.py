@@ -21,7 +21,7 @@ __all__ = ["CameraTime", "Clock", "common_clock", "mean_rate"]
 
 _SAME_RATE = 1e-4  # share by which rates may differ and still count as one: 29.97 and 30 do not
 _EXACT = 1e-6  # seconds: what numbers lose on the way
-_LATE = 0.02  # of a period: smaller differences from the tick are not worth a word
+_LATE = 0.02  # share of a period; smaller differences from the tick need no note
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class CameraTime:
 
 
 def mean_rate(stamps: npt.NDArray[np.float64]) -> float:
-    """Return how many frames a second stamps [N], 2 or more that increase, are taken at, whatever they are rounded to.
+    """Return the frame rate, per second, of stamps [N], 2 or more that increase, despite their rounding.
 
     Where steps are several times the usual one, so many frames are missing.
     """
@@ -97,7 +97,7 @@ def _same_rate(first: float, second: float) -> bool:
 def _nearest(camera: CameraTime, origin: float, period: float) -> dict[int, int]:
     """Return the number of the camera's frame by tick: the nearest that is at most half a period away."""
     places = (camera.stamps - origin) / period
-    ticks = np.round(places - 1e-9).astype(np.int64)  # of a frame half-way between two, the earlier
+    ticks = np.round(places - 1e-9).astype(np.int64)  # the earlier tick for a frame half-way between two
     found: dict[int, int] = {}
     for frame, tick in enumerate(ticks.tolist()):
         before = found.get(tick)
@@ -119,7 +119,7 @@ def _notes(
     shown: Sequence[dict[int, int]],
     common: Sequence[int],
 ) -> list[str]:
-    """Say what was left out and whose frames are not at the ticks."""
+    """Return notes on omitted frames, and on cameras with frames off the ticks."""
     notes = []
     begins, ends = [min(numbers) for numbers in shown], [max(numbers) for numbers in shown]
     for word, limits, limit, way in (("begins", begins, max(begins), 1), ("ends", ends, min(ends), -1)):

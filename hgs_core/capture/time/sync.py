@@ -42,24 +42,24 @@ SYNC_FILE, TIMESTAMPS_FILE = "sync.json", "timestamps.csv"
 _KEYS = {"seconds", "frames", "rate", "by", "confidence"}
 _EDITED = 1e-3  # seconds, in which containers tell where a recording begins
 _LARGEST = 1e12  # seconds or frames, 30,000 years
-_JITTER = 0.1  # of a period: the clock of the computer that noted a frame's arrival is no better
+_JITTER = 0.1  # share of a period: the precision of a computer's arrival times
 _SLOWEST, _FASTEST = 1e-3, 1e6  # frames per second
-_MOST_DIGITS = 18  # of a number in a name
+_MOST_DIGITS = 18  # digits of a number in a name
 _LAST_NUMBER = re.compile(r"(\d+)\D*$")
 
 
 @dataclass(frozen=True)
 class Sync:
-    """What sync.json says."""
+    """The contents of sync.json."""
 
     file: Path | None = None
-    starts: dict[str, float] | None = None  # of the first frames, by camera; None: not said
+    starts: dict[str, float] | None = None  # camera -> second of its first frame; None: not given
     in_frames: bool = False  # whether the starts are frames, not seconds
     rate: float | None = None  # frames per second of pictures in folders
 
 
 def read_sync(capture: Path) -> Sync:
-    """Return what sync.json says, if there is one.
+    """Return the contents of sync.json, if there is one.
 
     Raises:
         InputError: the file is unreadable, or says something else than the module's description.
@@ -89,15 +89,15 @@ def read_sync(capture: Path) -> Sync:
 
 @dataclass(frozen=True)
 class OwnTime:
-    """What the files of one camera say of its frames."""
+    """The times of one camera's frames, from its files."""
 
     name: str
-    other_name: str  # of its footage
+    other_name: str  # name of its footage
     stamps: np.ndarray[Any, np.dtype[np.float64]]  # [N] seconds
     rate: float
     resolution: float = 0.0  # seconds
-    timecode: str | None = None  # of the first frame
-    by: str = "time stamps"  # what says it
+    timecode: str | None = None  # time code of the first frame
+    by: str = "time stamps"  # source of the times
 
 
 @dataclass(frozen=True)
@@ -105,8 +105,8 @@ class CameraTimes:
     """The cameras' times on one clock."""
 
     cameras: list[CameraTime]
-    files: list[Path] = field(default_factory=list)  # beside the footage, that they came from
-    notes: list[str] = field(default_factory=list)  # what to say
+    files: list[Path] = field(default_factory=list)  # sources beside the footage
+    notes: list[str] = field(default_factory=list)  # notes for people
     told: bool = True  # whether anything says when the cameras began; else they are taken to have begun together
 
 
@@ -175,7 +175,7 @@ def _by_sync(cameras: Sequence[OwnTime], sync: Sync) -> list[CameraTime]:
 
 
 def _by_table(cameras: Sequence[OwnTime], table: Path, assumed: bool) -> tuple[list[CameraTime], list[str]]:
-    """Return the cameras' times, and what to say of them."""
+    """Return the cameras' times, and notes on them."""
     read = read_times_table(table)
     times = read.times
     numbers = {_number(name): name for name in times}

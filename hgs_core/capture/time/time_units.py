@@ -21,7 +21,7 @@ class TimeUnit:
 
     name: str
     per_second: float
-    words: frozenset[str]  # by which columns name it
+    words: frozenset[str]  # names of it in columns
 
 
 SECONDS = TimeUnit("seconds", 1.0, frozenset(("s", "sec", "secs", "second", "seconds")))

@@ -12,7 +12,7 @@ import numpy as np
 __all__ = ["CodedStart", "CodedStarts", "starts_by_timecode", "timecode_seconds"]
 
 _TIMECODE = re.compile(r"(\d{1,2}):([0-5]\d):([0-5]\d)([:;.,])(\d{2,3})")
-_UNSET = ("00:00:00:00", "01:00:00:00")  # what recorders begin with whose clock was never set
+_UNSET = ("00:00:00:00", "01:00:00:00")  # first codes of recorders with unset clocks
 _SAME = 1e-6  # seconds
 
 
@@ -30,8 +30,8 @@ class CodedStart:
 class CodedStarts:
     """When cameras began by their time codes."""
 
-    seconds: tuple[float, ...]  # of each camera, on one clock; none: the codes tell nothing
-    notes: tuple[str, ...] = ()  # what to say
+    seconds: tuple[float, ...]  # one for each camera, on one clock; none: no usable codes
+    notes: tuple[str, ...] = ()  # notes for people
     problem: str = ""  # why the codes cannot all be right, with the cameras that are apart from most
 
 

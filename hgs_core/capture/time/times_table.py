@@ -35,20 +35,20 @@ _SEPARATORS = (",", ";", "\t", "|")
 _MOST_ROWS = 10_000_000  # an hour of 90 cameras at 30 frames per second
 _MOST_CAMERAS = 10_000
 _LARGEST = 1e30
-_DIFFERS = 0.05  # of a rate, that is worth a word: arrivals jitter
+_DIFFERS = 0.05  # share of a rate that is worth a note: arrivals jitter
 
 
 @dataclass(frozen=True)
 class TimesTable:
-    """What a table says."""
+    """The contents of a table."""
 
-    times: Mapping[str, npt.NDArray[np.float64]]  # of each camera in the order of its rows, in the table's unit
-    unit: TimeUnit | None  # that the column's name ends with
-    column: str  # of the times, as it is written
+    times: Mapping[str, npt.NDArray[np.float64]]  # camera -> times in the order of rows, in the table's unit
+    unit: TimeUnit | None  # unit at the end of the column's name
+    column: str  # name of the column of times
 
 
 def read_times_table(file: Path) -> TimesTable:
-    """Return what a table says.
+    """Return the contents of a table.
 
     Raises:
         InputError: the file is unreadable, lacks a column, has a time that is none or that does not follow the one
@@ -85,7 +85,7 @@ def read_times_table(file: Path) -> TimesTable:
 
 
 def unit_of_table(file: Path, table: TimesTable, steps: Mapping[str, float], *, assumed: bool) -> tuple[TimeUnit, str]:
-    """Return the unit of the times, and what to say of it.
+    """Return the unit of the times, and a note on it.
 
     `steps` are the seconds from frame to frame that the footage of the table's cameras states; where that is `assumed`,
     any usual rate will do.
