@@ -149,7 +149,7 @@ class Capture:
         return int(self._numbers[camera, frame])
 
     def video(self, camera: int) -> tuple[Path, float] | None:
-        """Return a camera's video and the offset of its times, seconds, to the capture's; None where the camera has pictures.
+        """Return a camera's video and its offset, seconds, to the capture's clock; None for a camera with pictures.
 
         Raises:
             IndexError: no such camera.

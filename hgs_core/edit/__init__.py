@@ -1,3 +1,3 @@
-"""What can be done to a scene that is trained: crop, trim, turn, clean and merge it. Scenes in, scenes out."""
+"""Edits of trained scenes: crop, trim, turn, clean and merge. Scenes in, scenes out."""
 
 __all__: list[str] = []

@@ -22,7 +22,7 @@ REAL = 1e-7  # imaginary part below which a root is a crossing
 
 
 def crop(viewed: ViewedScene, region: Region, *, inverse: bool = False, touching: bool = False) -> Edit:
-    """Keep the splats whose centre is inside of `region`, or outside with `inverse`, for as long as they can be seen.
+    """Keep the splats with a centre inside `region`, or outside with `inverse`, for as long as they can be seen.
 
     Splats whose path crosses the border, and those that are never seen, are left out; `touching` keeps the former.
 
@@ -76,7 +76,7 @@ def paths_inside(dynamic: DynamicSplats[Floats], region: Region, until: float) -
     length = np.where(seen, end - start, 0.0)
     motion = dynamic.motion.astype(np.float64)
     shifted = np.stack(recentred(motion, offset[:, None]), axis=1)
-    path = region.local(shifted * (length[:, None] ** np.arange(motion.shape[1]))[..., None])  # over [0, 1]
+    path = region.local(shifted * (length[:, None] ** np.arange(motion.shape[1]))[..., None])  # time in [0, 1]
     hull = _control_points(path)
     always: Mask = region.holds(hull).all(axis=1)  # type: ignore[assignment]
     never = region.misses(hull.min(axis=1), hull.max(axis=1))

@@ -16,12 +16,12 @@ from hgs_core.scene.temporal import evaluate, lifetime
 __all__ = ["drop_floaters", "floating"]
 
 NEIGHBOURS = 8
-FARTHER = 8.0  # than the median splat is from its neighbours
+FARTHER = 8.0  # times the median distance to neighbours
 OWN_SIZES = 4.0  # standard deviations along the longest axis
 
 
 def drop_floaters(viewed: ViewedScene) -> Edit:
-    """Leave out floaters (see `floating`); moving splats are looked at in the middle of what is seen of their lives.
+    """Leave out floaters (see `floating`); moving splats are judged in the middle of their visible lives.
 
     A moving splat's neighbours are the static ones and those of its own segment; a static one's are the static ones and
     the moving ones of all segments, so that nothing that any of them touches goes.

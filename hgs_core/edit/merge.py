@@ -129,7 +129,7 @@ def _segments(a: HybridScene[Floats], b: HybridScene[Floats]) -> tuple[Segment[F
 
 
 def _cut_out(scene: HybridScene[Floats], start: float, until: float) -> Iterable[DynamicSplats[Floats]]:
-    """Yield what a scene shows between two borders, in their normalised time."""
+    """Yield the splats of a scene between two borders, in their normalised time."""
     if start >= scene.end or until <= scene.start:
         return
     segment = scene.segment_at(start)

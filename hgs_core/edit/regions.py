@@ -20,7 +20,7 @@ class Region(Protocol):
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Its name for people."""
 
     def contains(self, points: NDArray[np.floating[Any]]) -> Mask:
         """Return which points [..., 3] lie inside or on the border."""

@@ -20,8 +20,8 @@ __all__ = ["SharedStatics", "shared_statics"]
 NEIGHBOURS = 8
 LIKE = 0.15  # largest difference of a channel
 TOUCHING = 2.0  # sums of largest standard deviations
-ONE_SET = 0.5  # of a take's splats that lie where the other has such, from which both show one set
-WHOLE_SET = 0.7  # from which the rest is of it, too
+ONE_SET = 0.5  # least share of matching splats with which both takes show one set
+WHOLE_SET = 0.7  # share from which the rest belongs to it, too
 SEEN = 0.05  # opacity of splats that tell
 
 
@@ -30,8 +30,8 @@ class SharedStatics:
     """The static splats of two scenes, told apart by when each may be shown."""
 
     always: StaticSplats[Floats]
-    first: StaticSplats[Floats]  # while the second is not shown
-    second: StaticSplats[Floats]  # while it is, and the first is not
+    first: StaticSplats[Floats]  # shown without the second
+    second: StaticSplats[Floats]  # shown without the first
     twice: int  # splats that both have to the bit, of which one is kept
 
     @property
@@ -41,7 +41,7 @@ class SharedStatics:
 
 
 def shared_statics(first: StaticSplats[Floats], second: StaticSplats[Floats]) -> SharedStatics:
-    """Tell apart what two scenes have of one set, and what each has alone.
+    """Split the splats of two scenes into a shared set and those of each alone.
 
     Splats that both have to the bit are kept once. If half of the others of either lie on others of the same colour of
     the other scene, these are shown by time; of a scene with seven tenths such, all its others are.

@@ -1,4 +1,4 @@
-"""Trimming: a stretch of a scene as a scene of its own, whose clock begins at 0."""
+"""Trimming: a stretch of a scene as a scene of its own, with a clock from 0."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from hgs_core.scene.temporal import lifetime
 
 __all__ = ["cut", "seen_until", "trim"]
 
-LARGEST_LOG_PRECISION = 80.0  # what is above counts as this (docs/numerics.md)
-SHORTEST_SHARE = 1e-4  # of a segment: in a shorter part float32 cannot tell where its splats are
+LARGEST_LOG_PRECISION = 80.0  # upper limit (docs/numerics.md)
+SHORTEST_SHARE = 1e-4  # share of a segment; a shorter part exceeds the precision of float32
 SLACK = 1e-6  # seconds by which a frame may miss the ends
 
 
 def trim(viewed: ViewedScene, start: float, end: float) -> Edit:
-    """Keep what is seen from `start` to `end`, seconds of the scene's clock; `start` becomes 0.
+    """Keep the splats visible from `start` to `end`, seconds of the scene's clock; `start` becomes 0.
 
     Paths, turns and lives are the same functions of time as before: their polynomials are written about the same
     centres in the new segments' time. Splats that live at no moment of it are left out.
@@ -41,7 +41,7 @@ def trim(viewed: ViewedScene, start: float, end: float) -> Edit:
     end = min(end, scene.end)
     parts: list[Segment[Floats]] = []
     for number, segment in enumerate(scene.segments):
-        if segment.end == segment.start:  # of one frame
+        if segment.end == segment.start:  # a single frame
             if start <= segment.start <= end:
                 parts.append(Segment(segment.start - start, segment.start - start, segment.dynamic))
             continue

@@ -1,4 +1,4 @@
-"""A scene with the cameras and the clock it is looked at with: what edits change together."""
+"""A scene with its cameras and clock, which edits change together."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ __all__ = ["Edit", "ViewedScene", "shown_until"]
 
 @dataclass(frozen=True)
 class ViewedScene:
-    """Splats, and what a manifest says beside them."""
+    """Splats with the manifest's other fields."""
 
     scene: HybridScene[Floats]
     cameras: tuple[Camera, ...]  # none: they were made up, and will be again
     times: Doubles  # [F] seconds of the frames, increasing
     up: tuple[float, float, float] | None = None  # unit vector that somebody chose; None: what the cameras tell
-    begins: float = 0.0  # when, on the clock that it had before it was trimmed, seconds
+    begins: float = 0.0  # seconds, on the clock before trimming
 
 
 @dataclass(frozen=True)
 class Edit:
-    """An edited scene and what it lacks of the one before."""
+    """An edited scene and its losses from the one before."""
 
     viewed: ViewedScene
     changes: tuple[Change, ...] = ()

@@ -40,7 +40,7 @@ class _PixelMean:
 
 
 class CameraScores:
-    """What the frames of one camera scored."""
+    """The scores of one camera's frames."""
 
     def __init__(self, scorer: PictureScorer) -> None:
         self._scorer = scorer
@@ -54,7 +54,7 @@ class CameraScores:
         self.means = {name: _PixelMean() for name in REGION_METRICS}
 
     def add(self, image: Tensor, truth: Tensor, moving: Tensor | None, gain: Tensor | None = None) -> None:
-        """Score the next frame [3, H, W] in [0, 1], with its mask [H, W] bool of what moves, if there is one.
+        """Score the next frame [3, H, W] in [0, 1], with its motion mask [H, W] bool, if there is one.
 
         `gain` [H, W] is what a lens like the capture's leaves of the light of every pixel, if that is known.
         """
@@ -114,7 +114,7 @@ def combine(cameras: Sequence[CameraScores]) -> Scores:
 
 
 def _pooled_of_regions(cameras: Sequence[ColourCorrectedError]) -> float | None:
-    """Return the PSNR of what moves in all frames, after each camera's colour map; None if nothing moves."""
+    """Return the PSNR of moving pixels in all frames, after each camera's colour map; None if nothing moves."""
     errors = [camera.region_error() for camera in cameras]
     values = sum(count for _, count in errors)
     return decibels(sum(squared for squared, _ in errors) / values) if values else None

@@ -18,14 +18,14 @@ PICTURE_METRICS = ("psnr", "ssim", "ms_ssim", "lpips", "flip")
 """The names of the scores of whole pictures in their order."""
 
 REGION_METRICS = ("ssim_dynamic", "lpips_dynamic")
-"""The names of the scores of what moves in a picture that are means over its pixels."""
+"""The names of moving pixels' scores that are means over pixels."""
 
 
 class PictureScorer:
     """Compares pictures by all metrics of one picture; the costly ones, LPIPS and FLIP, where they are wanted."""
 
     def __init__(self, lpips_weights: Path | None, with_flip: bool) -> None:
-        """Load what the metrics need.
+        """Load the models of the metrics.
 
         Raises:
             InputError: the weights are not those of LPIPS, or the package of FLIP is not installed.

@@ -1,4 +1,4 @@
-"""Scores of a finished run: what a viewer would see of the encoded scene, against what the cameras saw."""
+"""Scores of a finished run: the encoded scene as viewers see it, against the cameras' pictures."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _score(
     falloff: list[float] | None,  # mean of the training cameras' lenses
     capture: Capture,
     source: Truth,
-    scores: Mapping[int, CameraScores],  # by camera; filled
+    scores: Mapping[int, CameraScores],  # camera -> scores, to be filled
     backend: str,
     progress: ProgressCallback,
 ) -> None:

@@ -1,4 +1,4 @@
-"""What a run is scored against: pictures of what was there, and masks of what moved."""
+"""The reference of a run's scores: true pictures and motion masks."""
 
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ class Truth:
         *,
         pictures: Path | None,
         masks: Path | None,
-        downscale: int,  # by which the capture is reduced
-        reductions: Mapping[str, int] = MappingProxyType({}),  # of cameras that are reduced by another factor
+        downscale: int,  # reduction factor of the capture
+        reductions: Mapping[str, int] = MappingProxyType({}),  # camera -> its own reduction factor
     ) -> None:
         """Find the files of the cameras and read all headers, so that scoring does not stop half-way.
 
@@ -77,7 +77,7 @@ class Truth:
         return as_target(torch.from_numpy(self._levels(camera, frame)), size)
 
     def moving(self, camera: int, frame: int) -> Tensor | None:
-        """Return the mask [H, W] bool of what moves, or None if there is none for this camera.
+        """Return the motion mask [H, W] bool, or None if there is none for this camera.
 
         Automatic ones say where a frame differs from what the camera sees most of the time, in the true pictures alone:
         they are the same for all runs that are scored against these.
@@ -101,7 +101,7 @@ class Truth:
         return self._backgrounds[camera]
 
     def _levels(self, camera: int, frame: int) -> npt.NDArray[np.uint8]:
-        """Return the true picture [H, W, 3]; raises what `picture` raises."""
+        """Return the true picture [H, W, 3]; raises the errors of `picture`."""
         if camera not in self._pictures:
             return self._capture.frame(camera, frame)
         path, stored = self._pictures[camera][frame]

@@ -22,12 +22,12 @@ from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["Fitted", "fine_tune_iterations", "fit"]
 
-COARSENESS_ROUNDS = 5  # of quantising to find the coarseness: most scenes need two or three
-LOSS_LEFT_AFTER_TUNING = 0.5  # of a loss after training further, about
+COARSENESS_ROUNDS = 5  # rounds of the search for the coarseness; most scenes need two or three
+LOSS_LEFT_AFTER_TUNING = 0.5  # about the share of a loss left by fine-tuning
 TUNING_ROUNDS = 3  # each with the coarseness that the loss after the one before suggests
 LARGEST_TUNING_RATIO = 1.4  # factor from one to the next
-FINE_TUNE_SHARE = 1 / 60  # of a training's iterations
-BUDGET_SHARE_NEAR_ENOUGH = 0.85  # of the budget: what may as well be left unspent
+FINE_TUNE_SHARE = 1 / 60  # share of a training's iterations
+BUDGET_SHARE_NEAR_ENOUGH = 0.85  # share of the budget that is near enough
 COARSENESS = (0.1, 8.0)
 LARGEST_COARSENESS_RATIO = 4.0  # factor between two coarsenesses tried
 
@@ -39,12 +39,12 @@ def fine_tune_iterations(config: TrainConfig) -> int:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What is to be encoded, and how."""
+    """The scene to encode, and its settings."""
 
     scene: HybridScene[Floats]  # exact, trained further if that was asked for
-    utility: Utility  # of its splats
+    utility: Utility  # utility of its splats
     settings: EncodeSettings
-    loss: Decibels  # of the views that it was chosen on, against the better of the scene as it was and as it is
+    loss: Decibels  # loss on the views of the search, against the better of trained and fine-tuned scene
 
 
 def fit(
@@ -59,7 +59,7 @@ def fit(
     states: Sequence[TrainState] = (),
     trained: Callable[[int], None] = lambda done: None,
 ) -> Fitted:
-    """Find the coarsest settings with which the training views lose no more than the budget, nor what moves in them.
+    """Find the coarsest settings that keep the budget on the training views and on their moving pixels.
 
     Where moving pixels would lose more than whole pictures, dynamic splats are coded less coarsely than static ones
     (`dynamic_share.py`). With `iterations` above 0 the scene is trained further as it decodes (`fine_tune.py`), and the
@@ -129,7 +129,7 @@ def _within(coarseness: float) -> float:
 
 
 def _coarsest(lost: Callable[[float], float], allowed: float, start: float) -> tuple[float, float]:
-    """Return about the largest coarseness that loses no more than `allowed` dB, and what it loses.
+    """Return about the largest coarseness that loses no more than `allowed` dB, and its loss.
 
     The finest is returned if none does. `start` is tried first.
     """

@@ -17,9 +17,9 @@ __all__ = ["DIRECTIONS", "best_directions", "detail_distances"]
 
 PIXELS = 2.0  # standard deviation of splats, in the middle of what a camera looks at
 NEIGHBOURS = 256  # splats around a place that tell how fine detail is there
-NEAREST, FARTHEST = 0.02, 1.0  # in distances from which the whole is seen
-DIRECTIONS = 16  # from which each place is looked at, to choose one
-SPREAD_PENALTY = 0.7  # of a direction's splats, for each time that it was chosen before
+NEAREST, FARTHEST = 0.02, 1.0  # shares of the distance that shows the whole
+DIRECTIONS = 16  # directions tried for each place
+SPREAD_PENALTY = 0.7  # factor on a direction's splats for each earlier choice
 
 
 def detail_distances(targets: Doubles, places: Doubles, log_scales: Floats, focal: float, whole: float) -> Doubles:
@@ -33,7 +33,7 @@ def detail_distances(targets: Doubles, places: Doubles, log_scales: Floats, foca
         whole: distance from which the whole scene is seen.
     """
     axes = np.sort(log_scales.astype(np.float64), axis=1)
-    size = np.exp(axes[:, 1:].mean(axis=1))  # as seen along the thinnest axis
+    size = np.exp(axes[:, 1:].mean(axis=1))  # size along the thinnest axis' view
     found = []
     for target in targets:
         away = ((places - target) ** 2).sum(axis=1)

@@ -1,4 +1,4 @@
-"""How coarse dynamic splats may be beside static ones, so that what moves keeps the budget with the fewest bytes."""
+"""The share of coarseness for dynamic splats with which moving pixels keep the budget in the fewest bytes."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["dynamic_share"]
 
-SHARES = 2.0 ** -np.linspace(0.0, 2.0, 41)  # that are weighed: from coarseness alike to a quarter
-DYNAMIC_BYTES = 2.5  # that a dynamic splat takes more where coarseness falls, over those of a static one
-WHOLE_LEFT_AFTER_TUNING = 0.65  # of what whole pictures lose, by training further; moving pixels win next to nothing
-LEAST_PART = 1e-3  # of a loss that either set is taken to make, whatever was measured
+SHARES = 2.0 ** -np.linspace(0.0, 2.0, 41)  # candidates: from equal coarseness to a quarter
+DYNAMIC_BYTES = 2.5  # further bytes of a dynamic splat for less coarseness, over a static one's
+WHOLE_LEFT_AFTER_TUNING = 0.65  # share of whole pictures' loss left by fine-tuning; moving pixels gain next to nothing
+LEAST_PART = 1e-3  # least share of a loss for either set
 
 
 def dynamic_share(
@@ -42,7 +42,7 @@ def dynamic_share(
 
 
 def _at_shares(both: float, dynamic: float, squares: Doubles) -> Doubles:
-    """Return what both sets lose at the given squares of shares, of which dynamic splats make `dynamic` at 1."""
+    """Return the loss of both sets at the given squares of shares; dynamic splats make `dynamic` of it at 1."""
     least = LEAST_PART * max(both, 1e-9)
     part = min(max(dynamic, least), max(both, 1e-9) - least)
     return max(both, 1e-9) - part + part * squares

@@ -1,4 +1,4 @@
-"""What an encoding costs some views, in whole pictures and where something moves."""
+"""The loss of an encoding on some views, in whole pictures and in moving pixels."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Decibels", "Loss"]
 
-LOSS_VIEWS = 12  # in which the loss is measured, in each of several groups of cameras
+LOSS_VIEWS = 12  # views of the measurement, in each of several groups of cameras
 GOLDEN_RATIO = 0.618  # fractional parts of its multiples spread evenly
 IMPORTED_ERROR = 1e-3  # mean squared error (30 dB) that a scene is taken to have where no picture tells
 
 
 @dataclass(frozen=True)
 class Decibels:
-    """What views lose of their PSNR, dB; below 0 where they gain."""
+    """The loss of views in PSNR, dB; negative for a gain."""
 
     whole: float  # the mean over views of what each loses, of all its pixels; of groups of views the largest
-    moving: float | None  # of the moving pixels of all views together; None: which ones move is not known, or none does
+    moving: float | None  # loss of the moving pixels of all views; None: motion unknown or absent
 
     @property
     def most(self) -> float:
-        """The larger one: what a budget is compared with."""
+        """The larger one, compared with a budget."""
         return self.whole if self.moving is None else max(self.whole, self.moving)
 
     def without_gain(self, gained: Decibels) -> Decibels:
@@ -42,7 +42,7 @@ class Decibels:
 
 
 class Loss:
-    """What quantisation costs some views.
+    """The loss of quantisation on some views.
 
     Without pictures to compare with, the scene itself is taken to be wrong by `IMPORTED_ERROR`, to which the changes
     add; it may then stand before anything, so that the loss is the larger one of those on black and on white. Where
@@ -50,7 +50,7 @@ class Loss:
     """
 
     def __init__(self, scene: HybridScene[Floats], views: EncodeViews, cameras: Mapping[int, Camera]) -> None:
-        """Draw `scene` in views spread over `cameras` (by index) and all time; what it loses is measured against that.
+        """Draw `scene` in views spread over `cameras` (by index) and all time, as the reference of losses.
 
         Where something moves is known of trained cameras alone.
 

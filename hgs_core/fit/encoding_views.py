@@ -1,4 +1,4 @@
-"""What a scene is encoded for: the cameras that its manifest names, and the pictures that tell what is lost."""
+"""The views for an encoding: the cameras named by its manifest, and the pictures that measure its loss."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["EncodeViews", "views_around"]
 
-IMPORTED_FRAME_RATE = 30.0  # of a moving scene that came without a capture
+IMPORTED_FRAME_RATE = 30.0  # frames per second of a moving scene without a capture
 
 
 @dataclass(frozen=True)
@@ -27,16 +27,16 @@ class EncodeViews:
     """Cameras, clock and pictures."""
 
     title: str
-    cameras: tuple[Camera, ...]  # that the manifest names; the first one is where viewers start
-    trained: Mapping[int, Camera]  # by index: those that may be looked at; never those held out
+    cameras: tuple[Camera, ...]  # cameras of the manifest; viewers start at the first
+    trained: Mapping[int, Camera]  # index -> camera for measurements; never a held-out one
     times: NDArray[np.float64]  # [F] seconds
     truth: Callable[[int, int], Tensor] | None  # the picture [3, H, W] of a camera and a frame, if there are any
-    capture: Capture | None = None  # to train further with
+    capture: Capture | None = None  # capture for fine-tuning
     moving: Callable[[int, int], Tensor] | None = None  # the mask [H, W] bool of a trained camera and a frame, if known
     closer: tuple[Camera, ...] = ()  # made-up ones that the manifest does not name, beyond `cameras` in `trained`
-    groups: tuple[tuple[int, ...], ...] = ()  # of `trained`, that see different things; none: they are one
+    groups: tuple[tuple[int, ...], ...] = ()  # groups of `trained` with different views; none: a single group
     photographed: bool = False  # `trained` took pictures: they tell from where the scene may be looked at
-    first: int = 0  # of the capture's frames, where these are not all of them
+    first: int = 0  # first frame of a part of the capture
     up: tuple[float, float, float] | None = None  # unit vector, where somebody chose it; None: what the cameras tell
 
     def moment(self, camera: int, frame: int) -> float:
@@ -64,7 +64,7 @@ class EncodeViews:
 
     @property
     def any_background(self) -> bool:
-        """Whether what is lost must not show on any background: there are no pictures that have one."""
+        """Whether losses must not show on any background: no picture has one."""
         return self.truth is None
 
 

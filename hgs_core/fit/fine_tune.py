@@ -1,4 +1,4 @@
-"""Training a scene a little further while it is drawn as it decodes, so that splats make good what quantisation costs.
+"""Fine-tuning: a scene is trained a little further, drawn as it decodes, to recover the loss of quantisation.
 
 The exact numbers learn, but what is drawn is them plus the offset that quantisation gives them: held for some
 iterations, in which the gradients of the decoded scene move both, then found anew (a straight-through estimator in
@@ -44,7 +44,7 @@ S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
 
 
 class FineTune:
-    """The scene that learns, what its splats show, and the optimisers."""
+    """The learning scene, the utility of its splats, and the optimisers."""
 
     def __init__(
         self,
@@ -85,7 +85,7 @@ class FineTune:
         self._dynamic: list[RmsProp[DynamicSplats[Tensor]]] = [optimiser.to(self._device) for optimiser in dynamic]
 
     def run(self, settings: EncodeSettings, iterations: range, trained: Callable[[int], None]) -> None:
-        """Train for some iterations against the scene as `settings` code it; what they drop is gone.
+        """Train for some iterations with the scene coded by `settings`; dropped splats are gone.
 
         Step sizes fall to nothing within these iterations, whose numbers decide which views are seen. `trained` is
         called with the iterations done after each; what it raises ends the training.

@@ -1,4 +1,4 @@
-"""What encoding may cost; free of torch, so that the API can validate it."""
+"""The config of encoding; free of torch, so that the API can validate it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from hgs_core.base.config_fields import check_fields
 __all__ = ["BUDGETS", "EncodeConfig"]
 
 BUDGETS: dict[str, float] = {"low": 0.8, "default": 0.1, "high": 0.02}
-"""What encoding may cost the training views, and what moves in them, dB; others lose less."""
+"""The allowed loss of training views and of their moving pixels, dB; others lose less."""
 
 
 @dataclass(frozen=True)

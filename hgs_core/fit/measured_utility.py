@@ -1,4 +1,4 @@
-"""What every splat does to the pictures of a capture, measured by drawing them."""
+"""The utility of every splat, measured by drawing the pictures of a capture."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["measure_utility"]
 
-CAMERAS_PER_FRAME = 4  # in which dynamic splats are weighed, at least; the next frame takes the next cameras
-STATIC_VIEWS = 60  # in which static splats are weighed, spread over cameras and frames; all cameras if there are fewer
-LARGEST_LOGIT = math.log(0.98 / 0.02)  # of the opacity: near 1 it has no gradient
+CAMERAS_PER_FRAME = 4  # least cameras for dynamic splats; the next frame takes the next cameras
+STATIC_VIEWS = 60  # views for static splats, spread over cameras and frames; at least all cameras
+LARGEST_LOGIT = math.log(0.98 / 0.02)  # limit of the opacity: near 1 it has no gradient
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
@@ -132,7 +132,7 @@ def _views(scene: HybridScene[Floats], cameras: Sequence[Camera], times: Doubles
 
 @dataclass(frozen=True)
 class _Weighed(Generic[S]):
-    """A set and the sums over views of what its splats show and would be missed.
+    """A set with its sums over views: the sizes of errors and of absences of its splats.
 
     The sum of squares of a splat's weights in a view is taken to be half its total times its peak, as it is for a
     Gaussian of which everything before it lets through the same share.

@@ -30,25 +30,25 @@ __all__ = ["OrbitCameras", "orbit_cameras"]
 
 SIZE = (640, 480)  # pixels
 FOCAL = 560.0
-DISTANCE = 2.65  # in radii: a ball there fills 0.96 of the height of a picture
-NEAR = 0.2  # of the distance to what a camera looks at
+DISTANCE = 2.65  # radii; a ball there fills 0.96 of a picture's height
+NEAR = 0.2  # share of the distance to a camera's target
 RINGS = (("", 8, 10.0), ("high", 6, 45.0), ("low", 4, -30.0), ("top", 1, 85.0), ("bottom", 1, -85.0))
 """Cameras around the whole: their name, their number and their elevation in degrees; the first ring begins in front."""
 
 SIDES = ("front", "front-right", "right", "back-right", "back", "back-left", "left", "front-left")
 CLOSER, CLOSER_SHARE = 20, 0.5  # cameras, and their distance in those of the whole
 DETAIL = 20  # cameras that stand where splats are as large as training leaves them
-NEAREST_SHARE = 0.2  # of the way to a wall that is left at least
-COARSE = 4  # by which pictures are smaller in which splats are only counted
-INNER = 0.98  # of all opacity; what is farther from the middle than `OUTLYING` times these splats may be out of frame
+NEAREST_SHARE = 0.2  # least share of the way to a wall
+COARSE = 4  # reduction of pictures for counting splats
+INNER = 0.98  # share of all opacity; splats beyond `OUTLYING` times its distance may be out of frame
 OUTLYING = 1.5
 GIANT = 4.0  # balls of all places, or splats of the usual size: what reaches farther is no measure of a scene
 REACH = 2.0  # standard deviations of a splat that belong to it
-MOMENTS = (0.0, 0.5, 1.0)  # of what is seen of a life
+MOMENTS = (0.0, 0.5, 1.0)  # moments of a visible life
 CLEARLY_MORE = 1.05
 SHOWN = 1 / 255  # the least weight of a pixel with which a splat counts as seen
 UNHIDDEN = 0.3  # the least of one that is not behind others
-MOST = 0.5  # of what is seen inside
+MOST = 0.5  # share of the sight inside
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 
@@ -58,7 +58,7 @@ class OrbitCameras:
 
     whole: tuple[Camera, ...]  # show the scene from all sides, the first one from its front; of a room from inside
     closer: tuple[Camera, ...]  # parts of it, from any side; of a room its outside
-    detail: tuple[Camera, ...]  # where splats are as large as training leaves them, from the side that shows most
+    detail: tuple[Camera, ...]  # close to splats of trained size, from the side that shows most
 
 
 def orbit_cameras(scene: HybridScene[Floats]) -> OrbitCameras:

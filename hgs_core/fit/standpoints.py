@@ -18,11 +18,11 @@ from hgs_core.scene.splats import HybridScene
 __all__ = ["standpoints"]
 
 CANDIDATES = 256  # places, evenly spread over the box in which most of all opacity lies
-INNER = (0.05, 0.95)  # of all opacity along each axis: the box
+INNER = (0.05, 0.95)  # quantiles of opacity along each axis: the box
 TRIED = 24  # candidates that have most room around them, of which pictures are drawn
-SURROUNDED = 0.6  # of all directions, in which something is seen
-ROOM = 0.05  # of the box's diagonal that nothing is nearer than, but for a few splats
-FEW = 0.002  # of all opacity
+SURROUNDED = 0.6  # share of directions with something in sight
+ROOM = 0.05  # share of the box's diagonal kept free of all but a few splats
+FEW = 0.002  # share of all opacity
 FACES = np.array([[1, 0, 0, 0], [1, 0, 1, 0], [0, 0, 1, 0], [1, 0, -1, 0], [1, 1, 0, 0], [1, -1, 0, 0]], np.float64)
 """Quaternions of the six sides of a cube, w first; not of length 1."""
 

@@ -24,7 +24,7 @@ SAMPLE = 64  # splats whose neighbours are looked for
 
 @dataclass(frozen=True)
 class Stored:
-    """Logarithms of scales [N, 3] and logits of opacities [N], and what became of the file's numbers."""
+    """Logarithms of scales [N, 3] and logits of opacities [N], with the changes to the file's numbers."""
 
     log_scales: Floats
     logits: Floats

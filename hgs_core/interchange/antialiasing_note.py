@@ -25,7 +25,7 @@ def note_of(antialiased: bool) -> str:
 
 
 def noted(lines: Iterable[str]) -> bool | None:
-    """Return what the note among some lines says, None if there is none."""
+    """Return the statement of the note among some lines, None if there is none."""
     found = None
     for line in lines:
         match line.split():
@@ -35,7 +35,7 @@ def noted(lines: Iterable[str]) -> bool | None:
 
 
 def noted_for_us(antialiased: bool) -> Change | None:
-    """Return what is to be said of a file whose note only `hgs import` reads."""
+    """Return the remark on a file with a note that only `hgs import` reads."""
     if not antialiased:
         return None
     reason = "by a note that hgs import reads: other programs draw thin splats too strong"

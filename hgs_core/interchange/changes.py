@@ -1,4 +1,4 @@
-"""What a file format drops or changes of a scene, counted: what `hgs import` and `hgs export` say of it."""
+"""Counted losses and changes of a scene in a file format, as `hgs import` and `hgs export` report them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ __all__ = ["Action", "Change", "Written", "most_of_any", "nonzero"]
 
 
 class Action(StrEnum):
-    """What was done."""
+    """The kinds of change."""
 
     LEFT_OUT = "left out"
-    LIMITED = "limited"  # to the range that can be held
+    LIMITED = "limited"  # moved into the range of the format
     ROUNDED = "rounded"
-    REPLACED = "replaced"  # by the nearest that can be held
-    ASSUMED = "assumed"  # where the file does not say
+    REPLACED = "replaced"  # the nearest value of the format instead
+    ASSUMED = "assumed"  # not stated in the file
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Change:
 
     @staticmethod
     def whole(action: Action, what: str, reason: str) -> Change:
-        """Return a change of what a scene has as a whole."""
+        """Return a change of a property of the whole scene."""
         return Change(action, what, None, None, reason)
 
     @staticmethod
@@ -61,7 +61,7 @@ class Change:
         return f"{splats if self.what == 'splats' else f'{self.what} of {splats}'} {self.action}: {self.reason}"
 
     def to_json(self) -> dict[str, Any]:
-        """Return the plain form: action, what, count, of, reason."""
+        """Return the plain form: action, subject, count, total, reason."""
         return {
             "action": str(self.action),
             "what": self.what,
@@ -73,7 +73,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Written:
-    """The bytes of a file, and what they lack of the scene."""
+    """The bytes of a file, and the losses."""
 
     data: bytes
     changes: tuple[Change, ...]

@@ -1,4 +1,4 @@
-"""Cubic motion for formats that hold no other: one of the fifth order becomes the cubic nearest to what is seen."""
+"""Cubic motion for formats without others: the fifth order becomes the nearest cubic over the visible life."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from hgs_core.scene.temporal import lifetime
 
 __all__ = ["as_cubics"]
 
-MOMENTS = 33  # of a visible life at which paths are compared
+MOMENTS = 33  # moments of a visible life for the comparison of paths
 
 
 def as_cubics(dynamic: DynamicSplats[Floats]) -> tuple[DynamicSplats[Floats], int, float]:

@@ -21,7 +21,7 @@ def deviations_of(log_scales: Floats) -> Floats:
 
 
 def deviations_limited(log_scales: Floats) -> Change:
-    """Return what `deviations_of` changes."""
+    """Return the changes of `deviations_of`."""
     beyond = (log_scales < _LEAST) | (log_scales > _MOST)
     return Change.where(Action.LIMITED, "scale", beyond, f"to e^{_LEAST:g} to e^{_MOST:g}")
 

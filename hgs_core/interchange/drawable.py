@@ -18,8 +18,8 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 __all__ = ["drawable"]
 
 LARGEST_LOGIT = 13.82  # an opacity of 1 - 1e-6
-NO_LENGTH = 1e-12  # of a quaternion
-UNEVEN_LENGTH = 0.05  # by which a quaternion's differs from 1: bytes are off by less
+NO_LENGTH = 1e-12  # least length of a quaternion
+UNEVEN_LENGTH = 0.05  # difference of a quaternion's length from 1; bytes are off by less
 BEYOND = f"position is beyond {LARGEST_COORDINATE:g}"
 ALL_ZERO = "scale, rotation and opacity are all 0: rows that were never filled"
 _WORDS = {
@@ -40,7 +40,7 @@ S = TypeVar("S", StaticSplats[Floats], DynamicSplats[Floats])
 def drawable(
     static: StaticSplats[Floats], sets: Sequence[DynamicSplats[Floats]]
 ) -> tuple[StaticSplats[Floats], tuple[DynamicSplats[Floats], ...], list[Change]]:
-    """Return the splats that can be drawn, with numbers that can be, and what that changes."""
+    """Return the drawable splats, with drawable numbers, and the changes."""
     total = len(static) + sum(map(len, sets))
     lost: Counter[str] = Counter()
     static, sets = _filled(static, lost), tuple(_filled(dynamic, lost) for dynamic in sets)
@@ -51,7 +51,7 @@ def drawable(
 
 
 def _filled(splats: S, lost: Counter[str]) -> S:
-    """Leave out what padding makes of splats: a scale of 1, no rotation, half an opacity."""
+    """Leave out padding read as splats: a scale of 1, no rotation, half an opacity."""
     filled = np.zeros(len(splats), np.bool_)
     for name in ("log_scales", "quats", "rotation", "opacity_logits"):
         if hasattr(splats, name):
@@ -90,7 +90,7 @@ def _finite(splats: S, lost: Counter[str]) -> S:
 
 
 def _limits(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Change]:
-    """Return what `_limited` changes of opacities, scales and colours."""
+    """Return the changes of `_limited` to opacities, scales and colours."""
     logits, scales, rgb = (
         np.concatenate([getattr(splats, name) for splats in sets]) for name in ("opacity_logits", "log_scales", "rgb")
     )
@@ -107,7 +107,7 @@ def _limits(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> lis
 
 
 def _lengths(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> list[Change]:
-    """Return what `_limited` changes of rotations."""
+    """Return the changes of `_limited` to rotations."""
     none, uneven = (np.concatenate(parts) for parts in zip(*map(_odd_lengths, sets), strict=True))
     return [
         Change.where(Action.REPLACED, "rotation", none, "by none at all: the quaternion has no length"),
@@ -116,7 +116,7 @@ def _lengths(sets: Sequence[StaticSplats[Floats] | DynamicSplats[Floats]]) -> li
 
 
 def _odd_lengths(splats: StaticSplats[Floats] | DynamicSplats[Floats]) -> tuple[Mask, Mask]:
-    """Return which rotations have no length [N], and which another one than 1: of what turns, in the middle of life."""
+    """Return the rotations without length [N], and those of another length than 1; turning ones in mid-life."""
     if isinstance(splats, DynamicSplats):
         turning = np.abs(splats.rotation[:, 1].astype(np.float64)).max(axis=1, initial=0.0) >= NO_LENGTH
         length = np.linalg.norm(splats.rotation[:, 0].astype(np.float64), axis=1)

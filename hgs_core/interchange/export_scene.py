@@ -1,4 +1,4 @@
-"""Writing a scene to a file of another format, and what that lacks of it."""
+"""Export of a scene to a file of another format, with the losses."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def export_scene(
     segment: int | None = None,
     version: int | None = None,
 ) -> tuple[Change, ...]:
-    """Write a scene to `path`, in the format of its suffix, atomically; returns what the file lacks of it.
+    """Write a scene to `path`, in the format of its suffix, atomically; return the losses.
 
     With `time` (seconds) the scene as it stands then. Without it, .ply is 3DGS's if nothing moves and else, like
     .splatv, the whole of a segment: `segment` names which, and is needed where there are several.
@@ -75,7 +75,7 @@ def export_scene(
 def export_sequence(
     scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback
 ) -> tuple[Change, ...]:
-    """Write a scene that moves as a folder of .ply files, one for each frame; returns what they lack of it.
+    """Write a scene that moves as a folder of .ply files, one for each frame; return the losses.
 
     Raises:
         InputError: see `write_sequence`.
@@ -85,14 +85,14 @@ def export_sequence(
 
 
 def _unsaid(scene: HybridScene[Floats]) -> list[Change]:
-    """Return what of how a scene is drawn no format can say."""
+    """Return the settings of drawing that no format can hold."""
     if scene.background == BLACK:
         return []
     return [Change.whole(Action.LEFT_OUT, "background", "the format has none")]
 
 
 def _as_cubics(scene: HybridScene[Floats], number: int | None) -> tuple[DynamicSplats[Floats], list[Change]]:
-    """Return a segment's dynamic set as formats of moving splats hold it, and what they lack of the scene."""
+    """Return a segment's dynamic set in the form of moving splats' formats, and the losses."""
     part, total = _segment(scene, number), _splats(scene)
     others = total - len(scene.static) - len(part.dynamic)
     dynamic, fifth, error = as_cubics(part.dynamic)

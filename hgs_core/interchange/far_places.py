@@ -9,9 +9,9 @@ from hgs_core.interchange.changes import Action, Change
 
 __all__ = ["middle_if_far", "moved"]
 
-FAR = 100.0  # in extents of the scene: there 32 bits are less than 17 for the scene itself
+FAR = 100.0  # extents of the scene; there 32 bits leave less than 17 for the scene itself
 FAR_ALONE = 1e3  # world units, of a scene without extent
-MOST = 80.0  # per cent of the splats whose extent counts
+MOST = 80.0  # % of the splats for the extent
 
 
 def middle_if_far(places: Doubles) -> Doubles | None:

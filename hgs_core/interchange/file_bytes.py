@@ -10,7 +10,7 @@ __all__ = ["file_bytes"]
 
 
 def file_bytes(path: Path, kind: str) -> bytes:
-    """Return what a file holds; `kind` tells which kind of file was hoped for, like "a .splat file".
+    """Return the bytes of a file; `kind` names the expected kind of file, like "a .splat file".
 
     Raises:
         InputError: it cannot be read.

@@ -1,4 +1,4 @@
-"""What there is to know of one file format of splats. Each format's module describes its own."""
+"""The description of one file format of splats, by the format's own module."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ WriteStill = Callable[[StaticSplats[Floats], bool], Written]
 
 @dataclass(frozen=True)
 class Reading:
-    """What is known beforehand of a file that is to be read."""
+    """The facts known about a file before reading."""
 
     activated: bool | None = None  # whether scales and opacities stand there as they are drawn; None: find out
     centred: bool = True  # places far from the origin may be moved there
-    middle: Doubles | None = None  # what is subtracted from places [3] in any case
+    middle: Doubles | None = None  # offset [3] to subtract from places in any case
 
 
 NOTHING_KNOWN = Reading()
@@ -36,10 +36,10 @@ class ReadSplats:
     static: StaticSplats[Floats]
     dynamic: tuple[DynamicSplats[Floats], ...] = ()  # one set for each segment
     lasts: bool = False  # whether the file holds a stretch of time
-    ends: tuple[float, ...] = ()  # of segments, seconds, where the file tells; otherwise they are of equal lengths
+    ends: tuple[float, ...] = ()  # ends of segments, seconds, if the file has them; else equal lengths
     antialiased: bool | None = None  # whether the splats are drawn so; None: the file does not say
-    middle: Doubles | None = None  # what was subtracted from all places [3], where they were far from the origin
-    changes: tuple[Change, ...] = ()  # what was left out or changed in reading
+    middle: Doubles | None = None  # offset [3] subtracted from places far from the origin
+    changes: tuple[Change, ...] = ()  # omissions and changes in reading
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class FileFormat:
     suffix: str
     read: Callable[[Path, Reading], ReadSplats] | None = None
     write_still: WriteStill | None = None
-    versions: Mapping[int, WriteStill] = field(default_factory=dict)  # where there are several
+    versions: Mapping[int, WriteStill] = field(default_factory=dict)  # version -> writer, if there are several
     # Takes one segment, the scene's cameras, and whether it is drawn antialiased.
     write_moving: Callable[[StaticSplats[Floats], DynamicSplats[Floats], Sequence[Camera], bool], Written] | None = None
     write_whole: Callable[[HybridScene[Floats]], Written] | None = None  # takes all times of a scene

@@ -33,7 +33,7 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, StaticSplats
 
 __all__ = ["FOURDGS", "fourdgs_file", "read_fourdgs"]
 
-CUTOFF = 1 / 255  # of the opacity that a splat has in the middle of its life
+CUTOFF = 1 / 255  # share of the opacity in the middle of a life
 STILL = 1.0  # seconds that a file of a still scene lasts
 NEVER_FADES = -13.8  # ln s with which an opacity changes by less than 1e-6 in a segment
 PROFILE = "fine"  # the least of three error bounds: half of 1/255 of colour and opacity, a fiftieth of the median size
@@ -235,13 +235,13 @@ def _space(path: Path, scene: Any) -> str:
 
 
 def _said(scene: Any, name: str) -> list[str]:
-    """Return what a file declares under a name, the latest records first."""
+    """Return a file's declarations under a name, the latest records first."""
     entries = [*(entry.entries for entry in scene.metadata), scene.header.attributes]
     return [str(one[name]) for one in entries if name in one]
 
 
 def _untold(path: Path, scene: Any) -> list[Change]:
-    """Return what beside the splats is left out, and what had to be taken as given."""
+    """Return the omissions beside splats, and the assumptions."""
     frame = scene.provenance.frame
     changes = []
     if frame is None:

@@ -1,4 +1,4 @@
-"""Reading a scene from a file of another format: what is there, and what was left out or limited."""
+"""Import of a scene from a file of another format, with omissions and limits."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment
 __all__ = ["USUAL_DURATION", "USUAL_FRAME_RATE", "Imported", "import_scene"]
 
 USUAL_DURATION = 50 / 30  # seconds that a 4D file lasts
-USUAL_FRAME_RATE = 30.0  # of a sequence of still files
+USUAL_FRAME_RATE = 30.0  # frames per second of a sequence of still files
 
 LEAST_OPACITY = 1 / 255  # below it no pixel is touched
 
 
 @dataclass(frozen=True)
 class Imported:
-    """What a file holds."""
+    """The content of a file."""
 
     scene: HybridScene[Floats]
-    splats: int  # in the file
-    changes: tuple[Change, ...]  # what was left out or changed of them
+    splats: int  # splats in the file
+    changes: tuple[Change, ...]  # omissions and changes
     antialiased: bool | None = None  # whether the scene is drawn so; None: nobody said, and it is assumed not to be
 
 
@@ -62,7 +62,7 @@ def import_scene(
     """
     sequence = path.is_dir() and not (path / META).is_file()
     reading = Reading(activated=activated, centred=centred)
-    with np.errstate(all="ignore"):  # what is not finite is counted below
+    with np.errstate(all="ignore"):  # non-finite values are counted below
         found = read_sequence(path, reading) if sequence else read_splats(path, reading)
         if found.middle is None and centred:
             found = _centred(found)
@@ -87,7 +87,7 @@ def import_scene(
 
 
 def _centred(found: ReadSplats) -> ReadSplats:
-    """Move what is far from the origin there, of formats whose own numbers have 32 bits."""
+    """Move splats far from the origin there, for formats with numbers of 32 bits."""
     starts = [found.static.means, *(dynamic.motion[:, 0] for dynamic in found.dynamic)]
     middle = middle_if_far(np.concatenate(starts).astype(np.float64))
     if middle is None:
@@ -103,7 +103,7 @@ def _centred(found: ReadSplats) -> ReadSplats:
 
 
 def _drawing(said: bool | None, given: bool | None) -> list[Change]:
-    """Return what is to be told of how the scene is drawn: what the file says of it, and what the user does."""
+    """Return the notes on drawing: the file's statement, and the user's."""
     if said is None:
         return [UNTOLD] if given is None else []
     if given is None or given == said:

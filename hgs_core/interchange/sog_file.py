@@ -32,7 +32,7 @@ __all__ = ["META", "SOG", "read_sog"]
 META = "meta.json"
 LARGEST_PART = 1 << 30  # bytes of a file in the zip
 LARGEST_PICTURE = 1 << 26  # pixels: splats
-FIRST_TAG = 252  # of the largest component w; x, y and z follow
+FIRST_TAG = 252  # tag of the largest component w; x, y and z follow
 _OTHERS = np.array([[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]])
 _CURE = "save it as .sog again"
 

@@ -40,7 +40,7 @@ def rgba_bytes(rgb: Floats, opacity_logits: Floats) -> NDArray[np.uint8]:
 
 
 def rgba_changes(rgb: Floats, opacity_logits: Floats, rgba: NDArray[np.uint8]) -> list[Change]:
-    """Return what bytes [N, 4] change of colours and opacities."""
+    """Return the changes of colours and opacities by bytes [N, 4]."""
     return [
         Change.where(Action.LIMITED, "colour", (rgb < 0) | (rgb > 1), "to 0 to 1"),
         Change.rounded("colour", np.clip(rgb, 0, 1), rgba[:, :3] / 255, "8 bits a channel"),
@@ -49,7 +49,7 @@ def rgba_changes(rgb: Floats, opacity_logits: Floats, rgba: NDArray[np.uint8]) -
 
 
 def opacity_changes(opacity_logits: Floats, stored: NDArray[np.uint8]) -> list[Change]:
-    """Return what bytes [N] change of opacities."""
+    """Return the changes of opacities by bytes [N]."""
     opacity = opacities_of(opacity_logits)
     gone = (stored == 0) & (opacity > 0)
     return [

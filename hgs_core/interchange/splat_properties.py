@@ -1,4 +1,4 @@
-"""The numbers of splats in tables whose columns have the names of several programs."""
+"""The properties of splats in tables with the column names of several programs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _OPACITY = ("opacity", "alpha")
 
 @dataclass(frozen=True)
 class Properties:
-    """What both kinds of point clouds have of every splat."""
+    """The properties common to both kinds of point clouds."""
 
     places: Floats  # [N, 3], less `middle`
     log_scales: Floats  # [N, 3]
@@ -49,7 +49,7 @@ class Properties:
 
 
 def read_properties(path: Path, table: Table, reading: Reading) -> Properties:
-    """Return what a table holds under any of the names that are known.
+    """Return the columns of a table under any known name.
 
     Surfels, which have two scales, become flat; the widths of Mip-Splatting's filter are fused; scales and opacities
     become logarithms and logits; places far from the origin are moved there.

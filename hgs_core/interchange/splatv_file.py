@@ -29,7 +29,7 @@ MAGIC = 0x674B
 SPLATV_BYTES = 64
 ROW_SPLATS = 1024
 LARGEST_HALF = 65504.0
-LARGEST_LOG_SCALE = 11.0  # whose exponential a half holds
+LARGEST_LOG_SCALE = 11.0  # its exponential fits a half
 NARROWEST = 6e-5  # width of a life: halves below it lose precision
 _ROW = np.dtype(
     [
@@ -52,7 +52,7 @@ def splatv_file(
     total = len(static) + len(dynamic)
     texture_rows = max(1, -(-total // ROW_SPLATS))
     rows = np.zeros(texture_rows * ROW_SPLATS, _ROW)
-    rows["clock"][:, 1] = 1  # what fills the texture up is transparent, and no division by zero
+    rows["clock"][:, 1] = 1  # padding of the texture is transparent, without a division by zero
     at = 0
     for splats in sets:
         part = rows[at : at + len(splats)]
@@ -80,7 +80,7 @@ def splatv_file(
 
 
 def _changes(static: StaticSplats[Floats], dynamic: DynamicSplats[Floats], rows: NDArray[np.void]) -> list[Change]:
-    """Return what the rows [N] of all splats, statics first, lack of them."""
+    """Return the losses in the rows [N] of all splats, statics first."""
     halves = "16-bit floats"
     scales, rgb, logits = (
         np.concatenate([getattr(static, name), getattr(dynamic, name)])

@@ -11,7 +11,7 @@ from hgs_core.scene.temporal import evaluate
 
 __all__ = ["scene_at"]
 
-LEAST_OPACITY = 1 / 255  # what shows less no pixel shows
+LEAST_OPACITY = 1 / 255  # below it no pixel shows
 
 
 def scene_at(scene: HybridScene[Floats], seconds: float) -> StaticSplats[Floats]:

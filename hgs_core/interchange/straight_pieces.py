@@ -1,4 +1,4 @@
-"""Paths as straight pieces, for formats whose splats move at one velocity and do not turn."""
+"""Paths as straight pieces, for formats of splats with one velocity and no rotation."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from hgs_core.scene.temporal import lifetime
 __all__ = ["Pieces", "straight_pieces"]
 
 MOST = 32  # pieces of a segment
-SHARE = 0.5  # of a splat's middle axis that its outline may be off
-SAMPLES = 9  # of a piece at which it is compared with the path
+SHARE = 0.5  # allowed error of the outline, share of a splat's middle axis
+SAMPLES = 9  # points of a piece compared with the path
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Pieces of paths [P]: each is shown for a part of the segment, whose ends are shares of MOST."""
+    """Pieces of paths [P]: each is shown for a part of the segment, with ends in shares of MOST."""
 
-    splats: NDArray[np.intp]  # of which splat
+    splats: NDArray[np.intp]  # index of the splat
     starts: Doubles  # normalised time from which it is shown
     ends: Doubles
     means: Doubles  # [P, 3], at the splat's temporal centre

@@ -1,4 +1,4 @@
-"""PSNR after the best affine colour map of each camera: what is left when white balance and exposure are forgiven.
+"""PSNR after the best affine colour map of each camera, which forgives white balance and exposure.
 
 Training can learn how its own cameras see colours, but not how a camera does that it has never seen. Where the cameras
 of a capture disagree, the plain PSNR of a held-out one measures its white balance as much as the scene.
@@ -52,8 +52,8 @@ class _Products:
     """Sums over pixels of the products of drawn colours with themselves and with the true ones."""
 
     def __init__(self) -> None:
-        self.gram = torch.zeros(4, 4, dtype=torch.float64)  # of (r, g, b, 1) of the pictures
-        self.cross = torch.zeros(4, 3, dtype=torch.float64)  # of these with the truth
+        self.gram = torch.zeros(4, 4, dtype=torch.float64)  # sums of products of the pictures' (r, g, b, 1)
+        self.cross = torch.zeros(4, 3, dtype=torch.float64)  # sums of products with the truth
         self.truth = 0.0  # sum of squares of the truth
         self.values = 0  # colour values
 

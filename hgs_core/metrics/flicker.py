@@ -33,11 +33,11 @@ class Flicker:
 
     def __init__(self) -> None:
         self._frames = 0
-        self._sums: list[Tensor] = []  # of error, error^2, truth, truth^2, [3, H, W] float64
+        self._sums: list[Tensor] = []  # error, error^2, truth, truth^2, each [3, H, W] float64
         self._moved: Tensor | None = None  # [H, W] bool
 
     def add(self, image: Tensor, truth: Tensor, moving: Tensor | None = None) -> None:
-        """Add a frame [3, H, W] in [0, 1], and its mask [H, W] of what moves, if there is one."""
+        """Add a frame [3, H, W] in [0, 1], and its motion mask [H, W], if there is one."""
         truth = truth.double()
         error = image.double() - truth
         terms = (error, error.square(), truth, truth.square())
@@ -74,7 +74,7 @@ class Flicker:
         return math.sqrt(float(self._variance(index)[:, still].mean()))
 
     def _variance(self, index: int) -> Tensor:
-        """Temporal variance [3, H, W] of the quantity whose sum and sum of squares are at `index` and after it."""
+        """Temporal variance [3, H, W] of the quantity with its sum at `index` and its sum of squares after it."""
         mean = self._sums[index] / self._frames
         return (self._sums[index + 1] / self._frames - mean.square()).clamp(min=0)
 

@@ -19,7 +19,7 @@ __all__ = ["SMALLEST_SIDE", "Lpips"]
 SMALLEST_SIDE = 31
 """Pixels: the network's strides leave nothing of a smaller picture."""
 
-_MEAN = (-0.030, -0.088, -0.188)  # per channel, of pictures in [-1, 1]: the input scaling of v0.1
+_MEAN = (-0.030, -0.088, -0.188)  # channel means of pictures in [-1, 1]: the input scaling of v0.1
 _DEVIATION = (0.458, 0.448, 0.450)
 _EPSILON = 1e-10  # added to the norm of a pixel's features
 
@@ -30,7 +30,7 @@ class _Layer:
 
     inputs: int
     outputs: int
-    size: int  # of the square kernel, pixels
+    size: int  # side of the kernel, pixels
     stride: int
     padding: int
     pool: bool  # a 3x3 maximum with stride 2 comes before it

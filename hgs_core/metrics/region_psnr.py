@@ -26,7 +26,7 @@ class RegionError:
         self.values = 0  # pixels times channels
 
     def add(self, image: Tensor, truth: Tensor, region: Tensor) -> None:
-        """Add a frame [3, H, W] in [0, 1] whose region [H, W] is a boolean mask."""
+        """Add a frame [3, H, W] in [0, 1] with its region [H, W], a boolean mask."""
         error = (image - truth)[:, region].double()
         self.squared += float(error.square().sum())
         self.values += error.numel()

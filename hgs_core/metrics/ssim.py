@@ -13,8 +13,8 @@ from hgs_core.native.ssim import mean_ssim
 
 __all__ = ["RADIUS", "gaussian_window", "region_ssim", "ssim", "ssim_map", "ssim_terms"]
 
-C1, C2 = 0.01**2, 0.03**2  # for a data range of 1
-RADIUS = 5  # of the window, pixels
+C1, C2 = 0.01**2, 0.03**2  # data range 1
+RADIUS = 5  # radius of the window, pixels
 
 
 def ssim(image: Tensor, truth: Tensor) -> float:

@@ -1,4 +1,4 @@
-"""What a camera makes of the colours of a picture, on numpy arrays."""
+"""Colour maps and falloffs of cameras on numpy arrays."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ __all__ = ["ColourGradients", "LensAxis", "camera_shown", "camera_shown_backward
 
 
 class LensAxis(NamedTuple):
-    """Where the falloff of a lens is centred, and what its radius is measured in; all in pixels."""
+    """The centre of a lens falloff and the unit of its radius; all in pixels."""
 
-    x: float  # from the left edge of the picture; outside, if that is a part of the camera's
+    x: float  # pixels right of the picture's left edge; outside for a part of the camera's picture
     y: float
-    half_diagonal: float  # of the camera's whole picture
+    half_diagonal: float  # half diagonal of the camera's whole picture
 
 
 class ColourGradients(NamedTuple):
-    """Gradients of a loss of what `camera_shown` returns, towards its arguments."""
+    """Gradients of a loss on the result of `camera_shown`, towards its arguments."""
 
     picture: Floats  # [3, H, W]
     affine: Floats  # [3, 4]
@@ -30,7 +30,7 @@ class ColourGradients(NamedTuple):
 
 
 class _CCameraColours(ctypes.Structure):
-    """What a camera makes of colours."""
+    """The colours as a camera shows them."""
 
     _fields_ = (
         ("affine", ctypes.c_float * 12),
@@ -74,7 +74,7 @@ def camera_shown(
 def camera_shown_backward(
     gradient: Floats, picture: Floats, affine: Floats, falloff: Floats, lens: LensAxis, *, threads: int | None = None
 ) -> ColourGradients:
-    """Return the gradients of a loss, of which `gradient` is that towards what `camera_shown` returned.
+    """Return the gradients of a loss; `gradient` is the one towards the result of `camera_shown`.
 
     Args:
         gradient: [3, H, W] planes, contiguous.

@@ -1,4 +1,4 @@
-"""The coarse plane sweep on numpy arrays: what points along rays look like in other pictures, by colours alone."""
+"""The coarse plane sweep on numpy arrays: points along rays compared with other pictures by colours alone."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class _View(ctypes.Structure):
 
 
 def colour_descriptors(picture: npt.NDArray[np.uint8]) -> Descriptors:
-    """Return what pixels are compared by, [H W, 6]: the means of their 3x3 and 7x7 windows, rounded down.
+    """Return the descriptors of pixels, [H W, 6]: the means of their 3x3 and 7x7 windows, rounded down.
 
     Args:
         picture: [H, W, 3]; beyond it everything is black.
@@ -61,7 +61,7 @@ def colour_sweep(
     hull_share: float,
     blind: float,
 ) -> Floats:
-    """Return how badly the points along rays fit what other pictures show there, [R, D] levels of 255.
+    """Return the costs of points along rays against other pictures, [R, D] levels of 255.
 
     Args:
         origin: [3] where the rays start.

@@ -1,4 +1,4 @@
-"""What may cross the border to the kernels: contiguous float32 arrays of the right shape."""
+"""Arrays for the kernels: contiguous, float32, of the right shape."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Floats = npt.NDArray[np.float32]
 
 
 def address(name: str, array: npt.NDArray[Any], shape: tuple[int, ...], dtype: type = np.float32) -> int:
-    """Return where the data of `array` starts, once it is known to be what the kernels expect.
+    """Return the address of the data of `array` after checking it for the kernels.
 
     Raises:
         ValueError: another shape or type, or not contiguous.

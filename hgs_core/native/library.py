@@ -75,7 +75,7 @@ def thread_count() -> int:
 
 
 def check(status: int) -> None:
-    """Raise what a status code of the library means.
+    """Raise the error of a status code of the library.
 
     Raises:
         MemoryError: the kernels could not allocate their buffers.

@@ -1,4 +1,4 @@
-"""What a measurement was taken on."""
+"""The machine of a measurement."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["machine_facts"]
 
 
 def machine_facts() -> dict[str, str | int | float | None]:
-    """Return what a reader needs in order to compare figures: processor, cores, its load, kernels and versions."""
+    """Return the facts for comparing figures: processor, cores, its load, kernels and versions."""
     return {
         "cpu": _cpu_model(),
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),

@@ -33,7 +33,7 @@ __all__ = ["Measurements", "Raster"]
 
 
 class Measurements(NamedTuple):
-    """What the last calls of a rendering did."""
+    """The counts and times of the last calls of a rendering."""
 
     project: float  # seconds: splats to the screen
     bin: float  # seconds: sorting by depth, and the lists of the tiles
@@ -66,7 +66,7 @@ def _take_workspace() -> int:
 
 
 class Raster:
-    """One rendering: the picture, and what its derivative needs.
+    """One rendering: the picture, and the state for its derivative.
 
     The arrays of `static` and `dynamic` are read again by `backward` and must not change until then.
     """

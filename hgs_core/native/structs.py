@@ -75,7 +75,7 @@ class CCamera(ctypes.Structure):
 
 
 class CView(ctypes.Structure):
-    """What to draw, besides the splats."""
+    """The view to draw, apart from the splats."""
 
     _fields_ = (
         ("camera", CCamera),
@@ -124,7 +124,7 @@ class CScreenStatistics(ctypes.Structure):
 
 
 class CMeasurements(ctypes.Structure):
-    """What the last calls on a workspace did."""
+    """The counts and times of the last calls on a workspace."""
 
     _fields_ = (
         *(

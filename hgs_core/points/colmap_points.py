@@ -1,4 +1,4 @@
-"""pycolmap, without what importing it does to the process.
+"""pycolmap, without the side effects of its import.
 
 Importing it replaces the handlers of SIGTERM and of faults by glog's, which print a C++ stack trace and abort: a stage
 that is asked to stop would die instead of saving. So the handlers are put back here, and pycolmap is imported nowhere
@@ -13,7 +13,7 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from PIL import Image as Image  # before pycolmap: the other way round, saving a PNG corrupts the heap
+from PIL import Image as Image  # ahead of pycolmap: the other way round, saving a PNG corrupts the heap
 
 __all__ = ["pycolmap"]
 

@@ -1,4 +1,4 @@
-"""How much colours differ: what plane sweeps and scene flow compare pictures by, many thousand times per picture."""
+"""The difference of colours, which plane sweeps and scene flow compute many thousand times per picture."""
 
 from __future__ import annotations
 

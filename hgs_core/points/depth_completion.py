@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 __all__ = ["completed"]
 
-_ROUNDS = 400  # of averaging with the four neighbours; a coarse guess has the large shapes already
+_ROUNDS = 400  # rounds of averaging with four neighbours; a coarse guess has the large shapes already
 
 
 def completed(values: npt.NDArray[np.floating[Any]], known: npt.NDArray[np.bool_]) -> npt.NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""Depths that pictures were found to show, and the points they make, with what the other pictures say to them."""
+"""Depth maps of pictures, and their points with the votes of other pictures."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def _points(
     agreement: float,
     beyond: float,
 ) -> tuple[npt.NDArray[Any], ...]:
-    """Return the points of one view, with what the depths of the other views say to them."""
+    """Return the points of one view, with the votes of the other views' depths."""
     camera, found = cameras[view], maps[view]
     i, j = np.nonzero(found.depths)
     row, column = i * found.step + found.step // 2, j * found.step + found.step // 2

@@ -1,4 +1,4 @@
-"""SIFT features and their matches between cameras whose poses are known."""
+"""SIFT features and their matches between cameras with known poses."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _MAX_FEATURES = 3000
 _MAX_FINE_FEATURES = 8000
 _EPIPOLAR_TOLERANCE = 1.5  # pixels from the epipolar line (Sampson distance)
 _MAX_ANGLE = 0.7  # radians between descriptors, COLMAP's default
-_MAX_RATIO = 0.8  # of the angles to the best and the second candidate, Lowe's test
-_MATCHED_ROWS = 512  # at once, so that many threads with thousands of features each need little memory
+_MAX_RATIO = 0.8  # ratio of angles to the best and the second candidate, Lowe's test
+_MATCHED_ROWS = 512  # rows at once: little memory for many threads
 _DESCRIPTOR_LENGTH = 512.0  # length of a descriptor stored in bytes
 
 
@@ -109,7 +109,7 @@ def _matches(first: Features, second: Features, fundamental: npt.NDArray[np.floa
         np.maximum(highest, likeness.max(axis=0), out=highest)
         likeness[places] = 0.0
         rivals[rows] = likeness.max(axis=1)
-    mutual = np.zeros(len(best), bool)  # of equals the first
+    mutual = np.zeros(len(best), bool)  # the first among equals
     favourites = np.flatnonzero(top == highest[best])
     mutual[favourites[np.unique(best[favourites], return_index=True)[1]]] = True
     angle = np.arccos(np.minimum(top / _DESCRIPTOR_LENGTH**2, 1.0))
@@ -124,7 +124,7 @@ def _near_epipolar_lines(
     """Return which pairs of pixels have a small Sampson distance."""
     x1 = np.column_stack((first, np.ones(len(first))))
     x2 = np.column_stack((second, np.ones(len(second))))
-    lines2, lines1 = x1 @ fundamental.T, x2 @ fundamental  # in the second and the first picture
+    lines2, lines1 = x1 @ fundamental.T, x2 @ fundamental  # lines of the second and the first picture
     residual = (lines2 @ x2.T).astype(np.float32)
     slope2 = (lines2[:, :2] ** 2).sum(axis=1).astype(np.float32)
     slope1 = (lines1[:, :2] ** 2).sum(axis=1).astype(np.float32)

@@ -37,15 +37,15 @@ from hgs_core.scene.camera import Camera
 __all__ = ["initial_points"]
 
 _STAGE = "points"
-_MOST_COARSE_POINTS = 6_000  # of a coarse sweep: more of them stand at wrong depths
+_MOST_COARSE_POINTS = 6_000  # points of a coarse sweep; more of them have wrong depths
 _RAYS_PER_POINT = 4  # swept pixels for each point wanted: the better ones are taken
 _MOVING_SHARE = 0.5  # share of the views from which on a point is dynamic
 _MOST_AGREEING_VIEWS = 3  # views that agree on a depth, beyond which more of them mean no more
 _MIN_VIEWS = 2
-_STILL_FRAMES = 11  # that the still picture of a camera is the median of
+_STILL_FRAMES = 11  # frames in the median that is a camera's still picture
 # Share of the sampled frames in which a pixel moves, from which on its background means nothing.
 _UNKNOWN_BACKGROUND_SHARE = 0.5
-_MAX_SPACING = 3.0  # of the median: what stands alone must not start as a giant
+_MAX_SPACING = 3.0  # times the median: a lone point must not start as a giant
 
 
 def initial_points(
@@ -55,7 +55,7 @@ def initial_points(
     *,
     moments: Sequence[int],  # frames, ascending, that dynamic points are taken from
     static_target: int,
-    dynamic_target: int,  # over all moments
+    dynamic_target: int,  # points of all moments
     stereo: bool = True,
     continued: bool = True,
     normals: bool = False,
@@ -121,7 +121,7 @@ def _sparse(capture: Capture, moment: SameMoment, masks: MotionMasks, *, whole: 
 def _seen_at(
     capture: Capture, moment: SameMoment, masks: MotionMasks
 ) -> tuple[list[Camera], list[npt.NDArray[np.uint8]], list[npt.NDArray[np.bool_]]]:
-    """Return the cameras, their pictures [H, W, 3] and what moves in them [H, W]."""
+    """Return the cameras, their pictures [H, W, 3] and motion masks [H, W]."""
     views = [capture.cameras[index] for index in moment.cameras]
     own = list(zip(moment.cameras, moment.frames, strict=True))
     return views, [capture.frame(*one) for one in own], [masks.mask(*one) for one in own]

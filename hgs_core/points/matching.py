@@ -1,4 +1,4 @@
-"""Matches between cameras whose poses are not known or not believed: features of several moments, joined.
+"""Matches between cameras with unknown or doubtful poses: features of several moments, joined.
 
 Cameras far apart see little of one moment alike. What moves stands elsewhere in every frame, so features of several
 moments, each matched within its moment alone, are a calibration target that the scene brings along.
@@ -21,19 +21,19 @@ LONGEST_SIDE = 1000
 """Pixels: pictures with a longer side are reduced by a whole factor before features are looked for."""
 
 _ALL_PAIRS = 12  # cameras up to which every pair is matched
-_PARTNERS = 9  # per camera beyond that: those whose coarse features match most often
+_PARTNERS = 9  # further partners of a camera: those with most coarse matches
 _COARSE = 600  # features that this is judged by
 _FEWEST_COARSE = 8  # matches among them; fewer are chance
 _CHANGE = 12.0  # levels from the median of all moments, beyond noise
 _MAX_ERROR = 1.5  # pixels from the epipolar line
 _TRIALS = 3000  # seven matches of 40 % on the geometry are right once in 600
 _FEWEST = 25  # matches on one geometry
-_LEAST_SHARE = 0.4  # of all matches of the pair, on that geometry; chance matches of far views come to less
+_LEAST_SHARE = 0.4  # share of a pair's matches on that geometry; chance gives less
 
 
 @dataclass(frozen=True)
 class PairMatches:
-    """M matches of two cameras that agree with some epipolar geometry, whatever the cameras' poses."""
+    """M matches of two cameras that agree with some epipolar geometry, apart from the cameras' poses."""
 
     rows: npt.NDArray[np.uint32]  # [M, 2] among the features of all moments, one moment after the other
     first: npt.NDArray[np.float64]  # [M, 2] pixels
@@ -55,7 +55,7 @@ def likely_pairs(features: Sequence[Sequence[Features]]) -> list[tuple[int, int]
     every = list(combinations(range(len(features)), 2))
     if len(features) <= _ALL_PAIRS:
         return every
-    coarse = [  # which come last
+    coarse = [  # sorted last
         [Features(one.xy[-_COARSE:], one.descriptors[-_COARSE:]) for one in moments] for moments in features
     ]
     alike = np.zeros((len(features), len(features)), int)

@@ -26,12 +26,12 @@ from hgs_core.scene.camera import Camera
 __all__ = ["multi_view_stereo"]
 
 _NEIGHBOUR_VIEWS = 8  # views that a picture is compared with: the three that fit best at a depth count
-_AGREEMENT = 0.015  # of the depth: two views that differ by less see the same surface
-_BEYOND = 1.06  # of the depth: a view that sees something farther than this sees through the point
-_AGREEING_SHARE = 1 / 3  # of the other views that a point falls in the pictures of: the others may be blocked
-_AGREEING_VIEWS = 2  # at least, where there are so many
+_AGREEMENT = 0.015  # share of the depth; views that differ by less see the same surface
+_BEYOND = 1.06  # times the depth; a view of anything farther sees through the point
+_AGREEING_SHARE = 1 / 3  # share of other views with the point in their pictures; others may be blocked
+_AGREEING_VIEWS = 2  # least number, if there are so many
 _AGREEING_FOR_ONE_OPPOSED = 3  # views that must agree for each that sees through a point
-_MOST_PIXELS = 60_000  # of a picture, which is made smaller for it: 320x180 of a Full HD one
+_MOST_PIXELS = 60_000  # pixels of the reduced picture: 320x180 for Full HD
 _DEPTHS = (64, 320)  # least and most; between them as many as the third nearest view has pixels to tell them by
 
 
@@ -100,7 +100,7 @@ def _is_surface(points: SweptPoints) -> npt.NDArray[np.bool_]:
 
 
 def _masks(maps: Sequence[DepthMap], chosen: npt.NDArray[np.bool_]) -> list[npt.NDArray[np.bool_]]:
-    """Return the pixels [h, w] of each map whose points are chosen; those of all maps, one after the other, are [P]."""
+    """Return the chosen pixels [h, w] of each map; those of all maps, one after the other, are [P]."""
     masks, first = [], 0
     for found in maps:
         mask = found.depths > 0

@@ -12,8 +12,8 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["with_near_planes"]
 
-_MEDIAN_SHARE = 0.08  # of the median depth that a camera sees: the least
-_NEAREST_SHARE = 0.6  # of the depth of the nearest points in view, but for one in a hundred
+_MEDIAN_SHARE = 0.08  # least share of a camera's median depth
+_NEAREST_SHARE = 0.6  # share of the depth of the nearest points in view, but for one in a hundred
 
 
 def with_near_planes(cameras: Sequence[Camera], points: npt.NDArray[np.float32]) -> tuple[Camera, ...]:

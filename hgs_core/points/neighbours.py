@@ -9,10 +9,10 @@ import numpy.typing as npt
 
 __all__ = ["mean_neighbour_distance", "nearest_neighbours", "thin"]
 
-_CUBE_SHIFTS = (0.0, 0.17, 0.41, 0.73)  # of the cube's side: each moves the cells' borders elsewhere
+_CUBE_SHIFTS = (0.0, 0.17, 0.41, 0.73)  # shares of the cube's side: each moves the cells' borders elsewhere
 _CURVE_REACH = 6  # places before and behind along the curve
 _BLOCK = 4_096  # points at once: their candidates fit in a cache of tens of megabytes
-_MORTON_BITS = 20  # per axis of the Morton code
+_MORTON_BITS = 20  # bits of an axis in the Morton code
 
 
 def mean_neighbour_distance(xyz: npt.NDArray[np.floating[Any]], count: int = 3) -> npt.NDArray[np.float32]:

@@ -40,7 +40,7 @@ class PointCloud:
         dynamic: npt.NDArray[np.float32],
         spacing: npt.NDArray[np.float32],
     ) -> PointCloud:
-        """Return points of whose motion and surfaces nothing is known."""
+        """Return points without known motion or surfaces."""
         return PointCloud(xyz, rgb, times, dynamic, spacing, np.zeros_like(xyz), np.zeros_like(xyz))
 
     def __len__(self) -> int:

@@ -20,7 +20,7 @@ def label_points(
     xyz: npt.NDArray[np.floating[Any]],  # [P, 3]
     seen: npt.NDArray[np.bool_] | None = None,  # [P, C] views that see each point; None: all whose picture it falls in
 ) -> npt.NDArray[np.float32]:
-    """Return [P] the share of the views that see a point whose mask says that it moves, 0..1; 0 if no view sees it."""
+    """Return [P] the share of moving masks among the views of a point, 0..1; 0 if no view sees it."""
     return mean_over_views(cameras, masks, xyz, seen)
 
 

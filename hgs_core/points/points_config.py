@@ -20,9 +20,9 @@ class PointsConfig:
     """The first points that are asked for."""
 
     static: int = 30_000
-    dynamic: int = 8_000  # of what moves, for every second of the capture
+    dynamic: int = 8_000  # moving points for every second of the capture
     interval: float = 1 / 3  # seconds between the moments that dynamic points are taken from (interleaved frames)
-    stereo: bool = True  # what stands still has points by multi-view stereo; else by a coarse sweep, and at most 6,000
+    stereo: bool = True  # static points by multi-view stereo; else a coarse sweep, at most 6,000
     continued: bool = True  # stereo's surfaces go on where one camera looks alone; else nothing starts there
     discs: bool = False  # splats of points on surfaces start as discs that lie in these; else all start round
 
@@ -35,5 +35,5 @@ class PointsConfig:
         check_fields(self, "config.points", _RANGES)
 
     def dynamic_in(self, seconds: float) -> int:
-        """Return the points of what moves that a capture of so many seconds starts with; of one second at least."""
+        """Return the number of moving points at the start of a capture of so many seconds; of one second at least."""
         return round(self.dynamic * max(1.0, seconds))

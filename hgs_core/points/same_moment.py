@@ -1,4 +1,4 @@
-"""Which cameras' pictures show one moment: cameras that are not in step film what moves at different places.
+"""Groups of cameras with pictures of one moment: cameras out of step film moving things at different places.
 
 A point that moves by twenty pixels in a frame is ten pixels away half a frame later: triangulated from cameras half a
 frame apart it stands at a wrong place, or nowhere. So what moves is taken from cameras that are nearly in step with
@@ -16,8 +16,8 @@ from hgs_core.capture.capture import Capture
 
 __all__ = ["SameMoment", "same_moments"]
 
-_IN_STEP = 0.1  # of a frame: what cameras may be off the clock and still count as in step
-_WINDOWS = (0.2, 0.35, 0.5)  # of a frame that a group may span, the narrowest first; beyond these all are one group
+_IN_STEP = 0.1  # share of a frame; cameras off the clock by less count as in step
+_WINDOWS = (0.2, 0.35, 0.5)  # widths of a group in frames, the narrowest first; beyond these all are one group
 _FEWEST = 3  # cameras that prove a point
 
 
@@ -27,7 +27,7 @@ class SameMoment:
 
     seconds: float  # their mean time
     cameras: tuple[int, ...]  # indices into the capture's cameras
-    frames: tuple[int, ...]  # of these cameras
+    frames: tuple[int, ...]  # frames of these cameras
 
 
 def same_moments(capture: Capture, cameras: Sequence[int], frame: int) -> list[SameMoment]:

@@ -23,10 +23,10 @@ __all__ = ["depth_ranges", "sweep"]
 
 _DEPTHS = 64
 _NEIGHBOUR_VIEWS = 4  # views that a picture is compared with, of which one may be blocked
-_AGREEMENT = 0.03  # of the depth: two views that differ by less see the same surface
-_BEYOND = 1.2  # of the depth: a view that sees something farther than this sees through the point
+_AGREEMENT = 0.03  # share of the depth; views that differ by less see the same surface
+_BEYOND = 1.2  # times the depth; a view of anything farther sees through the point
 _FEW_POINTS = 20  # points below which a camera's depth range is taken from all points
-_NEAREST = 0.5  # of the median distance to the neighbour views, in which what is nearer looks too different
+_NEAREST = 0.5  # share of the median distance to neighbour views; nearer things look too different there
 
 
 def depth_ranges(cameras: Sequence[Camera], xyz: npt.NDArray[np.floating[Any]]) -> list[tuple[float, float]]:

@@ -1,4 +1,4 @@
-"""What a coarse plane sweep compares: colours at two scales, between a picture's rays and its neighbours' pixels."""
+"""The costs of a coarse plane sweep: colours at two scales, between a picture's rays and its neighbours' pixels."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ HULL_SHARE = 0.75
 
 
 def colour_descriptors(picture: npt.NDArray[np.uint8]) -> npt.NDArray[np.int16]:
-    """Return what the pixels of a picture [H, W, 3] are compared by, [H W, 6]: colour at their own scale and around.
+    """Return the descriptors of a picture's pixels [H, W, 3], [H W, 6]: colour at their own scale and around.
 
     These are the means over 3x3 and 7x7 pixels, rounded down; what lies outside of the picture is black.
     """

@@ -1,4 +1,4 @@
-"""What a camera makes of the colours of a picture: its lens darkens corners, its sensor has a white balance of its own.
+"""The colours of a picture as a camera shows them: its lens darkens corners, its sensor has its own white balance.
 
 Training only: both belong to one camera of the capture. Scenes, the codec and viewers know nothing of them.
 """

@@ -53,7 +53,7 @@ def tile_lists(ellipses: Ellipses, width: int, height: int, tile_mask: Tensor | 
 
 @dataclass(frozen=True)
 class Weights:
-    """What B tiles show, K splats deep."""
+    """The pixels of B tiles, K splats deep."""
 
     tiles: Tensor  # [B] row-major
     rows: Tensor  # [B, K] of the ellipses; meaningless where the weights are all zero

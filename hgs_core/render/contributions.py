@@ -1,4 +1,4 @@
-"""How much of a picture every splat is: what pruning and the order of streaming are decided by."""
+"""The contribution of every splat to a picture, which decides pruning and the order of streaming."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def contributions(
     tile_mask: npt.NDArray[np.bool_] | None = None,
     antialiased: bool = False,
 ) -> Contributions:
-    """Weigh the splats by what `rasterize` with the same arguments would draw of them.
+    """Weigh the splats by their part in the picture of `rasterize` with the same arguments.
 
     Returns:
         Sum and maximum, over the pixels of the tiles that are drawn, of every splat's weight T alpha.

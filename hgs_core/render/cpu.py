@@ -43,7 +43,7 @@ def rasterize_cpu(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Te
 def contributions_cpu(
     static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
 ) -> Contributions:
-    """Weigh the splats as `hgs_core.render.contributions` describes; raises what `rasterize_cpu` raises."""
+    """Weigh the splats as `hgs_core.render.contributions` describes; raises the errors of `rasterize_cpu`."""
     static, dynamic = _prepared(static, False), _prepared(dynamic, False)
     with _non_finite_named(static, dynamic, view.time):
         raster = _raster(_arrays(static), _arrays(dynamic), view, draw=False)
@@ -56,12 +56,12 @@ class FixedViewCpu:
     """Frames from one camera: the statics are projected and sorted for the first one only."""
 
     def __init__(self, static: StaticSplats[Tensor] | None, view: View) -> None:
-        """Remember what all frames share; `view` gives everything but the time and whether the depth is wanted."""
+        """Keep the state common to all frames; `view` has everything but the time and the wish for depth."""
         self._static, self._view = _prepared(static, False), view
         self._raster: Raster | None = None
 
     def frame(self, dynamic: DynamicSplats[Tensor] | None, time: float, depth: bool) -> Render:
-        """Draw one moment; raises what `rasterize_cpu` raises."""
+        """Draw one moment; raises the errors of `rasterize_cpu`."""
         return Render(*_pictures(self._at(dynamic, time, depth=depth)))
 
     def differentiable_frame(
@@ -80,7 +80,7 @@ class FixedViewCpu:
             return Render(*_Rasterize.apply(view, self, False, *tensors))  # type: ignore[no-untyped-call]
 
     def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float) -> Contributions:
-        """Weigh the splats at one moment; raises what `rasterize_cpu` raises."""
+        """Weigh the splats at one moment; raises the errors of `rasterize_cpu`."""
         return Contributions(*self._at(dynamic, time, draw=False).contributions())
 
     def _at(

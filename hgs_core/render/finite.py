@@ -1,4 +1,4 @@
-"""Refusal of parameters that no picture can show (docs/numerics.md, "What is refused")."""
+"""Refusal of parameters that no picture can show (docs/numerics.md)."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
 __all__ = ["refuse_non_finite"]
 
-_LIFE = ("opacity_logits", "time_centers", "time_log_precisions")  # what decides whether a dynamic splat is alive
+_LIFE = ("opacity_logits", "time_centers", "time_log_precisions")  # parameters of a dynamic splat's life
 
 
 def refuse_non_finite(static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, time: float) -> None:
-    """Refuse splats with a NaN, an infinity or a colour beyond 1e18 in what a picture at normalised `time` looks at.
+    """Refuse splats with a NaN, an infinity or a colour beyond 1e18 where a picture at normalised `time` uses them.
 
     Of statics that is every parameter; of dynamics opacity, centre and precision of all, and the other parameters of
     those that are alive at `time`.

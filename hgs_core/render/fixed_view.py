@@ -1,4 +1,4 @@
-"""One camera, many moments: what a player does while nobody moves the camera."""
+"""One camera at many moments, as in a player with a camera at rest."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class FixedView:
         antialiased: bool = False,
         backend: str = "auto",
     ) -> None:
-        """Remember what all frames share; the arguments are those of `rasterize`.
+        """Keep the state common to all frames; the arguments are those of `rasterize`.
 
         Raises:
             InputError: an unknown backend, or one that cannot run here.
@@ -77,7 +77,7 @@ class FixedView:
         return self._frames.differentiable_frame(dynamic, time, tile_mask, statistics)
 
     def contributions(self, dynamic: DynamicSplats[Tensor] | None, time: float = 0.0) -> Contributions:
-        """Weigh the splats at normalised `time`, as the function `contributions` would; raises what `frame` raises."""
+        """Weigh the splats at normalised `time`, as the function `contributions` does; raises the errors of `frame`."""
         return self._frames.contributions(dynamic, time)
 
 

@@ -1,4 +1,4 @@
-"""Light falloff of a lens: a picture is darker the farther from its middle, whatever stands there.
+"""Light falloff of a lens: a picture is darker the farther from its middle.
 
 Training and scoring only: it belongs to a camera of the capture. Scenes, the codec and viewers know nothing of it.
 """

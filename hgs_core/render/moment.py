@@ -1,4 +1,4 @@
-"""The equations of time in torch: what a dynamic set looks like at one moment, differentiably.
+"""The equations of time in torch: a dynamic set at one moment, differentiably.
 
 Parameters of any type are evaluated in float64: this costs little beside the pixels, and a position far from the origin
 keeps the digits that its place on the screen needs.

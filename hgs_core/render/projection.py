@@ -68,7 +68,7 @@ def rotation_matrices(quats: Tensor) -> Tensor:
 
 
 def project(moment: Moment, camera: Camera, antialiased: bool = False) -> Ellipses:
-    """Project what lies in front of the near plane, is opaque enough to be seen and touches the image."""
+    """Project the splats in front of the near plane that are opaque enough and touch the image."""
     with torch.no_grad():
         pose = torch.as_tensor(camera.world_to_camera, device=moment.means.device)
         z = moment.means @ pose[2, :3] + pose[2, 3]

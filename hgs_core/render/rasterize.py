@@ -1,4 +1,4 @@
-"""The one way to draw splats, whatever computes it."""
+"""The one way to draw splats, with any backend."""
 
 from __future__ import annotations
 

@@ -85,7 +85,7 @@ def _tracked(splats: S | None, wanted: bool) -> S | None:
 def _seen(
     static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
 ) -> tuple[Ellipses, Tensor, torch.dtype]:
-    """Return what is on the screen, which rows these are (statics, then dynamics), and the type of the pixels."""
+    """Return the splats on the screen, their rows (statics, then dynamics), and the type of the pixels."""
     refuse_non_finite(static, dynamic, view.time)
     if static is None and dynamic is None:
         static = StaticSplats.empty().map(torch.from_numpy)

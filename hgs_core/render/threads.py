@@ -1,4 +1,4 @@
-"""Who may use the processor's cores: torch, or the compiled kernels."""
+"""The use of the processor's cores: by torch, or by the compiled kernels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What rendering is asked for, what it returns and what it counts."""
+"""The types of rendering: requests, results and counts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Render(NamedTuple):
 
 
 class Contributions(NamedTuple):
-    """How much of one picture every splat is: statics first, then dynamics; zero for what is not drawn.
+    """The contribution of every splat to one picture: statics first, then dynamics; zero for splats that are not drawn.
 
     A splat's weight in a pixel is w = T alpha: the share of the pixel's colour that is the splat's.
     """
@@ -44,7 +44,7 @@ class Contributions(NamedTuple):
 
 @dataclass(frozen=True)
 class ScreenStatistics:
-    """What density control needs to know about every splat, accumulated in place over backward passes.
+    """The statistics of every splat for density control, accumulated in place over backward passes.
 
     One entry per splat, statics first, then dynamics. A pass counts a splat when it is in the gradient set and its
     gradient is not zero: in the pictures where it is hidden nothing pulls at it, and a mean over those too would hide
@@ -83,7 +83,7 @@ class View:
     statistics: ScreenStatistics | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what no backend could draw.
+        """Refuse arguments that no backend can draw.
 
         Raises:
             InputError: a time that is not finite, a mask of another shape than the picture's tiles, or an unknown

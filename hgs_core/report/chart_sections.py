@@ -1,4 +1,4 @@
-"""The sections made of charts: quality over time, training, what moves, time and other runs."""
+"""The sections made of charts: quality over time, training, motion, time and other runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The section on the check of the capture: its table, what was found, and matches beside their epipolar lines."""
+"""The section on the check of the capture: its table, its findings, and matches beside their epipolar lines."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The section on what bytes cost and bring, where `hgs bench codec RUN --json RUN/codec.json` has measured it."""
+"""The section on bytes and quality, measured by `hgs bench codec RUN --json RUN/codec.json`."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ def oklab(rgb: Doubles) -> Doubles:
 
 
 def srgb(lab: Doubles) -> Doubles:
-    """Return the sRGB colours [N, 3] of OKLab coordinates [N, 3]; outside [0, 1] what no screen shows."""
+    """Return the sRGB colours [N, 3] of OKLab coordinates [N, 3]; outside [0, 1] for colours beyond a screen's."""
     lms = (lab @ np.linalg.inv(_LAB_FROM_LMS).T) ** 3
     linear = lms @ np.linalg.inv(_LMS_FROM_RGB).T
     bent = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055

@@ -1,4 +1,4 @@
-"""The figures at the head of a report, and what was asked of the run."""
+"""The figures at the head of a report, and the request of the run."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _SCORES = (
 class Figure:
     """A number worth a large print."""
 
-    key: str  # of the field in eval.json, or the figure's own
+    key: str  # the field in eval.json, or the figure's own key
     label: str
     value: str
     unit: str = ""

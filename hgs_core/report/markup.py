@@ -1,4 +1,4 @@
-"""The pieces of HTML that sections are made of. Words are escaped here; what is called `html` is markup already."""
+"""The pieces of HTML that sections are made of. Words are escaped here; arguments named `html` are markup already."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def pairs(facts: Mapping[str, str]) -> str:
 
 
 def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table whose first column names the rows; it scrolls sideways where the page is narrow."""
+    """Return a table with the rows' names in its first column; it scrolls sideways on a narrow page."""
     cells = "".join(f'<th scope="col">{escape(words)}</th>' for words in head)
     lines = "".join(
         f'<tr><th scope="row">{escape(row[0])}</th>'

@@ -50,10 +50,10 @@ class PageContent:
     others: Sequence[FinishedRun]
     cameras: Sequence[CameraPictures]
     no_pictures: str  # why there are none
-    times: Sequence[float]  # of the capture's frames, seconds; empty where the capture is gone
+    times: Sequence[float]  # seconds of the capture's frames; empty if the capture is gone
     chunks: Sequence[ChunkSize]
-    machine: Mapping[str, object]  # that makes this page, with the version of this software
-    check: CaptureCheck | None = None  # of the capture, before the training
+    machine: Mapping[str, object]  # the machine of this page, with the version of this software
+    check: CaptureCheck | None = None  # check of the capture, before the training
     checked: Sequence[PairPictures] = ()
 
 

@@ -1,4 +1,4 @@
-"""The section with the pictures: wipes, error maps, and what is drawn by dynamic splats."""
+"""The section with the pictures: wipes, error maps, and the part of dynamic splats."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hgs_core.report.sources import FinishedRun
 
 __all__ = ["picture_section"]
 
-_GRADIENT_STOPS = 17  # of the scale's gradient
+_GRADIENT_STOPS = 17  # stops of the scale's gradient
 
 
 def picture_section(run: FinishedRun, cameras: Sequence[CameraPictures], reason: str) -> str:
@@ -44,7 +44,7 @@ def _about(run: FinishedRun, cameras: Sequence[CameraPictures]) -> str:
 
 
 def _scale() -> str:
-    """The key of the error maps and of the colour of what moves."""
+    """The key of the error maps and of the colour of dynamic splats."""
     table = colour_table()
     stops = ", ".join(
         "#" + "".join(f"{channel:02x}" for channel in table[round(255 * k / (_GRADIENT_STOPS - 1))])
@@ -79,7 +79,7 @@ def _moment(camera: str, moment: Moment) -> str:
 
 
 def _wipe(moment: Moment, where: str) -> str:
-    """Two pictures one over the other; what lies left of the line is drawn. The whole picture is the slider."""
+    """Two pictures one over the other; the upper one is drawn left of the line. The whole picture is the slider."""
     return (
         f'<div class="wipe">{_image(moment.truth, moment, f"Truth, {where}")}'
         f"{_image(moment.drawn, moment, f'Drawn, {where}', 'over')}"

@@ -1,4 +1,4 @@
-"""The pictures of a report: what was drawn beside what was there, where it is wrong, and who drew it."""
+"""The pictures of a report: drawn beside true ones, error maps, and maps of static and dynamic splats."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from hgs_core.train.targets import target_picture
 __all__ = ["MOVING_COLOUR", "CameraPictures", "Moment", "choose_frames", "draw_pictures", "evenly", "picture_of"]
 
 MOVING_COLOUR = (255, 122, 26)  # sRGB, of pixels that dynamic splats draw
-_MOMENTS_PER_CAMERA = 3  # per camera, beside the worst
+_MOMENTS_PER_CAMERA = 3  # moments of a camera, beside the worst
 _STRETCHES_ALIKE = 10  # frames nearer than the capture's length over this show about the same
 _MOST_CAMERAS = 4  # a report stays a few megabytes
 _MOST_FRAMES_MEASURED = 60  # frames of a camera, where the report measures them itself
@@ -47,13 +47,13 @@ class Moment:
     frame: int
     seconds: float
     psnr: float  # dB, of the whole frame at its full size
-    worst: bool  # of all frames of the camera that were measured
+    worst: bool  # whether it is the worst of the camera's measured frames
     size: tuple[int, int]  # width and height of the pictures
     drawn: str
     truth: str
     error: str
     moving: str
-    dynamic_share: float  # of the pixels: those that are more than half drawn by dynamic splats
+    dynamic_share: float  # share of pixels drawn by dynamic splats for more than half
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ class ChunkSize:
     """One chunk."""
 
     kind: Kind
-    slice: int  # of a dynamic chunk: number of its slice; -1 of a static one
+    slice: int  # number of a dynamic chunk's slice; -1 for a static one
     splats: int
     streams: Mapping[str, int]  # bytes by attribute, in the chunk's order, and of the container; the sum is the file's
 

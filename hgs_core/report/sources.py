@@ -1,4 +1,4 @@
-"""What a report reads of a run: its files, checked, with whatever older versions did not write left out."""
+"""The sources of a report: the files of a run, checked."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["FinishedRun", "History", "finite_number", "read_run"]
 
 @dataclass(frozen=True)
 class History:
-    """What training of the first segment reported on its way; lists of equal length, NaN where a figure is unknown."""
+    """The reports of the first segment's training; lists of equal length, NaN for an unknown figure."""
 
     iteration: Sequence[float]
     seconds: Sequence[float]
@@ -36,11 +36,11 @@ class FinishedRun:
     folder: RunFolder
     spec: RunSpec
     manifest: Manifest
-    seconds: float  # of training
-    iterations: int  # of all segments
+    seconds: float  # seconds of training
+    iterations: int  # iterations of all segments
     history: History | None
     profile: Mapping[str, float]  # seconds by activity, empty if not recorded
-    machine: Mapping[str, Any]  # that trained it, empty if not recorded
+    machine: Mapping[str, Any]  # the training's machine, empty if not recorded
     scores: Mapping[str, Any]  # eval.json, empty if it could not be made
     unscored: str  # why there are no scores
 
@@ -62,7 +62,7 @@ class FinishedRun:
         return finite_number(self.scores.get(name))
 
     def per_frame(self, metric: str) -> dict[str, list[float]]:
-        """Return a metric of every frame by scored camera; NaN for what is not a finite number."""
+        """Return a metric of every frame by scored camera; NaN for anything but a finite number."""
         cameras = self.scores.get("per_frame")
         if not isinstance(cameras, dict):
             return {}
@@ -128,7 +128,7 @@ def _scores(folder: RunFolder, progress: ProgressCallback) -> tuple[Mapping[str,
 
 
 def _history(value: Any) -> History | None:
-    """Read the history leniently: figures whose length is not that of `iteration` are left out."""
+    """Read the history leniently: figures of another length than `iteration` are left out."""
     if not isinstance(value, dict):
         return None
     lists = {name: _floats(figures) for name, figures in value.items() if isinstance(figures, list)}

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
 
 __all__ = ["assemble", "finish", "made", "make_segment", "part_of_all", "segment_count", "train_by_segment"]
 
-_SETTINGS = "settings.json"  # of the first segment: how closely all are encoded
+_SETTINGS = "settings.json"  # encoding settings of the first segment, for all
 
 
 def segment_count(run: Path) -> int:
-    """Return how many segments a run has, whose capture is prepared."""
+    """Return the number of segments of a run with a prepared capture."""
     return len(_segments(RunFolder(run).read_spec())[0])
 
 

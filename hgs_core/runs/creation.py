@@ -1,4 +1,4 @@
-"""The beginning of a run: its capture and config are checked, and what videos leave open is found.
+"""The beginning of a run: its capture and config are checked, and missing starts and cameras are found.
 
 This module is light, as `hgs_core.runs.stages` is: the API process creates runs without loading torch.
 """

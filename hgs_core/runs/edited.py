@@ -1,4 +1,4 @@
-"""An edited scene as a run: what `hgs edit` makes of another, which stays as it is."""
+"""An edited scene as a run: `hgs edit` makes it of another run, which stays as it is."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ __all__ = ["EditableScene", "EditedRun", "edit_run", "open_editable"]
 
 @dataclass(frozen=True)
 class EditableScene:
-    """A scene that can be edited, and what it does not share with others."""
+    """An editable scene, with the properties of its own."""
 
     viewed: ViewedScene
     title: str
@@ -43,11 +43,11 @@ class EditableScene:
 
 @dataclass(frozen=True)
 class EditedRun:
-    """What editing made of a scene."""
+    """The result of an edit."""
 
-    splats: int  # before
-    kept: int  # in the encoded scene
-    changes: tuple[Change, ...]  # of editing and of encoding
+    splats: int  # splats of the source
+    kept: int  # splats of the encoded scene
+    changes: tuple[Change, ...]  # losses of editing and encoding
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form."""

@@ -1,4 +1,4 @@
-"""What encoding takes from a run on disk: the views of its capture, and the states in which its trainings ended."""
+"""The inputs of encoding from a run on disk: the views of its capture, and the final states of its trainings."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def training_states(run: RunFolder, scene: HybridScene[Floats]) -> tuple[TrainSt
     """
     try:
         states = tuple(load_state(run.checkpoint(number)) for number in range(len(scene.segments)))
-    except (FileNotFoundError, InputError):  # of a run without one, or of an older version: it is trained already
+    except (FileNotFoundError, InputError):  # trained already, without a readable checkpoint
         return ()
     fits = len(states[0].static) == len(scene.static) and all(
         len(state.dynamic) == len(segment.dynamic) for state, segment in zip(states, scene.segments, strict=True)

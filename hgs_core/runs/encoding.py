@@ -22,12 +22,12 @@ __all__ = ["Encoded", "encode", "encode_again"]
 
 @dataclass(frozen=True)
 class Encoded:
-    """What encoding made of a scene."""
+    """The result of an encoding."""
 
     manifest: Manifest
-    coarseness: float  # of static splats
+    coarseness: float  # coarseness of static splats
     dynamic_share: float  # coarseness of dynamic splats over that
-    loss: Decibels  # of the training views
+    loss: Decibels  # loss of the training views
     static: int  # splats before; those that show next to nothing are dropped
     dynamic: int
 
@@ -41,7 +41,7 @@ def encode(run: Path, progress: ProgressCallback) -> None:
 
 
 def encode_again(run: Path, budget: str | None, progress: ProgressCallback, *, fine_tune: int | None = None) -> Encoded:
-    """Encode scene.npz in place of what is in the scene folder; `budget` is one of `BUDGETS`, None: the config's.
+    """Encode scene.npz anew into the scene folder; `budget` is one of `BUDGETS`, None: the config's.
 
     `fine_tune` is for how many iterations the scene is trained further as it decodes; None: a share of the training's.
 

@@ -1,4 +1,4 @@
-"""A file of splats as a run: what `hgs import` makes, and encode, eval and publish go on with."""
+"""A file of splats as a run: `hgs import` makes it, for encode, eval and publish."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ CLEARLY = 0.3  # dB by which pictures must be nearer, as files that say nothing 
 
 @dataclass(frozen=True)
 class ImportedRun:
-    """What an import made of a file."""
+    """The result of an import."""
 
-    splats: int  # in the file
-    kept: int  # in the encoded scene
-    changes: tuple[Change, ...]  # of reading and of encoding
+    splats: int  # splats of the file
+    kept: int  # splats of the encoded scene
+    changes: tuple[Change, ...]  # losses of reading and encoding
 
     def to_json(self) -> dict[str, Any]:
         """Return the plain form."""
@@ -62,7 +62,7 @@ def import_run(
     antialiased: bool | None = None,
     activated: bool | None = None,
 ) -> ImportedRun:
-    """Make a run folder of a file of splats and encode it; returns what was left out or changed.
+    """Make a run folder of a file of splats and encode it; return the omissions and changes.
 
     `duration` is how long a 4D file lasts, seconds; `frame_rate` how many files of a folder a second has. With a
     `capture`, the pictures the splats were made of, the loss of encoding is measured on its cameras that `config` does

@@ -22,7 +22,7 @@ __all__ = ["KeptViews"]
 
 @dataclass(frozen=True)
 class KeptViews:
-    """What encoding and further edits need to know beside the splats."""
+    """The views of a scene without a capture, for encoding and further edits."""
 
     title: str
     cameras: tuple[Camera, ...]  # none: they were made up, and are made up again for what is left
@@ -58,7 +58,7 @@ class KeptViews:
 
     @classmethod
     def load(cls, path: Path) -> KeptViews:
-        """Read what `save` wrote.
+        """Read a file that `save` wrote.
 
         Raises:
             InputError: the file is missing or damaged.

@@ -120,7 +120,7 @@ def _epoch(path: Path) -> int:
 
 
 def _machine() -> str:
-    """Return what only processes that see each other by their ids have in common."""
+    """Return a mark shared only by processes that see each other by their ids."""
     try:
         boot = Path("/proc/sys/kernel/random/boot_id").read_text().strip()
         return f"{boot}/{Path('/proc/self/ns/pid').readlink()}"

@@ -15,7 +15,7 @@ from hgs_core.train.targets import target_picture
 
 __all__ = ["photographed_errors"]
 
-VIEWS = 6  # that are compared, spread over cameras and time
+VIEWS = 6  # compared views, spread over cameras and time
 
 
 def photographed_errors(

@@ -1,4 +1,4 @@
-"""What a run finds out of its capture first: when the videos began, and where the cameras stand."""
+"""The preparation of a capture: the starts of its videos, and the poses of its cameras."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def _say_unsure(where: Path, frames: int) -> None:
 
 
 def _by_sound(where: Path, names: list[str], videos: list[Path], by: str, progress: ProgressCallback) -> Starts | None:
-    """Return what the sound tells; where it was not asked for, None unless it tells clearly that they began apart."""
+    """Return the starts from sound; if sound was not requested, None unless it clearly shows different starts."""
     if by == "auto" and not any(has_sound(video) for video in videos):
         return None
     try:

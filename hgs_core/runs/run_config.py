@@ -38,7 +38,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "train.density.static_opacity_penalty": 0.025,
     },
 }
-"""What each preset changes of the defaults: a first picture in minutes, a finished scene, the best there is."""
+"""The changes of each preset to the defaults: a first picture in minutes, a finished scene, the best there is."""
 
 _SEEDS: dict[str, Range] = {"seed": (0, 2**53 - 1)}  # up to what every reader of JSON keeps, browsers too
 
@@ -48,7 +48,7 @@ class RunConfig:
     """How to make a scene of a capture. Equal configs on equal captures give equal bits, for any number of threads."""
 
     preset: str = "standard"
-    seed: int = 0  # of everything that is drawn at random
+    seed: int = 0  # seed of all random numbers
     capture: CaptureConfig = field(default_factory=CaptureConfig)
     points: PointsConfig = field(default_factory=PointsConfig)
     train: TrainConfig = field(default_factory=TrainConfig)

@@ -29,10 +29,10 @@ LOST = 70  # exit status of a process that has lost its run to another
 
 @dataclass(frozen=True)
 class RunSpec:
-    """What a run was asked to do."""
+    """The specification of a run."""
 
     capture: Path
-    fingerprint: str  # of the capture when the run was created
+    fingerprint: str  # fingerprint of the capture at the run's creation
     config: RunConfig
     masks: Path | None = None  # a folder of masks that replaces the capture's own
     without_capture: bool = False  # imported or edited: `capture` is the scene's source, without pictures
@@ -71,7 +71,7 @@ class RunSpec:
         return capture
 
     def trusting(self, poses: bool) -> RunSpec:
-        """Return the specification with `trust_poses` as given; it decides whether a run goes on, not what it makes."""
+        """Return the specification with `trust_poses` as given; it lets a run go on and changes no result."""
         return dataclasses.replace(self, config=self.config.changed({"capture.trust_poses": poses}))
 
     def with_audio(self, audio: str) -> RunSpec:
@@ -79,7 +79,7 @@ class RunSpec:
         return dataclasses.replace(self, audio=audio)
 
     def check_unchanged(self, capture: Capture) -> None:
-        """Refuse a capture whose files are not those the run began with.
+        """Refuse a capture with other files than those at the run's beginning.
 
         Raises:
             InputError: the fingerprints differ.
@@ -98,14 +98,14 @@ class RunFolder:
         self.found = path / "found"  # cameras and sync.json, where the capture's folder cannot be written
         self.points = path / "points.npz"
         self.masks = path / "masks.npz"
-        self.views = path / "views.json"  # of an edited scene
+        self.views = path / "views.json"  # cameras and clock of an edited scene
         self.trained = path / "scene.npz"
         self.train_summary = path / "train.json"
         self.scene = path / "scene"
         self.manifest = self.scene / "manifest.json"
         self.thumbnail = self.scene / "thumbnail.jpg"
         self.evaluation = path / "eval.json"
-        self.preview = path / "preview.jpg"  # of the training, while it runs
+        self.preview = path / "preview.jpg"  # picture of a running training
 
     def checkpoint(self, segment: int) -> Path:
         """Return where the training state of a segment is kept."""
@@ -134,7 +134,7 @@ class RunFolder:
         self.replace_spec(spec)
 
     def replace_spec(self, spec: RunSpec) -> None:
-        """Write run.json, whatever it said."""
+        """Write run.json anew."""
         value: dict[str, Any] = {
             "capture": str(spec.capture),
             "fingerprint": spec.fingerprint,

@@ -1,4 +1,4 @@
-"""The sound of a run's scene: of its capture, of a file, or what its scene had before."""
+"""The sound of a run's scene: of its capture, of a file, or of the scene before."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 
 
 def require_sound_file(audio: str) -> str:
-    """Return what `--audio` asks for, a file by its absolute path.
+    """Return the request of `--audio`, a file by its absolute path.
 
     Raises:
         InputError: there is no such file, or it has no sound.
@@ -102,7 +102,7 @@ def replace_sound(run: Path, audio: str) -> None:
 
 
 def write_sound(scene: Path, sound: CodedAudio | None) -> None:
-    """Put sound into a scene folder in place of what it has, the manifest last."""
+    """Replace the sound of a scene folder, the manifest last."""
     document = json.loads((scene / MANIFEST).read_bytes())
     document.pop("audio", None)
     if sound is not None:
@@ -119,7 +119,7 @@ def write_sound(scene: Path, sound: CodedAudio | None) -> None:
 
 
 def _sounding_videos(capture: Capture) -> Iterator[tuple[Path, float]]:
-    """Yield the videos with sound, with what is to be added to their times."""
+    """Yield the videos with sound, with the offsets of their times."""
     for camera in range(len(capture.cameras)):
         video = capture.video(camera)
         if video is not None and has_sound(video[0]):
@@ -127,7 +127,7 @@ def _sounding_videos(capture: Capture) -> Iterator[tuple[Path, float]]:
 
 
 def _video_of(name: str, capture: Capture | None) -> tuple[Path, float]:
-    """Return a camera's video, with what is to be added to its times."""
+    """Return a camera's video, with the offset of its times."""
     if capture is not None:
         for camera, one in enumerate(capture.cameras):
             if one.name == name and (video := capture.video(camera)) is not None:

@@ -1,4 +1,4 @@
-"""How a run's sound is asked for, in words: what a file or a video holds is for `hgs_core.runs.sound`."""
+"""The choice of a run's sound, in words; `hgs_core.runs.sound` opens files and videos."""
 
 from __future__ import annotations
 
@@ -14,5 +14,5 @@ CAMERA_SOUND = "camera:"
 
 
 def camera_of_sound(audio: str) -> str | None:
-    """Return the name of the camera whose sound `--audio` asks for, or None if it asks for something else."""
+    """Return the name of the camera in `--audio`, or None for any other choice."""
     return audio.removeprefix(CAMERA_SOUND) if audio.startswith(CAMERA_SOUND) else None

@@ -1,4 +1,4 @@
-"""What can be exported: the float32 scene of a run, or an encoded scene."""
+"""The sources of an export: the float32 scene of a run, or an encoded scene."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ __all__ = ["Source", "open_source"]
 
 @dataclass(frozen=True)
 class Source:
-    """A scene with what its files say beside the splats."""
+    """A scene with the facts of its files beside the splats."""
 
     scene: HybridScene[NDArray[np.float32]]
     cameras: tuple[Camera, ...]
-    frame_rate: float  # of the capture, frames per second
+    frame_rate: float  # frames per second of the capture
 
     def export(
         self,
@@ -60,7 +60,7 @@ class Source:
 
 
 def open_source(path: Path) -> Source:
-    """Open a run, whose float32 scene is taken, or the folder of an encoded scene, which is decoded.
+    """Open the float32 scene of a run, or decode the folder of an encoded scene.
 
     Raises:
         InputError: it is neither, or damaged.

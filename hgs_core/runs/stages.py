@@ -57,7 +57,7 @@ def check(run: Path, progress: ProgressCallback) -> None:
 
 @interruptible()
 def initialise(run: Path, progress: ProgressCallback) -> None:
-    """Find what moves and where the first points are: masks.npz, which is kept if it is there, and points.npz.
+    """Find motion masks and first points: masks.npz, which is kept if it is there, and points.npz.
 
     The capture is checked first.
     """
@@ -71,7 +71,7 @@ def initialise(run: Path, progress: ProgressCallback) -> None:
     check(run, progress)
     capture, config = _open(folder)
     cameras = config.capture.training_cameras(capture)
-    if folder.masks.exists():  # of a stage that was stopped, or put there to be used
+    if folder.masks.exists():  # left by a stopped stage, or put there to be used
         masks = MotionMasks.load(folder.masks, capture)
     else:
         masks = motion_masks(capture, cameras, progress=progress)
@@ -116,7 +116,7 @@ def train(run: Path, progress: ProgressCallback) -> None:
 
 
 def segments_of(run: Path) -> ModuleType | None:
-    """Return what makes the segments of a run one by one, if its config wants that and it is not trained yet."""
+    """Return the maker of a run's segments one by one, if its config wants that and it is not trained yet."""
     from hgs_core.runs import by_segment
 
     folder = RunFolder(run)

@@ -1,4 +1,4 @@
-"""Training the capture of a run, and what of it people are told."""
+"""The training of a run's capture, and its published facts."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from hgs_core.train.capture_training import train_capture
 
 __all__ = ["told_of_training", "train_run"]
 
-_NOT_PUBLISHED = {"machine", "history", "profile"}  # of train.json: viewers wait for the manifest, and need none of it
+_NOT_PUBLISHED = {"machine", "history", "profile"}  # parts of train.json that viewers do not need
 
 
 def train_run(
     folder: RunFolder, progress: ProgressCallback
 ) -> tuple[HybridScene[npt.NDArray[np.float32]], dict[str, Any]]:
-    """Train from the last checkpoints, or from the points; return the scene and what train.json keeps."""
+    """Train from the last checkpoints, or from the points; return the scene and the content of train.json."""
     spec = folder.read_spec()
     config, capture = spec.config, spec.open_capture(cache_bytes=spec.config.capture.cache_bytes)
     points = PointCloud.load(folder.points)
@@ -46,5 +46,5 @@ def train_run(
 
 
 def told_of_training(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a scene's manifest says of its training."""
+    """Return the facts of a training for a scene's manifest."""
     return {name: value for name, value in summary.items() if name not in _NOT_PUBLISHED}

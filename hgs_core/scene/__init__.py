@@ -1,4 +1,4 @@
-"""What a scene is: static splats, dynamic splats, the equations of time, and scene files."""
+"""Scenes: static splats, dynamic splats, the equations of time, and scene files."""
 
 from hgs_core.scene.files import load_scene, save_scene
 from hgs_core.scene.splats import DynamicSplats, HybridScene, Segment, StaticSplats

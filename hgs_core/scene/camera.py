@@ -33,7 +33,7 @@ class Camera:
     near: float = 0.01  # world units; what is nearer is not drawn
 
     def __post_init__(self) -> None:
-        """Refuse what is not a camera.
+        """Refuse numbers that are not a camera.
 
         Raises:
             InputError: a non-positive size or focal length, or a pose that is not a rotation and a translation.
@@ -89,7 +89,7 @@ class Camera:
         return pixels.T, depth
 
     def rays(self, pixels: npt.NDArray[np.floating[Any]]) -> npt.NDArray[np.float64]:
-        """Return [N, 3], in the world, what leads from the camera centre to unit depth behind pixels [N, 2]."""
+        """Return the vectors [N, 3], in the world, from the camera centre to unit depth behind pixels [N, 2]."""
         local = (np.asarray(pixels, np.float64) - (self.cx, self.cy)) / (self.fx, self.fy)
         return np.concatenate([local, np.ones((len(local), 1))], 1) @ self.world_to_camera[:3, :3]
 
@@ -109,7 +109,7 @@ class Camera:
 
     @classmethod
     def from_json(cls, value: dict[str, Any]) -> Camera:
-        """Read what `to_json` wrote.
+        """Read the form that `to_json` wrote.
 
         Raises:
             InputError: a missing field or one of the wrong type.

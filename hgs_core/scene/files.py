@@ -58,7 +58,7 @@ def save_scene(path: Path, scene: HybridScene[Floats]) -> None:
 
 
 def load_scene(path: Path) -> HybridScene[Floats]:
-    """Read what `save_scene` wrote; the same bits come back.
+    """Read a file that `save_scene` wrote, with the same bits.
 
     Raises:
         InputError: the file is missing, unreadable, of another version, or an entry is missing or of the wrong shape.

@@ -11,7 +11,7 @@ from hgs_core.base.arrays import Doubles, Floats
 
 __all__ = ["logits_of", "logits_of_any", "opacities_of"]
 
-_LEAST = 1e-6  # of opacities that have a logit here
+_LEAST = 1e-6  # least opacity with a logit here
 
 
 def opacities_of(logits: NDArray[np.floating[Any]]) -> Doubles:

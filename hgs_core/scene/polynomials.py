@@ -9,7 +9,7 @@ from hgs_core.scene.motion import recentred
 
 __all__ = ["polynomial_fit", "powers"]
 
-RIDGE = 1e-12  # of the mean square of a power
+RIDGE = 1e-12  # share of the mean square of a power
 LEAST_UNIT = 1e-6  # half of a range, at least: what is shorter is an instant
 
 

@@ -1,4 +1,4 @@
-"""The largest numbers of splats that can be drawn and encoded; whatever makes splats keeps to them."""
+"""The largest numbers of splats that can be drawn and encoded; every maker of splats keeps to them."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class TrainState:
         self.static_mean, self.dynamic_mean = self.static_mean.to(device), self.dynamic_mean.to(device)
 
     def replace(self, static: StaticSplats[Tensor], dynamic: DynamicSplats[Tensor]) -> None:
-        """Go on with other splats, whose optimisers know; the statistics of the screen and the means begin anew."""
+        """Go on with other splats, already known to their optimisers; screen statistics and means begin anew."""
         self.static, self.dynamic = static, dynamic
         self.static_mean, self.dynamic_mean = ParameterMean(), ParameterMean()
         self.statistics = ScreenStatistics.zeros(len(static) + len(dynamic))
@@ -73,7 +73,7 @@ class TrainState:
         self.static_mean, self.dynamic_mean = ParameterMean(), ParameterMean()
 
     def move_static(self, rates: Mapping[str, float | Tensor], seen: ScreenStatistics, opacity_penalty: float) -> None:
-        """Step the statics by their gradients, and all of their opacities down; count what was seen.
+        """Step the statics by their gradients, and all of their opacities down; count the visible ones.
 
         The penalty is a share of an opacity's step, towards transparency. What pictures ask for comes back; what none
         or few of them do is gone in the end.

@@ -19,11 +19,11 @@ from hgs_core.train.rmsprop import rmsprop_update
 
 __all__ = ["CameraColours", "ColourCorrection"]
 
-_STEEPEST = 0.375  # of a coefficient of a falloff, either sign: no corner is darker than a quarter of the middle
+_STEEPEST = 0.375  # largest coefficient of a falloff, either sign: no corner is darker than a quarter of the middle
 
 
 class CameraColours(NamedTuple):
-    """How one camera changes the colours of what it sees, or the gradient towards that."""
+    """One camera's change of colours, or the gradient towards it."""
 
     affine: Tensor  # [3, 4], `[A | b]` of A rgb + b
     falloff: Tensor | None  # [2], coefficients of the lens falloff (`falloff_gain`); None: none is learned

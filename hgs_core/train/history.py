@@ -1,4 +1,4 @@
-"""What a training run looked like: its curves over the iterations, and where its time went."""
+"""The history of a training: its curves over the iterations, and its profile."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from typing import Any
 __all__ = ["TrainingHistory"]
 
 _CURVES = ("iteration", "seconds", "loss", "psnr", "static", "dynamic")
-_SMOOTHING = 0.9  # of the loss and the PSNR, per report
-_MOST_POINTS = 1000  # of a curve; beyond it every other one is dropped
+_SMOOTHING = 0.9  # smoothing of the loss and the PSNR from report to report
+_MOST_POINTS = 1000  # points of a curve; beyond it every other one is dropped
 
 
 @dataclass
@@ -38,7 +38,7 @@ class TrainingHistory:
         self.psnr = psnr if fresh else _SMOOTHING * self.psnr + (1 - _SMOOTHING) * psnr
 
     def relabelled(self, to_static: int, to_dynamic: int) -> None:
-        """Count splats whose label has changed."""
+        """Count splats with a changed label."""
         self.labels_changed["to_static"] += to_static
         self.labels_changed["to_dynamic"] += to_dynamic
 

@@ -16,8 +16,8 @@ from hgs_core.scene.splats import DynamicSplats, Segment, StaticSplats
 __all__ = ["initial_splats", "scene_extent"]
 
 _DYNAMIC_SHARE = 0.5  # share of a point's views that must see it move
-_THICKNESS = 0.1  # of a splat on a surface, across it, in shares of its size
-_HALF_LIFE = 0.75  # of the gap between initialised frames: opacity halves there, so that neighbours take over
+_THICKNESS = 0.1  # thickness across a surface, share of a splat's size
+_HALF_LIFE = 0.75  # share of the gap between initialised frames at which opacity halves
 
 
 def scene_extent(positions: npt.NDArray[np.float64]) -> float:
@@ -81,7 +81,7 @@ def initial_splats(
 
 def _facing(normals: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """Return quaternions [P, 4] (w first) that turn the z axis to normals [P, 3] or their opposites; 1 for zeros."""
-    upper = np.where(normals[:, 2:] < 0, -normals, normals)  # which never turns by more than a right angle
+    upper = np.where(normals[:, 2:] < 0, -normals, normals)  # no turn by more than a right angle
     upper[~normals.any(axis=1)] = (0, 0, 1)
     quats = np.stack([1 + upper[:, 2], -upper[:, 1], upper[:, 0], np.zeros(len(upper), np.float32)], 1)
     return np.asarray(quats / np.linalg.norm(quats, axis=1, keepdims=True), np.float32)

@@ -24,7 +24,7 @@ class ParameterMean(Generic[S]):
     """The running sums of one set of splats. Rows must stay the same ones: begin anew where they change."""
 
     sums: S | None = None  # float64; None: of nothing so far
-    count: int = 0  # of the times that the splats were added
+    count: int = 0  # added sets of splats
 
     def follow(self, splats: S) -> None:
         """Add the splats as they are now."""
@@ -49,5 +49,5 @@ class ParameterMean(Generic[S]):
 
     @classmethod
     def restored(cls, kind: type[S], state: dict[str, Any]) -> ParameterMean[S]:
-        """Return what `state` described, of splats of this kind."""
+        """Return the mean that `state` described, for splats of this kind."""
         return cls(None if state["sums"] is None else kind(**state["sums"]), int(state["count"]))

@@ -1,4 +1,4 @@
-"""RMSprop over a struct of arrays whose rows come and go, and of which a step may see a part.
+"""RMSprop over a struct of arrays with rows that come and go; a step may see a part of them.
 
 After Tieleman and Hinton, 2012. It is Adam without its first moments: a splat moves in the steps that show it, and in
 no other.
@@ -65,7 +65,7 @@ class RmsProp(Generic[S]):
                 getattr(seen, name).grad = None
 
     def _decays(self, rows: Tensor | None) -> Tensor | None:
-        """Return what is left of the moments of rows after the steps since they were updated; None: `BETA` of all."""
+        """Return the remaining shares of rows' moments after the steps since their update; None: `BETA` for all."""
         before = self.updated if rows is None else self.updated[rows]
         missed = self.steps - before
         if rows is None:

@@ -1,4 +1,4 @@
-"""What changes over a training run: step sizes, resolution and how many splats there may be."""
+"""The schedule of a training: step sizes, resolution and budgets of splats."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Schedule", "share_alive"]
 
 _AVERAGED_EVERY = 10  # iterations; within so few, splats hardly move
 
-_LEAST_SHARE = 0.05  # of time that a splat counts as alive for: a few visits say too little about the next ones
+_LEAST_SHARE = 0.05  # least share of time that a splat counts as alive
 
 
 @dataclass(frozen=True)
@@ -24,8 +24,8 @@ class Schedule:
 
     config: TrainConfig
     extent: float  # world units; positions move in multiples of it
-    frames: int  # of the segment
-    seconds: float = 0.0  # of the segment
+    frames: int  # frames of the segment
+    seconds: float = 0.0  # duration of the segment
 
     def resolution(self, iteration: int) -> float:
         """Return the factor by which pictures are resized: coarse first, then full."""
@@ -113,7 +113,7 @@ class Schedule:
         return done > config.average_from * config.iterations and (config.iterations - done) % _AVERAGED_EVERY == 0
 
     def _held(self, iteration: int) -> float:
-        """Return the iteration whose step sizes are taken."""
+        """Return the iteration that gives the step sizes."""
         return min(iteration, self._hold_from)
 
     @property

@@ -14,7 +14,7 @@ from hgs_core.scene.splats import DynamicSplats
 
 __all__ = ["living_rows", "rows_taken"]
 
-_SLACK = 0.01  # of the logarithm of the least opacity that is drawn, for rounding
+_SLACK = 0.01  # allowance for rounding, in the logarithm of the least drawn opacity
 
 
 def living_rows(dynamic: DynamicSplats[Tensor], moment: float) -> Tensor:
@@ -22,7 +22,7 @@ def living_rows(dynamic: DynamicSplats[Tensor], moment: float) -> Tensor:
 
     A splat whose opacity is below 1/255 then is drawn nowhere, and no picture of that moment can pull at it.
     """
-    most = _SLACK - math.log(ALPHA_MIN)  # of what fades of the logarithm of an opacity
+    most = _SLACK - math.log(ALPHA_MIN)  # largest fading, in the logarithm of an opacity
     precisions = dynamic.time_log_precisions.detach().clamp(max=TIME_LOG_PRECISION_MAX).exp()
     faded = precisions * (moment - dynamic.time_centers.detach()).square()
     near = _places(faded <= most)  # few of them: the rest is looked at of these alone

@@ -23,7 +23,7 @@ __all__ = ["Step", "take_step"]
 
 @dataclass(frozen=True)
 class Step:
-    """What a step found; the gradients of the splats lie in their `.grad`."""
+    """The results of a step; the gradients of the splats lie in their `.grad`."""
 
     picture: Tensor  # [3, H, W] as the scene shows it: without colour correction
     loss: float

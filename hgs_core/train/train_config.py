@@ -19,7 +19,7 @@ class DensityConfig:
 
     method: str = "gradient"  # gradient: clone and split where the loss pulls; relocation: copy by opacity, and jitter
     max_static: int = 80_000  # splat budgets
-    max_dynamic: int = 15_000  # for every second of a segment
+    max_dynamic: int = 15_000  # splats for every second of a segment
     start: float = 0.04  # shares of the iterations
     end: float = 0.6
     every: int = 50  # iterations
@@ -43,7 +43,7 @@ class DensityConfig:
 
 
 _DENSITY: dict[str, Range] = {
-    "max_static": (1, 10_000_000),  # with gradients and moments about 8 GB
+    "max_static": (1, 10_000_000),  # about 8 GB, gradients and moments included
     "max_dynamic": (0, 1_000_000),  # the same for a segment of ten seconds
     "start": _SHARE,
     "end": _SHARE,
@@ -86,9 +86,9 @@ class LearningRates:
 
     position: float = 1e-3
     position_final: float = 5e-5  # log-linear decay from `position`
-    motion: float = 0.4  # of the higher motion coefficients, in multiples of `position`, per power of the life
+    motion: float = 0.4  # higher motion coefficients, multiples of `position`, for each power of the life
     rotation: float = 3e-3
-    turning: float = 1e-3  # of the linear rotation coefficient
+    turning: float = 1e-3  # linear rotation coefficient
     log_scale: float = 1e-2
     opacity: float = 5e-2
     rgb: float = 5e-3
@@ -127,7 +127,7 @@ _RANGES: dict[str, Range] = {
     "hold_from": _SHARE,
     "held_statics": (0.0, 100.0),  # undoes settling to a hundredth
     "average_from": _SHARE,
-    "checkpoint_every": (1, 100_000),  # what a killed worker loses at most: hours
+    "checkpoint_every": (1, 100_000),  # the most that a killed worker loses: hours
 }
 
 
@@ -147,7 +147,7 @@ class TrainConfig:
     coarse_until: float = 0.25  # share of `iterations` trained at half resolution
     moving_steps: float = 3.0  # further ones per iteration, of the dynamics alone where masks say it moves; 0: none
     settle_from: float = 0.6  # share of `iterations` after which steps of all but positions become smaller
-    settled: float = 0.02  # what is left of them at the end, if nothing holds them before
+    settled: float = 0.02  # share of step sizes left at the end, without a hold before
     hold_from: float = 0.85  # share of `iterations` after which all steps stay as large as they are; 1: they fall on
     held_statics: float = 3.0  # the statics' steps then, positions too, in multiples of what they are
     average_from: float = 0.9  # share of `iterations` whose later splats' mean is the result; 1: the last ones are

@@ -85,7 +85,7 @@ class Trainer:
         )
         if after is not None:
             self.state.correction = after.correction
-        self._torn = False  # while a long round changes the state: what was saved before it counts
+        self._torn = False  # true while a long round changes the state; the last checkpoint counts then
         self._constrain()  # colours far out of range would leave moments that stop the optimiser for long
 
     def run(self, progress: ProgressCallback) -> HybridScene[npt.NDArray[np.float32]]:
@@ -129,7 +129,7 @@ class Trainer:
             self.state.to(before)
 
     def figures(self) -> dict[str, float]:
-        """Return what is worth watching."""
+        """Return the figures worth watching."""
         figures = {"static": float(len(self.state.static)), "dynamic": float(len(self.state.dynamic))}
         psnr, loss = self.state.history.psnr, self.state.history.loss
         return figures if math.isnan(psnr) else figures | {"psnr": psnr, "loss": loss}
@@ -188,7 +188,7 @@ class Trainer:
             state.follow_means(statics=self.statics_learn)
             if state.iteration == self.config.iterations:
                 state.become_means()
-                self._constrain()  # as reading the checkpoint would: a mean of needles can be a longer one
+                self._constrain()  # the limits of reading a checkpoint: a mean of needles can be a longer one
 
     def _learn(
         self,

@@ -16,14 +16,14 @@ from hgs_core.train.train_config import TrainConfig
 
 __all__ = ["Preview"]
 
-_PICTURES = 40  # of a training, evenly spread
+_PICTURES = 40  # pictures of a training, evenly spread
 
 
 class Preview:
     """Draws a training into one file, at its first report and at every fortieth of it."""
 
     def __init__(self, file: Path, camera: Camera, config: TrainConfig) -> None:
-        """Draw what `camera` sees, 480 pixels wide at most, into the JPEG `file`."""
+        """Draw the view of `camera`, at most 480 pixels wide, into the JPEG `file`."""
         self._file = file
         self._camera = thumbnail_size(camera)
         self._config = config

@@ -1,4 +1,4 @@
-"""What a segment's training compares with: pictures of the training cameras, sized, timed and masked."""
+"""The training views of a segment: pictures of the training cameras, sized, timed and masked."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from hgs_core.train.view_schedule import ViewSchedule
 __all__ = ["Instant", "TrainingView", "TrainingViews"]
 
 _CPU = torch.device("cpu")
-_SAMPLE_SIZE = 0.5  # of the pictures that labels and contributions are judged by
+_SAMPLE_SIZE = 0.5  # scale of the pictures for labels and contributions
 
 
 @dataclass(frozen=True)
 class TrainingView:
-    """What one step compares with."""
+    """The training view of one step."""
 
-    place: int  # of the camera among the training cameras
-    camera: Camera  # at the size that is drawn
+    place: int  # place of the camera among the training cameras
+    camera: Camera  # camera at the drawn size
     moment: float  # normalised time
     target: Tensor  # [3, H, W]; of a step where it moves its window alone
     moving: Tensor | None = None  # [H, W] pixels that move; None unless requested
@@ -46,7 +46,7 @@ class Instant:
 
     seconds: float
     moment: float  # normalised time
-    places: tuple[int, ...]  # of the cameras among the training cameras
+    places: tuple[int, ...]  # places of the cameras among the training cameras
     pictures: list[npt.NDArray[np.uint8]]  # C times [H, W, 3]
     moving: list[npt.NDArray[np.bool_]]  # C times [H, W]
 
@@ -57,12 +57,12 @@ class TrainingViews:
     def __init__(
         self,
         capture: Capture,
-        cameras: Mapping[int, Camera],  # to train with, by their index in the capture, with their near planes
+        cameras: Mapping[int, Camera],  # index in the capture -> training camera, with its near plane
         config: TrainConfig,
         segment: CaptureSegment,
         masks: MotionMasks | None,
         seed: int,
-        device: torch.device = _CPU,  # where `of_iteration` puts pictures and masks
+        device: torch.device = _CPU,  # place of the pictures and masks of `of_iteration`
     ) -> None:
         self._capture, self._all, self._config, self._segment = capture, cameras, config, segment
         self._masks = masks
@@ -79,11 +79,11 @@ class TrainingViews:
 
     @property
     def masked(self) -> bool:
-        """Whether it is known what moves."""
+        """Whether motion masks are known."""
         return self._masks is not None
 
     def moving(self, frame: int) -> list[npt.NDArray[np.bool_]]:
-        """Return what moves [H, W] in all training cameras' pictures of a frame of the segment; there must be masks."""
+        """Return the motion masks [H, W] of all training cameras for a frame of the segment; there must be masks."""
         assert self._masks is not None
         return [self._masks.mask(index, self._segment.first + frame) for index in self._training]
 
@@ -111,12 +111,12 @@ class TrainingViews:
         return self._tiles[key]
 
     def samples(self, iteration: int) -> Iterator[Iterator[TrainingView]]:
-        """Yield views of a few cameras at a few moments, at half size: what labels are judged by."""
+        """Yield views of a few cameras at a few moments, at half size, for the judgement of labels."""
         for index, frames in self.order.samples(iteration):
             yield (self._view(self._on_host, index, frame, _SAMPLE_SIZE) for frame in frames)
 
     def everywhere(self, iteration: int) -> Iterator[list[TrainingView]]:
-        """Yield, for every training camera, views at a few moments, at full size, with what moves if that is known."""
+        """Yield, for every training camera, full-size views at a few moments, with motion masks if they are known."""
         for index, frames in self.order.everywhere(iteration):
             yield [self._view(self._on_host, index, frame, 1.0, self.masked) for frame in frames]
 

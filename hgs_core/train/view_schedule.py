@@ -13,7 +13,7 @@ __all__ = ["ViewSchedule"]
 _SAMPLE_CAMERAS = 5
 _SAMPLE_FRAMES = 8
 _INFILL_FRAMES = 3
-_BLOCK_PASSES = 20  # over all blocks in one training: what waits for its block's next turn drifts meanwhile
+_BLOCK_PASSES = 20  # passes over all blocks in one training: splats drift between the turns of their block
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class ViewSchedule:
 
     cameras: tuple[int, ...]  # indices into the capture's cameras
     frames: int
-    blocks: int  # that the frames are cut into
+    blocks: int  # number of blocks
     stay: int  # iterations for which a block is drawn from
     seed: int
 

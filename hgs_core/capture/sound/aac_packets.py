@@ -23,7 +23,11 @@ class AacHeader:
 
     @classmethod
     def of(cls, config: bytes, packet: bytes) -> AacHeader | None:
-        """Return the header for packets of a stream with this AudioSpecificConfig, or, if that is empty, with their own ADTS headers; None for anything but mono or stereo of low complexity."""
+        """Return the header for packets of a stream with this AudioSpecificConfig.
+
+        Without a config the packets have their own ADTS headers. None for anything but mono or stereo of low
+        complexity.
+        """
         headed = len(config) < 2
         if not headed:
             kind, rate, channels = config[0] >> 3, (config[0] & 7) << 1 | config[1] >> 7, config[1] >> 3 & 15

@@ -1,3 +1,3 @@
-"""How a scene becomes small chunks: what each splat shows, quantisation steps, motion orders, and layers."""
+"""The encoder of scenes into small chunks: utility of splats, quantisation steps, motion orders, and layers."""
 
 __all__: list[str] = []

@@ -1,4 +1,4 @@
-"""What thin axes do to pictures that are drawn antialiased: a splat shows in proportion to how much it covers.
+"""The weights of thin axes in antialiased pictures: a splat shows in proportion to its coverage.
 
 There the opacity is o sqrt(det C0 / det C) (docs/numerics.md, "Antialiasing"): an axis far thinner than a pixel still
 decides how strong the splat is, and so does a turn that shows more or less of it. Without antialiasing neither does.
@@ -13,7 +13,7 @@ from hgs_core.codec.encoder.utility import LOW_PASS
 
 __all__ = ["strength_weights"]
 
-VIEW_DIRECTIONS = 24  # of view, evenly spread over a half sphere, as a splat may be turned in any way
+VIEW_DIRECTIONS = 24  # evenly spread over a half sphere: a splat may be turned in any way
 LARGEST_VARIANCE = 1e4  # px^2: wider axes change no more
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 

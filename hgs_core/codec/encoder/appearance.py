@@ -1,4 +1,4 @@
-"""Whole numbers for what static and dynamic splats share: shape, rotation, opacity, colour."""
+"""Codes of the attributes shared by static and dynamic splats: shape, rotation, opacity, colour."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from hgs_core.scene.rotations import product
 __all__ = ["appearance_numbers", "rotation_numbers", "turning_cost"]
 
 COARSEST_ROTATION_ROUNDING = 9  # powers of two by which a rotation's numbers may be rounded more coarsely
-THINNEST_AXIS = 1e-3  # of the blur: thinner axes are taken to be so thick
+THINNEST_AXIS = 1e-3  # share of the blur; thinner axes count as this thick
 
 
 def appearance_numbers(splats: Prepared, steps: Steps) -> dict[str, Whole]:
@@ -44,7 +44,7 @@ def _scale_numbers(splats: Prepared, steps: Steps) -> Whole:
     """
     log_scales, strength = splats.values["log_scale"], splats.values["strength_by_scale"]
     floor = np.log(steps.blur)
-    exact = (np.logaddexp(2 * log_scales, 2 * floor) / 2 - floor) / steps.shape  # in steps, above the blur alone
+    exact = (np.logaddexp(2 * log_scales, 2 * floor) / 2 - floor) / steps.shape  # steps above the blur alone
     candidates = np.maximum(neighbours(exact), 0)
     levels = np.arange(int(candidates.max()) + 1, dtype=np.float64)
     levels[0] = 0.5  # no thickness at all has no logarithm

@@ -30,7 +30,7 @@ class Layer:
 
     index: Index
     utility: float  # mean of the splats': the higher, the earlier it is worth fetching
-    slice: int = 0  # of dynamic splats: the first slice in which they live
+    slice: int = 0  # first slice of dynamic splats' lives
 
 
 def static_layers(splats: Prepared, settings: EncodeSettings) -> list[Layer]:

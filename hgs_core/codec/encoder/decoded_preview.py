@@ -1,4 +1,4 @@
-"""What a scene would be after encoding and decoding, without the bytes: to look for settings."""
+"""The scene after encoding and decoding, without the bytes: for the search of settings."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _dynamic(part: Prepared, coded: DynamicSplats[Floats]) -> DynamicSplats[Floa
 
 
 def decoded_arrays(kind: Kind, numbers: Numbers) -> dict[str, Floats]:
-    """Return what a decoder gives for these numbers, each (code - zero): the product with the step is rounded once."""
+    """Return the decoded values of numbers (code - zero): the product with the step is rounded once."""
     count = len(numbers["position"][0])
     values = {name: (number * step).astype(np.float32) for name, (number, step) in numbers.items()}
     form = numbers["form"][0][:, 0].astype(np.uint32) if "form" in numbers else None

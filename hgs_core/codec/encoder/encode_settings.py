@@ -22,24 +22,24 @@ class EncodeSettings:
 
     coarseness: float = 1.0
     dynamic_share: float = 1.0  # coarseness of dynamic splats over that of static ones
-    position_step: float = 0.085  # in effective radii of the splat
-    shape_step: float = 0.045  # of ln of the standard deviation on the screen, i.e. 4.5 %
-    rotation_step: float = 1.0  # of a quaternion's components, in shape steps over how much longer than wide a splat is
-    opacity_step: float = 0.05  # of the opacity, in proportion to it
+    position_step: float = 0.085  # effective radii of the splat
+    shape_step: float = 0.045  # ln of the standard deviation on the screen, i.e. 4.5 %
+    rotation_step: float = 1.0  # quaternion components, shape steps over the splat's elongation
+    opacity_step: float = 0.05  # share of the opacity
     rgb_step: float = 0.024
     largest_position_step: float = 1.0  # pixels of the cameras that see the splat
     largest_shape_step: float = 0.7
     largest_rotation_step: float = 0.15
-    largest_opacity_step: float = 0.06  # of the number stored
+    largest_opacity_step: float = 0.06  # units of the stored number
     largest_rgb_step: float = 0.2
     prune: float = 0.0004  # static splats that would be missed less than this times coarseness squared are dropped
     prune_dynamic: float = 0.0006  # and dynamic ones, which take more bytes
-    shortest_life: float = 0.05  # in frames: half the life of the briefest splat
+    shortest_life: float = 0.05  # frames; half the life of the briefest splat
     slice_seconds: float = 0.5
-    static_chunk_splats: int = 4096  # at most
-    dynamic_chunk_splats: int = 8192  # at most
+    static_chunk_splats: int = 4096  # most splats
+    dynamic_chunk_splats: int = 8192  # most splats
     small_chunk_splats: int = 1024  # chunks of fewer splats are joined with the next
-    compression_level: int = 19  # of zstd
+    compression_level: int = 19  # zstd level
 
     def __post_init__(self) -> None:
         """Check every range.

@@ -16,14 +16,17 @@ __all__ = ["find_captured_space"]
 Triple = tuple[float, float, float]
 
 MARGIN = (math.radians(5), math.radians(15))
-"""How far beyond the outermost camera one may look, at least and at most. In between it is the typical angle from a
-camera to the next: what is right from two cameras is about right between them, and about as far beyond them."""
+"""The least and largest angle beyond the outermost camera, radians.
+
+In between it is the typical angle from a camera to the next: a scene that is right from two cameras is about right
+between them, and about as far beyond them.
+"""
 
 WIDEST_GAP = math.radians(90)  # between neighbours of a circle that is closed
 STEEPEST = math.radians(75)  # elevation from which on an azimuth says nothing
 CLOSER, FARTHER = 0.5, 1.25
 """Of the nearest and of the farthest camera's distance. At half the distance the capture's pixels are two pixels wide;
-from farther away one sees what stood at the rims of the pictures, and what was behind the cameras."""
+from farther away the rims of the pictures and the space behind the cameras come into view."""
 
 
 def find_captured_space(cameras: Sequence[Camera], center: Triple, up: Triple) -> CapturedSpace | None:

@@ -21,16 +21,16 @@ from hgs_core.scene.rotations import product
 
 __all__ = ["CHECKED_MOMENTS", "Path", "highest_order", "motion_numbers", "turning_numbers"]
 
-CHECKED_MOMENTS = 9  # of a splat's visible life at which errors are weighed and checked
+CHECKED_MOMENTS = 9  # moments of a visible life with weighed and checked errors
 ORDER_COST_BITS = {0: 0.0, 1: 16.0, 2: 32.0, 3: 48.0, 5: 80.0}  # bits, about; these orders can be written
 COST_OF_TURNING = 24.0
 LARGEST_PATH_SHIFT = 3.0  # steps by which a path may be off, faded, where a lower order is worth it
 LARGEST_PATH_ERROR = 7.9  # steps by which all that is left out and rounded may shift it: 8 are an error of the encoder
 COARSEST_COEFFICIENT_ROUNDING = 6  # powers of two by which coefficients may be rounded more coarsely
-NEAR_ROUNDINGS = 27 + 2  # of these roundings: those within a few steps
+NEAR_ROUNDINGS = 27 + 2  # roundings within a few steps
 LARGEST_TURN_MISFIT = 1.0  # squared steps by which a turn may miss its path
-LEAST_QUATERNION_W = 0.2  # of a quaternion that is told by its vector part over its w
-LEAST_INDEPENDENT_SHARE = 1e-6  # of a coefficient that lower ones do not make good: less is taken to be this
+LEAST_QUATERNION_W = 0.2  # least w of a quaternion coded as vector part over w
+LEAST_INDEPENDENT_SHARE = 1e-6  # least share of a coefficient that lower ones cannot represent
 CONJUGATE = (1.0, -1.0, -1.0, -1.0)
 
 
@@ -61,7 +61,7 @@ class Path:
 
     @property
     def weights(self) -> Doubles:
-        """The share [N, CHECKED_MOMENTS] of each moment in what a splat does to the pictures."""
+        """The share [N, CHECKED_MOMENTS] of each moment in a splat's effect on the pictures."""
         squares = self.fade**2 + 1e-12
         return np.asarray(squares / squares.sum(axis=1, keepdims=True))
 
@@ -156,7 +156,7 @@ def _roundings(exact: Doubles) -> Whole:
 
 
 def _own_part(offsets: Doubles, order: int, weights: Doubles) -> Doubles:
-    """Return what no lower powers make good [M, J] of a power of `offsets` [M, J]."""
+    """Return the part [M, J] of a power of `offsets` [M, J] that lower powers cannot represent."""
     # Relative to their middle: there the power differs by lower ones alone, and nothing is lost far from the centre.
     near = offsets - offsets.mean(axis=1, keepdims=True)
     power = near[..., None] ** order

@@ -1,4 +1,4 @@
-"""What an encoder may change before quantisation because no picture shows it; everything after keeps error bounds."""
+"""Changes before quantisation that no picture shows; everything after keeps error bounds."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from hgs_core.scene.temporal import lifetime
 __all__ = ["Prepared", "prepare_dynamic", "prepare_static"]
 
 LARGEST_TIME = 1000.0  # |mu|, in lengths of the segment
-LEAST_UTILITY = 1e-4  # what shows less has the steps of this
+LEAST_UTILITY = 1e-4  # splats below have the steps of this utility
 NEGLIGIBLE_OPACITY = 1 / 255  # below it no pixel is touched
 STEADY_LOG_OPACITY = 1e-4  # a splat whose ln(opacity) changes less than this in its segment does not fade
 MEANINGFUL_INFINITIES = {
@@ -146,7 +146,7 @@ def _weighed(
     settings: EncodeSettings,
     antialiased: bool,
 ) -> Prepared:
-    """Add utility, scale and what antialiasing makes of shapes, and drop what shows too little."""
+    """Add utility, scale and antialiased shapes, and drop splats that show too little."""
     opacity = values["opacity"][:, 0]
     scale = pixels_per_unit(points, cameras) if len(points) else np.zeros(0)
     kept = opacity >= NEGLIGIBLE_OPACITY

@@ -13,7 +13,7 @@ __all__ = ["EXCHANGE", "choose", "neighbours"]
 # What a bit is worth in squared steps. At a high rate the squared error of a uniform quantiser, step^2 / 12, falls by
 # a factor of 4 per bit: its derivative is ln(4) / 12.
 EXCHANGE = float(np.log(4) / 12)
-CHOICE_ROUNDS = 3  # of choosing codes and counting them again
+CHOICE_ROUNDS = 3  # rounds of choosing codes and counting them again
 
 
 def neighbours(exact: Doubles) -> Whole:

@@ -46,7 +46,7 @@ class Steps:
     blur: float  # world units
     shape: float
     rotation: float
-    opacity: float  # of what `eased` takes to the opacity
+    opacity: float  # step of the number that `eased` maps to the opacity
     rgb: float
     own_position: Doubles  # [N]
     own_shape: Doubles

@@ -16,12 +16,12 @@ __all__ = ["GRADES", "SetUtility", "Utility", "estimated_utility", "grades", "pi
 
 GRADES = (-4, 3)  # smallest and largest; a grade is a factor of 2 in the width of steps
 LOW_PASS = 0.3  # pixels squared that rendering adds to a splat's variance (docs/numerics.md, "Projection")
-GUESSED_TRANSMITTANCE = 0.5  # of what lies before a splat, where nothing was measured
+GUESSED_TRANSMITTANCE = 0.5  # transmittance before a splat without measurements
 
 
 @dataclass(frozen=True)
 class SetUtility:
-    """What each splat of a set does to the capture's pictures, means over the views.
+    """The utility of each splat of a set: its effect on the capture's pictures, means over the views.
 
     `shown` is what the squared error of the picture grows by for a unit error of the splat's colour (a channel),
     `missed` what it grows by (all three channels) if this splat alone is left out and what lies behind it shows;
@@ -38,14 +38,14 @@ class SetUtility:
 
 @dataclass(frozen=True)
 class Utility:
-    """What the splats of a scene do to the capture's pictures."""
+    """The utility of the splats of a scene."""
 
     static: SetUtility
-    dynamic: tuple[SetUtility, ...]  # for each segment, over all views of the whole scene
+    dynamic: tuple[SetUtility, ...]  # one for each segment, over all views of the whole scene
 
 
 def pixels_per_unit(points: Doubles, cameras: Sequence[Camera]) -> Doubles:
-    """Return how many pixels a world unit at each of `points` [N, 3] fills: root mean square over who sees it, [N].
+    """Return the pixels of a world unit at each of `points` [N, 3]: root mean square over the cameras that see it, [N].
 
     A point in no camera's picture has what it would fill in that of the nearest one.
     """

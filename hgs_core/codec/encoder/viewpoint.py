@@ -21,7 +21,7 @@ GUESS_WEIGHT = 0.02
 
 @dataclass(frozen=True)
 class Viewpoint:
-    """What the capture's cameras have in common."""
+    """The common viewpoint of a capture's cameras."""
 
     up: tuple[float, float, float]  # unit vector: the mean of the cameras' upward directions
     center: tuple[float, float, float]  # the point the cameras look at, world units

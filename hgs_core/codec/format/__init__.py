@@ -1,3 +1,3 @@
-"""What docs/format.md says, and nothing about how chunks are made small: containers, attributes, manifest, decoding."""
+"""The format of docs/format.md without the encoder: containers, attributes, manifest, decoding."""
 
 __all__: list[str] = []

@@ -17,7 +17,7 @@ I = TypeVar("I", bound=np.integer)  # noqa: E741
 
 
 class Kind(IntEnum):
-    """What the splats of a chunk are."""
+    """The kinds of splats in a chunk."""
 
     STATIC = 0
     DYNAMIC = 1
@@ -34,7 +34,7 @@ class Attribute:
     transforms: tuple[Transform, ...] = (Transform.NONE, Transform.DELTA)  # those a decoder accepts
     dynamic_only: bool = False
     rows_of: int = 0  # order of motion, or bit of "form", that a splat must have to have a row; 0: every splat has one
-    version: int = 2  # of the format, from which on it is known
+    version: int = 2  # first format version with the attribute
 
     def planes(self, bits: int) -> int:
         """Return how many bytes a row has before compression."""

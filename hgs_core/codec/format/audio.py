@@ -22,7 +22,7 @@ class AudioPiece:
     id: str  # SHA-256 of its bytes, lower-case hex; pieces of equal content have one
     bytes: int
     start: float  # seconds on the scene's clock
-    end: float  # after `start`; its last decoded sample ends then
+    end: float  # end of its last decoded sample, after `start`
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class AudioEntry:
     codec: str  # "opus" (in Ogg) or "aac" (in ADTS); readers play no other
     sample_rate: int
     channels: int
-    pieces: tuple[AudioPiece, ...]  # in order of time; they do not overlap, and need not touch
+    pieces: tuple[AudioPiece, ...]  # sorted; they do not overlap, and need not touch
 
     @property
     def sizes(self) -> dict[str, int]:
@@ -77,7 +77,7 @@ class CodedAudio:
     """The sound of a scene with the bytes of its pieces."""
 
     entry: AudioEntry
-    chunks: Mapping[str, bytes]  # by id
+    chunks: Mapping[str, bytes]  # id -> bytes
 
     def moved(self, seconds: float, start: float, end: float) -> CodedAudio | None:
         """Return it `seconds` later, and of it the pieces that sound from `start` to `end`; None if none do."""

@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 MAGIC = b"HGSC"
-VERSIONS = (2, 3)  # of the format; the second has motions of the fifth order
+VERSIONS = (2, 3)  # format versions; the second has motions of the fifth order
 MAX_SPLATS = 1 << 20
 MAX_CHUNK_BYTES = 1 << 28
 
@@ -46,7 +46,7 @@ class Bounds(NamedTuple):
     position: float  # world units, per axis, at any moment, in proportion to how far the splat has faded
     blur: float  # world units: the standard deviation added in every direction before shapes are compared
     shape: float  # |ln| of the ratio of standard deviations in any direction
-    opacity: float  # at any moment
+    opacity: float  # largest opacity at any moment
     rgb: float
 
 

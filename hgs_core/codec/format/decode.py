@@ -57,9 +57,11 @@ Rows = Mapping[str, NDArray[np.intp] | int]
 
 @dataclass(frozen=True)
 class DecodedChunk:
-    """What a chunk holds, float32. Static: means [N, 3], quats [N, 4]. Dynamic: motion [N, K, 3], rotation [N, 2, 4],
-    time_centers [N], time_log_precisions [N]; K is 6 if a splat moves in the fifth order, else 4. Both:
-    log_scales [N, 3], opacities [N] in [0, 1], rgb [N, 3].
+    """The decoded content of a chunk, float32.
+
+    Static: means [N, 3], quats [N, 4]. Dynamic: motion [N, K, 3], rotation [N, 2, 4], time_centers [N],
+    time_log_precisions [N]; K is 6 if a splat moves in the fifth order, else 4. Both: log_scales [N, 3], opacities [N]
+    in [0, 1], rgb [N, 3].
     """
 
     kind: Kind
@@ -124,7 +126,7 @@ def _decoded(container: Container) -> DecodedChunk:
     for stream in container.streams:
         attribute = BY_ID.get(stream.attribute)
         if attribute is None or (attribute.dynamic_only and container.kind == Kind.STATIC):
-            continue  # of a later version of the format
+            continue  # a later version's attribute
         if attribute.version > container.version:
             continue
         check_entry(stream, attribute)
@@ -207,7 +209,7 @@ def rows_of(
     rows: dict[str, NDArray[np.intp] | int] = dict.fromkeys(DENSE[kind], count)
     if codes is None:
         return rows
-    members: dict[int, NDArray[np.intp]] = {}  # by what a splat must have; two attributes may ask the same
+    members: dict[int, NDArray[np.intp]] = {}  # requirement -> splats; two attributes may have the same
     for name, attribute in SPARSE.items():
         wanted = attribute.rows_of
         if wanted not in members:

@@ -1,4 +1,4 @@
-"""What a decoder says about bytes that are not a valid chunk."""
+"""The error of a decoder about bytes that are not a valid chunk."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def continues(later: Document, earlier: Document) -> bool:
 
 
 def index_continues(later: Document, earlier: Document, page: bytes, last: bytes) -> bool:
-    """Return what `continues` says of two manifests in pages, from their indexes, as plain JSON, and two pages alone.
+    """Return whether a manifest in pages `continues` another, from their indexes, as plain JSON, and two pages alone.
 
     `last` is the last page of the earlier one, and `page` what the later one has in its place.
 
@@ -58,7 +58,7 @@ def replaces(later: bytes, earlier: bytes) -> bool:
 
 
 def first_segments(manifest: Manifest, count: int) -> Manifest:
-    """Return the manifest of a scene's first `count` segments, at least one: what it is as long as it has no others."""
+    """Return the manifest of a scene's first `count` segments, at least one, as if it had no others yet."""
     segments = manifest.segments[:count]
     rest = len(manifest.segments) > count
     return dataclasses.replace(

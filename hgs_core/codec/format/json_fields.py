@@ -25,7 +25,7 @@ class Field:
     value: Any
 
     def error(self, problem: str, cure: str = "") -> InputError:
-        """Return the error that says what is wrong with this field."""
+        """Return the error about this field."""
         return InputError(self.path, problem, cure)
 
     def __getitem__(self, name: str) -> Field:

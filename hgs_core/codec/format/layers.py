@@ -1,4 +1,4 @@
-"""The layers of a scene's chunks: what a picture begins with, and what refines it (docs/format.md, "Layers")."""
+"""The layers of a scene's chunks: the base of a picture, and its refinements (docs/format.md, "Layers")."""
 
 from __future__ import annotations
 

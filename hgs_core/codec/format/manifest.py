@@ -41,7 +41,7 @@ class SegmentEntry:
 
 @dataclass(frozen=True)
 class SliceEntry:
-    """A part of a segment: whatever lives at a moment of it is in `chunks` and `needs`."""
+    """A part of a segment: every splat alive at a moment of it is in `chunks` or `needs`."""
 
     segment: int  # index
     start: float  # seconds
@@ -70,19 +70,19 @@ class Manifest:
     frame_rate: float  # frames per second, above 0
     background: Triple  # sRGB in [0, 1]
     up: Triple  # unit vector, world
-    center: Triple  # what an orbit camera turns about, world units
+    center: Triple  # pivot of an orbit camera, world units
     extent: float  # typical distance of the cameras from `center`, above 0
     cameras: tuple[Camera, ...]
     segments: tuple[SegmentEntry, ...]
     static: tuple[ChunkEntry, ...]  # most visible first: any prefix draws
-    slices: tuple[SliceEntry, ...]  # in order of time
+    slices: tuple[SliceEntry, ...]  # sorted by time
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
-    captured_space: CapturedSpace | None = None  # from where it can be looked at with trust; None: not known
+    captured_space: CapturedSpace | None = None  # viewpoints that can be trusted; None: unknown
     metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
-    audio: AudioEntry | None = None  # what is heard; None: nothing
-    version: int = VERSIONS[0]  # of the format: the latest of any chunk
+    audio: AudioEntry | None = None  # sound; None: none
+    version: int = VERSIONS[0]  # format version, the latest of any chunk
     live: int | None = None  # the scene grows, and this is its manifest's number, from 1; None: it is complete
 
     @property

@@ -15,7 +15,7 @@ __all__ = ["LIMBS", "LIMB_BITS", "differences", "grid_points", "interleave", "or
 LIMBS = 3
 LIMB_BITS = 24
 LIMB_MASK = np.uint64((1 << LIMB_BITS) - 1)
-WORD_BITS = 21  # of a coordinate whose Morton code fits into 63 bits
+WORD_BITS = 21  # bits of a coordinate; three fit into a code of 63 bits
 DIGIT = 15  # bits of a code that are looked up at once: five of each coordinate
 
 Limbs = NDArray[np.uint64]  # [N, 3]
@@ -80,7 +80,7 @@ def _points_of_words(planes: NDArray[np.uint8], bits: int) -> NDArray[np.uint32]
     fits = 8 * used + count.bit_length() <= 64
     if int(codes[-1]) >> 3 * bits or (not fits and (codes[1:] < codes[:-1]).any()):
         raise ValueError("beyond the grid")
-    places = codes.view(np.int64)  # of 63 bits at most; what indices are, so that none is converted
+    places = codes.view(np.int64)  # 63 bits at most; the type of indices, so that none is converted
     low = (1 << DIGIT) - 1
     packed = _GATHER.take(places & low)
     for digit in range(1, -(-3 * bits // DIGIT)):

@@ -31,7 +31,7 @@ class PageEntry:
 
     id: str  # SHA-256 of its bytes, lower-case hex
     bytes: int
-    start: float  # of its first slice, seconds
+    start: float  # start of its first slice, seconds
     segments: int  # how many are in it
 
 
@@ -49,7 +49,7 @@ def read_index(data: bytes, where: object = "index") -> dict[str, Any]:
 
 
 class PagedManifest:
-    """What an index and some of its pages say.
+    """The manifest as far as an index and some of its pages describe it.
 
     In place of a page that has not come, `manifest` has a slice of one chunk, which is the page itself: the slice
     cannot be shown without it, as without any other chunk. Where a scene has grown, an earlier version of its last page
@@ -65,9 +65,9 @@ class PagedManifest:
         root = field_of(dict(index), where)
         self.pages: tuple[PageEntry, ...] = ()
         self._where = where
-        self._read: dict[float, tuple[str, Page]] = {}  # by the start, with their ids
-        self._places: dict[str, int] = {}  # of the pages, by their ids
-        self._parts: list[_Part] = []  # what each of them, or what stands for it, brings
+        self._read: dict[float, tuple[str, Page]] = {}  # start -> id and page
+        self._places: dict[str, int] = {}  # id -> place of the page
+        self._parts: list[_Part] = []  # contribution of each page, or of its stand-in
         self._manifest: Manifest | None = None
         if root["format"].value != INDEX_FORMAT:
             self._manifest = read_manifest(root.value, where)
@@ -140,7 +140,7 @@ class PagedManifest:
         return page if name == entry.id else None
 
     def _arrange(self) -> None:
-        """Work out where every page stands, and what it brings; a page that comes changes its own part alone."""
+        """Work out the place and contribution of every page; an arriving page changes its own part alone."""
         counts = [entry.segments for entry in self.pages]
         self._firsts = list(accumulate(counts, initial=0))
         self._places = {entry.id: place for place, entry in enumerate(self.pages)}
@@ -175,7 +175,7 @@ class PagedManifest:
 
 
 class _Part(NamedTuple):
-    """What a page brings to the manifest, its segments numbered in the whole scene."""
+    """The contribution of a page to the manifest, its segments numbered in the whole scene."""
 
     segments: Sequence[SegmentEntry]
     slices: Sequence[SliceEntry]
@@ -192,7 +192,7 @@ def _entry(field: Field) -> PageEntry:
 
 
 def _header(field: Field) -> Manifest:
-    """Read what an index says of the whole scene; the manifest has a segment and a slice in which nothing moves."""
+    """Read an index's description of the whole scene; the manifest has one segment and one slice without motion."""
     document = dict(field.mapping())
     audio = document.pop("audio", None)
     span = {"start": field["start"].number(), "end": field["end"].number(low=field["start"].number())}

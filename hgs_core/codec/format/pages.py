@@ -23,12 +23,12 @@ _ID = 32  # bytes
 
 @dataclass(frozen=True)
 class Columns:
-    """A page as it is stored: what its rows say, column by column."""
+    """A page as it is stored: its rows, column by column."""
 
     segments: Sequence[tuple[float, float]]  # start and end, seconds
     slices: Sequence[tuple[float, float]]
     pieces: Sequence[tuple[float, float]]
-    boxes: Sequence[Sequence[float]]  # of chunks: two corners, one after the other
+    boxes: Sequence[Sequence[float]]  # chunks' boxes: two corners, one after the other
     segment_slices: Sequence[int]  # how many slices each segment has
     slice_chunks: Sequence[int]  # how many chunks each slice has
     slice_needs: Sequence[int]
@@ -36,7 +36,7 @@ class Columns:
     chunk_bytes: Sequence[int]
     chunk_splats: Sequence[int]
     piece_bytes: Sequence[int]
-    ids: Sequence[bytes]  # of chunks, then of pieces
+    ids: Sequence[bytes]  # ids of chunks, then of pieces
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Page:
 
     segments: tuple[SegmentEntry, ...]
     slices: tuple[SliceEntry, ...]  # `segment` counts from the page's first
-    pieces: tuple[AudioPiece, ...]  # of sound that begins in this time
+    pieces: tuple[AudioPiece, ...]  # pieces of sound that begin in this time
 
 
 def read_columns(data: bytes, where: object = "page") -> Columns:

@@ -24,15 +24,15 @@ INDEX_VERSION = 1
 WHOLE = 256  # chunks of slices, up to which a scene has no pages, unless it grows
 PAGE = 128  # chunks with which a page is full
 
-_LEVEL = 6  # of gzip: ids do not compress
+_LEVEL = 6  # gzip level: ids do not compress
 
 
 @dataclass(frozen=True)
 class PagedScene:
-    """What a scene is published as beside its manifest."""
+    """The published forms of a scene beside its manifest."""
 
     index: bytes  # index.hgs
-    pages: Mapping[str, bytes]  # by id, in order of time; none of a short scene, whose index is its manifest
+    pages: Mapping[str, bytes]  # id -> page, in order of time; none for a short scene: its index is its manifest
 
     def packed(self, manifest: bytes) -> bytes:
         """Return all in one, for the manifest with these bytes."""

@@ -22,7 +22,7 @@ __all__ = [
 ]
 
 MAX_BITS = 24
-MAX_ZERO = 1 << 28  # with it (code - zero) * step is exact in binary64, so that it is rounded once
+MAX_ZERO = 1 << 28  # keeps (code - zero) * step exact in binary64, so that it is rounded once
 
 _EXACT = 1 << 24  # whole numbers up to it are exact in binary32
 
@@ -37,7 +37,7 @@ class Grid(NamedTuple):
     bits: int
 
     def largest(self) -> int:
-        """Return what no |code - zero| exceeds."""
+        """Return the upper bound of |code - zero|."""
         return max(max(self.zeros), -min(self.zeros)) + (1 << self.bits)
 
     def decode(self, codes: NDArray[np.unsignedinteger[Any]]) -> Floats:
@@ -87,7 +87,7 @@ def unit_quats(vector: Floats, out: Floats | None = None) -> Floats:
 
 
 def eased(x: NDArray[np.floating[Any]]) -> Doubles:
-    """Return x x (3 - 2 x) in binary64 of numbers limited to [0, 1]: opacity, of what is stored for it.
+    """Return x x (3 - 2 x) in binary64 of numbers limited to [0, 1]: the opacity of a stored number.
 
     Equal steps of x are finer steps of opacity near 0, where its ratio counts, and near 1.
     """

@@ -38,7 +38,7 @@ CHUNKS = "chunks"
 THUMBNAIL = "thumbnail.jpg"
 
 ENCODE_AGAIN = "encode the scene again: hgs encode RUN"
-"""What helps when a scene folder is damaged."""
+"""The cure for a damaged scene folder."""
 
 
 def load_manifest(path: Path) -> Manifest:

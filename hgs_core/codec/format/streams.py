@@ -22,7 +22,7 @@ _threads = local()
 
 
 class Transform(IntEnum):
-    """What is done to the codes before they are split into planes; differences are modulo 2^bits, then zigzag."""
+    """The transform of codes before they are split into planes; differences are modulo 2^bits, then zigzag."""
 
     NONE = 0
     DELTA = 1  # each row minus the one before it (the first minus zero), per component

@@ -18,7 +18,7 @@ __all__ = ["check_entry", "read_codes", "read_values"]
 
 
 def check_entry(stream: Stream, attribute: Attribute) -> None:
-    """Check an attribute's row of the table against what the attribute must be.
+    """Check an attribute's row of the table against the attribute's definition.
 
     Raises:
         ChunkError: a number of the row is not what the format allows.

@@ -34,14 +34,14 @@ __all__ = ["GLB", "glb_file", "read_gaussian_glb"]
 
 EXTENSION = "KHR_gaussian_splatting"
 SRGB, LINEAR = "srgb_rec709_display", "lin_rec709_display"
-UNDERSTOOD = {EXTENSION, "KHR_mesh_quantization", "KHR_materials_unlit"}  # of what files may require
+UNDERSTOOD = {EXTENSION, "KHR_mesh_quantization", "KHR_materials_unlit"}  # supported requirements of files
 _ROTATION, _SCALE, _OPACITY = (f"{EXTENSION}:{name}" for name in ("ROTATION", "SCALE", "OPACITY"))
 _COLOUR = f"{EXTENSION}:SH_DEGREE_0_COEF_0"
 _HARMONICS = [[f"{EXTENSION}:SH_DEGREE_{degree}_COEF_{n}" for n in range(2 * degree + 1)] for degree in (1, 2, 3)]
 
 
 def glb_file(splats: StaticSplats[Floats], antialiased: bool = False) -> Written:
-    """Return a GLB file of degree 0, 60 bytes a splat, whose asset has a note on how it is drawn.
+    """Return a GLB file of degree 0, 60 bytes a splat, with a note on its drawing in the asset.
 
     Raises:
         InputError: there are no splats: glTF knows no empty arrays.
@@ -150,7 +150,7 @@ class _Ellipsoids(NamedTuple):
 def _ellipsoids(
     asset: GltfAsset, attributes: Mapping[str, object], extension: Mapping[str, Any]
 ) -> tuple[_Ellipsoids, list[Change]]:
-    """Return the splats of one primitive, and what was left out or changed."""
+    """Return the splats of one primitive, with omissions and changes."""
     kernel, space, deeper = (extension.get(name) for name in ("kernel", "colorSpace", "extensions"))
     if deeper:
         raise InputError(asset.path, f"stores splats by {', '.join(deeper)}", "export it without, as plain numbers")
@@ -199,7 +199,7 @@ def _placed(found: _Ellipsoids, world: Doubles) -> _Ellipsoids:
 
 
 def _in_floats(found: _Ellipsoids, middle: Doubles | None) -> StaticSplats[Floats]:
-    """Return splats in numbers of 32 bits, less what is subtracted from all places."""
+    """Return splats in numbers of 32 bits, with the offset subtracted from all places."""
     means = found.means if middle is None else found.means - middle
     return StaticSplats(
         means.astype(np.float32),

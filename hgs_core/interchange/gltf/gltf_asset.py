@@ -1,4 +1,4 @@
-"""What a glTF 2.0 document and its block of bytes hold: arrays of numbers, and meshes in their places."""
+"""The content of a glTF 2.0 document and its block of bytes: arrays of numbers, and meshes in their places."""
 
 from __future__ import annotations
 

@@ -20,12 +20,12 @@ from hgs_core.scene.splats import StaticSplats
 
 __all__ = ["LARGEST_LOGIT", "NO_NEGATIVE_COLOUR", "gaussian_ply", "gaussian_splats", "harmonics"]
 
-LARGEST_LOGIT = 30.0  # of an opacity that is written: viewers take the sigmoid
+LARGEST_LOGIT = 30.0  # largest logit written: viewers take the sigmoid
 NO_NEGATIVE_COLOUR = "viewers of the format draw none below 0"
 
 
 def gaussian_splats(path: Path, table: Table, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
-    """Return the splats of a table that `read_ply` read from `path`, and what was left out.
+    """Return the splats of a table that `read_ply` read from `path`, and the omissions.
 
     Raises:
         InputError: a property is missing, or may mean one thing or another.

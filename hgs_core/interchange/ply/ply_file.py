@@ -21,7 +21,7 @@ def _read(path: Path, reading: Reading) -> ReadSplats:
     antialiased = noted(file.comments)
     if is_compressed(table):
         table = unpacked(path, table, file.chunks)
-    if is_compressed(file.vertices) or antialiased is not None:  # of programs that know what belongs there
+    if is_compressed(file.vertices) or antialiased is not None:  # written by programs that know the format
         reading = dataclasses.replace(reading, activated=False)
     found = (spacetime_splats if is_spacetime(table) else gaussian_splats)(path, table, reading)
     return dataclasses.replace(found, antialiased=antialiased, changes=(*file.changes, *found.changes))

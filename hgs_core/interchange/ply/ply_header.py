@@ -51,8 +51,8 @@ class PlyProperty:
     """One number of every row of an element, or a list of them."""
 
     name: str
-    kind: str  # of the numbers, as numpy names it without the byte order
-    length: str = ""  # of a list: the kind of the number that says how long it is
+    kind: str  # numpy's name of the type, without the byte order
+    length: str = ""  # type of a list's length; "" for a number
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class PlyElement:
 
 @dataclass(frozen=True)
 class PlyHeader:
-    """What a file says of itself."""
+    """The header of a file."""
 
     format: NumberFormat
     elements: tuple[PlyElement, ...]

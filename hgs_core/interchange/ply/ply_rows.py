@@ -17,7 +17,7 @@ from hgs_core.interchange.ply.ply_header import NumberFormat, PlyElement, PlyHea
 __all__ = ["element_columns"]
 
 Columns = dict[str, NDArray[Any]]
-_LINE = re.compile(rb"[^\r\n]*[^\s][^\r\n]*")  # with something on it
+_LINE = re.compile(rb"[^\r\n]*[^\s][^\r\n]*")  # a line that is not blank
 
 
 def element_columns(path: Path, data: bytes, header: PlyHeader, wanted: frozenset[str]) -> dict[str, Columns]:
@@ -79,7 +79,7 @@ def _rows(path: Path, data: bytes, at: int, element: PlyElement, row: np.dtype[A
 def _columns(rows: NDArray[Any], element: PlyElement) -> Columns:
     return {
         one.name: rows[one.name].astype(one.kind, copy=False) for one in element.properties if not one.length
-    }  # in the byte order of this machine
+    }  # native byte order
 
 
 def _first_lengths(data: bytes, at: int, element: PlyElement, order: str) -> dict[str, int] | None:
@@ -123,7 +123,7 @@ def _of_uneven_bytes(path: Path, data: bytes, at: int, element: PlyElement, orde
 
 
 def _of_text(path: Path, data: bytes, at: int, element: PlyElement, needed: bool) -> tuple[Columns, int]:
-    """Return the columns of an element whose first line begins at a byte, and where it ends."""
+    """Return the columns of an element with its first line at a byte, and its end."""
     width = len(element.properties)
     if not needed or element.has_lists:
         lines = _lines(path, data, at, element)

@@ -27,7 +27,7 @@ from hgs_core.scene.temporal import lifetime
 
 __all__ = ["frame_files", "is_sequence", "read_sequence", "write_sequence"]
 
-SPLAT_BYTES = 68  # of a 3DGS file of degree 0
+SPLAT_BYTES = 68  # bytes of a splat in a 3DGS file of degree 0
 _NUMBERED = re.compile(r"(.*?)(\d+)\.ply", re.IGNORECASE)
 
 
@@ -39,7 +39,7 @@ def is_sequence(path: Path) -> bool:
 def write_sequence(
     scene: HybridScene[Floats], folder: Path, frame_rate: float, progress: ProgressCallback
 ) -> tuple[Change, ...]:
-    """Write a scene that moves as `folder`/frame_0000.ply and so on; returns what the files lack of it.
+    """Write a scene that moves as `folder`/frame_0000.ply and so on; return the losses.
 
     One frame is in memory at a time; the folder appears when all are written.
 

@@ -25,12 +25,12 @@ VERTEX, CHUNK = "vertex", "chunk"
 
 @dataclass(frozen=True)
 class PlyFile:
-    """What is read of a file: columns [N] by property name, in the types of the file."""
+    """The table of a file: columns [N] by property name, in the types of the file."""
 
     vertices: Table
     chunks: Table | None  # the bounds of packed numbers, where there are any
     comments: tuple[str, ...]
-    changes: tuple[Change, ...]  # what was left out in reading
+    changes: tuple[Change, ...]  # omissions in reading
 
 
 def read_ply(path: Path) -> PlyFile:

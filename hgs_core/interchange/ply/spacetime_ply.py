@@ -29,7 +29,7 @@ OMEGA = tuple(f"omega_{i}" for i in range(4))
 FEATURES = ("f_t", "f_dir", "f_rest")  # prefixes of what the full model's network takes
 STEADY = 5.0  # trbf_scale with which an opacity changes by less than 1 / 20,000 in [0, 1]
 STEADIEST = 10.0  # trbf_scale written for splats that never fade, and the largest
-BRIEFEST = -20.0  # of splats that live for one instant, and the least
+BRIEFEST = -20.0  # the least, for splats that live for one instant
 
 
 def is_spacetime(table: Table) -> bool:
@@ -38,7 +38,7 @@ def is_spacetime(table: Table) -> bool:
 
 
 def spacetime_splats(path: Path, table: Table, reading: Reading = NOTHING_KNOWN) -> ReadSplats:
-    """Return the splats of a table that `read_ply` read, and what was left out.
+    """Return the splats of a table that `read_ply` read, and the omissions.
 
     A splat that neither moves nor turns nor fades becomes static.
 

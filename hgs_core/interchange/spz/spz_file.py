@@ -30,9 +30,9 @@ __all__ = ["SPZ", "read_spz", "spz_file"]
 
 USUAL = 3  # every reader takes it, and at degree 0 version 4 saves a twenty-fifth
 HEADER = struct.Struct("<4sII4B")  # magic, version, count, degree, bits, flags, in version 4 the number of planes
-TABLE_AT = struct.Struct("<I12x")  # what the header of version 4 ends with
-SIZES = struct.Struct("<QQ")  # of a plane: compressed, plain
-RECORD = struct.Struct("<II")  # of an extension: type, length of what follows
+TABLE_AT = struct.Struct("<I12x")  # end of the header of version 4
+SIZES = struct.Struct("<QQ")  # bytes of a plane: compressed, plain
+RECORD = struct.Struct("<II")  # an extension: type, length of its data
 MAGIC = b"NGSP"
 ANTIALIASED, EXTENSIONS = 1, 2  # flags
 AXES, RIGHT_UP_BACK = 0xADBE0003, (0, 4)  # the extension that names the axes, and which of its values are ours to read
@@ -69,7 +69,7 @@ def spz_file(splats: StaticSplats[Floats], *, antialiased: bool = False, version
 
 
 def read_spz(path: Path) -> tuple[StaticSplats[Floats], bool, list[Change]]:
-    """Read an SPZ file; returns the splats, whether they were trained antialiased, and what was left out.
+    """Read an SPZ file; return the splats, whether they were trained antialiased, and the omissions.
 
     Raises:
         InputError: the file is missing, damaged, of another version, or in axes other than right, up, back.
@@ -153,7 +153,7 @@ def _planes(parts: list[bytes], count: int, each: tuple[int, ...]) -> Planes:
 
 
 def _extensions(path: Path, records: bytes) -> list[Change]:
-    """Return what is left out with the records of extensions."""
+    """Return the omissions of extensions' records."""
     left, at = [], 0
     while at + RECORD.size <= len(records):
         kind, size = RECORD.unpack_from(records, at)

@@ -49,7 +49,7 @@ class Planes(NamedTuple):
 
 
 class Packed(NamedTuple):
-    """Planes, the fractional bits of their positions, and what they change of the splats."""
+    """Planes, the fractional bits of their positions, and the changes of splats."""
 
     planes: Planes
     bits: int
@@ -110,7 +110,7 @@ def _changes(splats: StaticSplats[Floats], xyzw: Doubles, planes: Planes) -> lis
 
 
 def unpack(planes: Planes, bits: int) -> tuple[StaticSplats[Floats], list[Change]]:
-    """Return the splats of planes, and what was left out."""
+    """Return the splats of planes, and the omissions."""
     wide = np.zeros((len(planes.positions), 3, 4), np.uint8)
     wide[..., 1:] = planes.positions.reshape(-1, 3, 3)  # the sign bit on top
     places = (wide.view("<i4")[..., 0] >> 8) / 2.0**bits

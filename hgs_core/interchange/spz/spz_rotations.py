@@ -9,7 +9,7 @@ from hgs_core.base.arrays import Doubles
 
 __all__ = ["pack_first_three", "pack_smallest_three", "unpack_first_three", "unpack_smallest_three"]
 
-_NINE_BITS = 511 * 2**0.5  # of a share of the root of a half, which no component but the largest exceeds
+_NINE_BITS = 511 * 2**0.5  # 511 stands for the root of a half, the limit of all but the largest component
 
 
 def pack_first_three(xyzw: Doubles) -> NDArray[np.uint8]:

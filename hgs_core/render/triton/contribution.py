@@ -19,7 +19,7 @@ __all__ = ["contributions_triton"]
 def contributions_triton(
     static: StaticSplats[Tensor] | None, dynamic: DynamicSplats[Tensor] | None, view: View
 ) -> Contributions:
-    """Weigh the splats as `hgs_core.render.contributions` describes; raises what `rasterize_triton` raises."""
+    """Weigh the splats as `hgs_core.render.contributions` describes; raises the errors of `rasterize_triton`."""
     colours = [splats.rgb for splats in (static, dynamic) if splats is not None]
     device = require_device(colours[0] if colours else None)
     static, dynamic = prepared_for(device, static, False), prepared_for(device, dynamic, False)

@@ -21,7 +21,7 @@ _CHUNK = 32  # splats between two looks at whether a tile is finished
 
 @dataclass(frozen=True)
 class Drawn:
-    """What the derivative needs besides the pictures."""
+    """The state for the derivative besides the pictures."""
 
     screen: Screen
     lists: TileLists

@@ -30,7 +30,7 @@ class TileLists:
 
     across: int  # tiles
     drawn_tiles: Tensor | None  # [D] int32, row-major; None: all
-    tiles: int  # that are drawn
+    tiles: int  # drawn tiles
     counts: Tensor  # [K] int32 entries of each splat
     first_entries: Tensor  # [K] int64 of each splat, before sorting by tile
     order: Tensor  # [E] int64 where each entry was before

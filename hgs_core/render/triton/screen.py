@@ -1,4 +1,4 @@
-"""Both sets on the screen: what projection leaves on the device for the passes behind it."""
+"""Both sets on the screen: the result of projection, kept on the device for later passes."""
 
 from __future__ import annotations
 

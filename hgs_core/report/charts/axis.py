@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 __all__ = ["Axis", "linear_axis", "tick_text", "ticks_within"]
 
-_STEP_ROUNDING = 1e-9  # of a step
+_STEP_ROUNDING = 1e-9  # share of a step
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from hgs_core.report.charts.svg import FONT, WIDTH, box, colour, figure, line, s
 __all__ = ["Bar", "Part", "bar_chart", "legend_of"]
 
 _ROW_HEIGHT = 23.0  # user units
-_LONGEST_NAME = 150.0  # of a bar's name
+_LONGEST_NAME = 150.0  # user units of a bar's name
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Bar:
-    """One bar: its pieces from the axis outwards, and what stands behind it."""
+    """One bar: its pieces from the axis outwards, and the label behind it."""
 
     name: str
     parts: Sequence[Part]

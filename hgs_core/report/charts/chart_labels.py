@@ -12,8 +12,8 @@ __all__ = ["Box", "around_points", "legend", "overlap", "spread"]
 Box = tuple[float, float, float, float]  # x0, y0, x1, y1
 _LABEL_DISTANCES = (11.0, 22.0, 36.0, 52.0)  # distances of a label from its point
 _LABEL_DIRECTIONS = (0, 180, 270, 90, 315, 225, 45, 135)  # degrees clockwise from the right, the best first
-_LABEL_HEIGHT = FONT + 2  # of a label's box
-_LEGEND_ROW_HEIGHT = 17.0  # of a legend
+_LABEL_HEIGHT = FONT + 2  # height of a label's box
+_LEGEND_ROW_HEIGHT = 17.0  # height of a row
 
 
 def spread(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:

@@ -10,7 +10,7 @@ from hgs_core.report.charts.svg import FONT, WIDTH, box, colour, figure, line, t
 
 __all__ = ["column_chart"]
 
-_AREA_HEIGHT = 170.0  # of the area
+_AREA_HEIGHT = 170.0  # user units
 _GROUP_GAP = 14.0  # between groups
 _WIDEST_COLUMN = 46.0  # column
 

@@ -26,11 +26,11 @@ from hgs_core.report.charts.svg import (
 
 __all__ = ["Series", "TopAxis", "line_chart"]
 
-_AREA_HEIGHT = 180.0  # of the area
-_LONGEST_NAME = 110.0  # of a line's name
-_TOP_LABEL = FONT + 14  # of the second scale, above the area
-_MOST_POINTS = 400  # of a line: about one per user unit
-_MOST_TIPS = 80  # of a line
+_AREA_HEIGHT = 180.0  # user units
+_LONGEST_NAME = 110.0  # user units of a line's name
+_TOP_LABEL = FONT + 14  # room for the second scale's label, above the area
+_MOST_POINTS = 400  # points of a line: about one per user unit
+_MOST_TIPS = 80  # tips of a line
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Series:
 
     @property
     def points(self) -> list[tuple[float, float]]:
-        """Return the finite points, thinned to what a chart can show; the last one is always there."""
+        """Return the finite points, thinned to the resolution of a chart; the last one is always there."""
         finite = [(x, y) for x, y in zip(self.x, self.y, strict=True) if math.isfinite(x) and math.isfinite(y)]
         every = max(1, -(-len(finite) // _MOST_POINTS))
         return finite[(len(finite) - 1) % every :: every]

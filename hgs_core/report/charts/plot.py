@@ -1,4 +1,4 @@
-"""The frame of a chart with two axes: grid, ticks, and what the axes say."""
+"""The frame of a chart with two axes: grid, ticks, and labels of axes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from hgs_core.report.charts.svg import FONT, WIDTH, line, text, text_width
 __all__ = ["Plot", "make_plot"]
 
 _AXIS_ROOM = 40.0  # the x axis: ticks and label
-_TICK_ROOM = 1.25  # of a tick's words, so that neighbours stay apart
+_TICK_ROOM = 1.25  # times the width of a tick's words, so that neighbours stay apart
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Scatter charts whose points have their names beside them."""
+"""Scatter charts with a name beside each point."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from hgs_core.report.charts.svg import FONT, WIDTH, colour, dot, figure, line, s
 
 __all__ = ["Point", "scatter_chart"]
 
-_AREA_HEIGHT = 220.0  # of the area
-_LONGEST_NAME = 130.0  # of a point's name
+_AREA_HEIGHT = 220.0  # user units
+_LONGEST_NAME = 130.0  # user units of a point's name
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from html import escape
 
 __all__ = ["FONT", "WIDTH", "box", "colour", "dot", "figure", "line", "path", "shortened", "text", "text_width"]
 
-WIDTH = 400.0  # of every chart, user units: about pixels
+WIDTH = 400.0  # user units, about pixels; equal for all charts
 FONT = 12.0  # height of letters, user units
 _EM = 0.62  # width of the average letter of a wide sans-serif face
 COLOURS = 8
@@ -30,7 +30,7 @@ def shortened(words: str, width: float) -> str:
 
 
 def text(x: float, y: float, words: str, *, anchor: str = "start", kind: str = "") -> str:
-    """Return words whose base line starts, ends or is centred at (x, y); `kind` is a CSS class."""
+    """Return words with a base line that starts, ends or is centred at (x, y); `kind` is a CSS class."""
     css = f' class="{kind}"' if kind else ""
     return f'<text x="{_n(x)}" y="{_n(y)}" text-anchor="{anchor}"{css}>{escape(words)}</text>'
 
@@ -61,7 +61,7 @@ def path(points: Sequence[tuple[float, float]], stroke: str) -> str:
 
 
 def figure(height: float, name: str, parts: Iterable[str]) -> str:
-    """Return the chart; `name` is what a screen reader says of it."""
+    """Return the chart; `name` is its description for screen readers."""
     return (
         f'<svg viewBox="0 0 {_n(WIDTH)} {_n(height)}" role="img" aria-label="{escape(name)}">'
         + "".join(parts)

@@ -1,4 +1,4 @@
-"""Which splats there are: what happens to a training's state between steps, one round a file.
+"""Control of the set of splats between steps of a training, one round a file.
 
 A round says after which iterations it is due and what it then does. A new one is a file with a class, and its place in
 `rounds`, which says the order in which rounds follow one iteration.

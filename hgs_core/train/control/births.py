@@ -28,7 +28,7 @@ __all__ = ["BIRTHS_AT", "BirthRound"]
 BIRTHS_AT = (0.3, 0.45)
 """Shares of the iterations after which splats are born."""
 
-_MOST_INSTANTS = 30  # of the segment that a round looks at
+_MOST_INSTANTS = 30  # instants of the segment in a round
 _OPACITY = 0.6
 
 

@@ -27,7 +27,7 @@ __all__ = ["DensityPlan", "DensityRound", "is_fog", "peak_opacity", "refine"]
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
-_FOG_SIZE = 0.3  # of the extent (3DGS removes any splat above 0.1; parts of what moves can be as large as that)
+_FOG_SIZE = 0.3  # share of the extent (3DGS removes any splat above 0.1; moving parts can be as large)
 _SPLIT_SHRINK = 1.6  # 3DGS: the halves of a split splat are this much smaller
 
 
@@ -57,7 +57,7 @@ class DensityRound(BudgetRound):
 
 @dataclasses.dataclass(frozen=True)
 class DensityPlan:
-    """What one round may do to one set of splats."""
+    """The limits of one round on one set of splats."""
 
     budget: int  # splats allowed afterwards
     extent: float  # world units
@@ -72,7 +72,7 @@ class DensityPlan:
 
 
 def refine(splats: S, optimiser: RmsProp[S], statistics: ScreenStatistics, plan: DensityPlan) -> S:
-    """Prune what cannot be seen, then clone or split what the loss pulls at most; `optimiser` follows.
+    """Prune invisible splats, then clone or split those with the largest gradients; `optimiser` follows.
 
     Args:
         splats: the set, float32 on the CPU.

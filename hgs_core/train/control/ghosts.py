@@ -1,4 +1,4 @@
-"""Lives that end where nothing moves: ghosts of what has not yet appeared, or has vanished, are cut off.
+"""Ghosts: lives are cut off where nothing moves, before a thing appears and after it vanishes.
 
 A dynamic splat fades as a Gaussian of time, and one that began wide, around a moment of initialisation, reaches far
 beyond an abrupt event. Gradients shorten it slowly, because the same width is what shows the thing between the events.
@@ -28,7 +28,7 @@ __all__ = ["visible_where_still", "with_lives_shortened"]
 _VISIBLE_OPACITY = 0.02  # opacity from which on a splat is looked at
 _WRONG_LEVELS = 15  # levels of 255: a ghost is faint, so less than what births call wrong
 _VIEW_SHARE = 0.5  # share of the views
-_FINAL_OPACITY_SHARE = 0.05  # of its peak: what is left of a splat's opacity at the ends of its life
+_FINAL_OPACITY_SHARE = 0.05  # share of a splat's peak opacity left at the ends of its life
 
 
 def visible_where_still(
@@ -53,7 +53,7 @@ def visible_where_still(
 def with_lives_shortened(
     dynamic: DynamicSplats[Tensor], moments: npt.NDArray[np.float64], ghosts: Mask
 ) -> tuple[DynamicSplats[Tensor], Mask]:
-    """Return splats whose lives end where they would be ghosts, and which [M] have changed.
+    """Return splats with lives cut off where they would be ghosts, and a mask [M] of the changed ones.
 
     A life is the time in which opacity is at least a twentieth of its peak. It is cut at the nearest moments, before
     and after the one at which the splat is most opaque and no ghost, at which it is one; path and turning stay the same

@@ -1,4 +1,4 @@
-"""The hull of what moves: what lies in it, and the dynamic splats that have left it.
+"""The hull of motion: points inside it, and dynamic splats that have left it.
 
 They start in the visual hull of the moving pixels, where most views see something move. Those that training has pushed
 out of it since, or whose motion carries them out, show nothing that moves: at best they repair what stands still, a few
@@ -25,7 +25,7 @@ _INSIDE_SHARE = 0.5  # mean share of the views that must see something move ther
 _LOOKED_AT_MOMENTS = 16  # moments of the segment at which something still is looked for in the hull
 # Normalised time to half the opacity; what lives longer may be a restless static, outside of masks.
 _BRIEF_HALF_LIFE = 0.25
-_LIFE_MOMENTS = (-1.0, 0.0, 1.0)  # of a life, in halving times from its centre
+_LIFE_MOMENTS = (-1.0, 0.0, 1.0)  # halving times from the centre of a life
 
 
 def ever_inside(
@@ -54,7 +54,7 @@ def outside_moving_hull(
     frames: int,
     moving: Callable[[int], Sequence[npt.NDArray[np.bool_]]],
 ) -> npt.NDArray[np.bool_]:
-    """Return [M] which dynamic splats live briefly and outside of the hull of what moves.
+    """Return a mask [M] of dynamic splats that live briefly and outside of the hull of motion.
 
     A splat is looked at in the middle of its life and where its opacity has halved, as far as the segment goes.
 

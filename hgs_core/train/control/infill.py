@@ -1,4 +1,4 @@
-"""New static splats where pictures of what stands still stay wrong.
+"""New static splats where still pixels stay wrong.
 
 Density control follows screen gradients. Under a large splat on a fine pattern those of its pixels cancel, and where
 initialisation found nothing there may be no splat to multiply. So the error itself says where splats are missing: the
@@ -29,7 +29,7 @@ from hgs_core.train.training_views import TrainingView
 
 __all__ = ["InfillRound", "find_infill"]
 
-_MOST_PIXELS = 4000  # of one picture that are swept
+_MOST_PIXELS = 4000  # swept pixels of one picture
 _OPACITY = 0.5
 
 

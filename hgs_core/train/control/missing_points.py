@@ -1,4 +1,4 @@
-"""Points in space that explain pixels which a scene shows wrongly: what births and infill put splats on.
+"""Points in space that explain wrong pixels of a scene, for the splats of births and infill.
 
 The worst pixels are swept, as initialisation does for whole moments.
 """
@@ -22,7 +22,7 @@ __all__ = ["MissingPoints", "chosen_points", "find_missing_points", "picture_err
 
 _WRONG_LEVELS = 20  # levels of 255 that count as wrong
 _RAY_STEP = 2  # pixels between swept rays: what is missing is often small
-_SIZE_SHARE = 0.7  # of the distance between rays, at the mean view: the standard deviation of a new splat
+_SIZE_SHARE = 0.7  # standard deviation of a new splat, in distances between rays at the mean view
 _WRONG_SHARE = 0.5  # share of the views whose pixel there must be wrong
 _CONFIRMING_VIEWS = 2  # other views whose depth must agree: rather too few, a wrong splat is in the way of the view
 

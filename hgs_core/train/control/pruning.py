@@ -1,4 +1,4 @@
-"""Removing the splats that no training view needs, fog, and what has left the hull of what moves."""
+"""Pruning of splats that no training view needs, of fog, and of splats outside the hull of motion."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from hgs_core.train.train_config import TrainConfig
 __all__ = ["PruningRound"]
 
 _PRUNED_AT = (*BIRTHS_AT, 0.65, 0.85)  # shares of the iterations; before births, to make room
-_MOMENTS = 60  # of the segment at which blending weights are looked at, at most
+_MOMENTS = 60  # most moments of the segment for blending weights
 _FRAMES_APART = 2  # the briefest splat, gone by half in half a frame, still has a sixteenth a frame on
 
 
 @dataclass(frozen=True)
 class PruningRound:
-    """Removes splats whose largest blending weight in any pixel of any training view is too small.
+    """The round that removes splats with too small a blending weight in every pixel of every training view.
 
     So are dynamic splats that are fog, or that have left the hull of what moves.
     """

@@ -1,4 +1,4 @@
-"""Labels that follow the evidence: what turns out not to move becomes static, what will not stand still dynamic.
+"""Labels that follow the evidence: dynamic splats at rest become static, restless static ones dynamic.
 
 A wrong label costs in both directions: a static splat cannot show what changes, and a dynamic one pays twice the bytes
 for something that stands still. The first labels come from masks; these come from the scene itself.
@@ -32,7 +32,7 @@ from hgs_core.train.train_config import TrainConfig
 __all__ = ["LabelRound", "as_dynamics", "as_statics", "standing_still"]
 
 
-_CHECKED_MOMENTS = 9  # of the segment at which a splat's place and opacity are looked at; odd: one is the middle
+_CHECKED_MOMENTS = 9  # checked moments of the segment; odd: one is the middle
 _STEADY_OPACITY = 0.9  # the least opacity in the segment over the greatest that still counts as constant
 _CENTERS = (0.25, 0.75)  # lives that a splat which will not stand still is divided into
 _HALF_LIFE = 0.3  # normalised time after which these have faded to half: they overlap

@@ -1,4 +1,4 @@
-"""Density control by relocation: what cannot be seen moves onto what can, and positions jitter while they search.
+"""Density control by relocation: invisible splats move onto visible ones, and positions jitter while they search.
 
 After "3D Gaussian Splatting as Markov Chain Monte Carlo" (Kheradmand et al., 2024). A splat that is too transparent to
 be seen is not removed but becomes a copy of a living one, drawn with a probability in proportion to its opacity; the
@@ -29,11 +29,11 @@ __all__ = ["NoiseRound", "RelocationRound", "disturb", "relocate", "shared_among
 
 S = TypeVar("S", StaticSplats[Tensor], DynamicSplats[Tensor])
 
-_NOISE_FACTOR = 5e5  # of equation 8, in the authors' code, times the step size of positions
-_STEEPNESS = 100.0  # of the sigmoid of 1 - opacity by which noise fades
-_TRANSPARENCY_HALFWAY = 0.995  # where that is a half: opacity 0.005
+_NOISE_FACTOR = 5e5  # factor of equation 8, in the authors' code, on the step size of positions
+_STEEPNESS = 100.0  # slope of the sigmoid of 1 - opacity that fades the noise
+_TRANSPARENCY_HALFWAY = 0.995  # its half: opacity 0.005
 _STILL_OPACITY = 0.1  # opacity above which noise is less than a ten-thousandth and left out
-_MOST_TERMS = 150  # of equation 9: later ones are less than 14^j / j!, for any number of copies
+_MOST_TERMS = 150  # terms of equation 9: later ones are less than 14^j / j!, for any number of copies
 _MOST_OPAQUE = 1 - 1e-6  # so that logits stay finite
 
 

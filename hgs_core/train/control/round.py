@@ -1,4 +1,4 @@
-"""What every round of control has in common: when it is due, and what it may look at."""
+"""The base of rounds of control: their schedule and their context."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ _FIRST_OF_TEN = 0.1  # share of the iterations that pass before them
 
 @dataclass(frozen=True)
 class RoundContext:
-    """What a round may look at besides the state that it changes."""
+    """The context of a round besides the state that it changes."""
 
     iteration: int  # the iteration it follows, from 0
-    seed: int  # of the run
+    seed: int  # seed of the run
     schedule: Schedule
     views: TrainingViews
     segment: CaptureSegment
-    camera: Camera  # of the iteration's view
+    camera: Camera  # camera of the iteration's view
     first_counts: tuple[int, int]  # static and dynamic splats that the training began with
     statics_learn: bool
 
@@ -41,7 +41,7 @@ class RoundContext:
 class Round(Protocol):
     """One thing that is done to the sets between iterations."""
 
-    name: ClassVar[str]  # of the activity in the profile of train.json
+    name: ClassVar[str]  # name of the activity in the profile of train.json
     on_host: ClassVar[bool]  # whether the state is brought to the host first; frequent rounds run where it is
 
     is_long: ClassVar[bool]  # whether it may take more than a second or two: it can be interrupted then
@@ -55,7 +55,7 @@ class Round(Protocol):
 
 @dataclass(frozen=True)
 class BudgetRound:
-    """What rounds have in common that fill the budgets of the sets, in whichever way."""
+    """The base of rounds that fill the budgets of the sets."""
 
     name: ClassVar[str] = "density"
     on_host: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""What static splats cannot explain because it changes: how the error under every splat varies over time."""
+"""Residuals of static splats: the variation over time of the error under every splat."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from hgs_core.train.training_views import TrainingView
 
 __all__ = ["temporal_residuals"]
 
-_MIN_PIXELS = 4.0  # of weight that a splat must have in a view to be judged by it
+_MIN_PIXELS = 4.0  # least weight, in pixels, of a splat in a view that judges it
 
 
 def temporal_residuals(

@@ -41,7 +41,7 @@ def composite_backward(
     width,
     height,
 ):
-    """Write, for every entry of a tile whose splat is wanted, what the tile adds to the splat's gradient.
+    """Write, for every wanted entry of a tile, the tile's part of the splat's gradient.
 
     Splats from `first_wanted` to before `last_wanted` are wanted; entry `order[i] + slot_shifts[splat]` of `slots` is
     theirs, and those that the forward pass did not come to stay as they are. `grad_alpha` and `grad_depth` may be None.

@@ -1,4 +1,4 @@
-"""The constants of docs/numerics.md as kernels see them, and the layouts of what kernels hand to each other."""
+"""The constants of docs/numerics.md as kernels see them, and the layouts of arrays passed between kernels."""
 
 import math
 
@@ -42,7 +42,7 @@ COLOUR_MAX = tl.constexpr(constants.COLOUR_MAX)
 QUATERNION_MIN = tl.constexpr(constants.QUATERNION_MIN)
 TIME_LOG_PRECISION_MAX = tl.constexpr(constants.TIME_LOG_PRECISION_MAX)
 FLOAT_MAX = tl.constexpr(3.4028234663852886e38)
-EXPONENT_SCALE = tl.constexpr(0.5 * math.log2(math.e))  # of squares in round coordinates, to base 2
+EXPONENT_SCALE = tl.constexpr(0.5 * math.log2(math.e))  # exponent of squares in round coordinates, base 2
 EXPONENT_ROOT = tl.constexpr(math.sqrt(0.5 * math.log2(math.e)))
 
 # Lengths of rows. `kernels.projection_forward` writes the first three, `kernels.compositing_backward` the last.

@@ -1,4 +1,4 @@
-"""What a tile shows of every splat: the sum of its weights over the tile's pixels, and the largest of them."""
+"""The part of a tile in every splat's contribution: the sum of its weights over the tile's pixels, and the largest."""
 
 import triton
 import triton.language as tl

@@ -1,5 +1,8 @@
-"""From splats in space to ellipses on the screen in float64 (docs/numerics.md, "Projection"): what forward and backward
-share. Everything per splat costs little beside the pixels, so nothing of it is computed in float32."""
+"""From splats in space to ellipses on the screen in float64 (docs/numerics.md, "Projection"): shared by forward and
+backward.
+
+Everything per splat costs little beside the pixels, so nothing of it is computed in float32.
+"""
 
 import triton
 import triton.language as tl
@@ -54,7 +57,7 @@ def fade(center, log_precision, time):
 
 @triton.jit
 def moved(array, at, d, mask, COEFFICIENTS: tl.constexpr):
-    """One coordinate of the motion polynomial [COEFFICIENTS, 3] whose constant lies at `at`."""
+    """One coordinate of the motion polynomial [COEFFICIENTS, 3] with its constant at `at`."""
     place = tl.load(array + at + 3 * (COEFFICIENTS - 1), mask=mask, other=0.0).to(tl.float64)
     for k in tl.static_range(2, COEFFICIENTS + 1):
         place = tl.load(array + at + 3 * (COEFFICIENTS - k), mask=mask, other=0.0).to(tl.float64) + d * place
@@ -63,7 +66,7 @@ def moved(array, at, d, mask, COEFFICIENTS: tl.constexpr):
 
 @triton.jit
 def velocity(array, at, d, mask, COEFFICIENTS: tl.constexpr):
-    """The derivative by d of what `moved` returns."""
+    """The derivative by d of the result of `moved`."""
     change = (COEFFICIENTS - 1.0) * tl.load(array + at + 3 * (COEFFICIENTS - 1), mask=mask, other=0.0).to(tl.float64)
     for k in tl.static_range(2, COEFFICIENTS):
         m = tl.load(array + at + 3 * (COEFFICIENTS - k), mask=mask, other=0.0).to(tl.float64)

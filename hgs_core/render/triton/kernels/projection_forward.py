@@ -214,7 +214,7 @@ def project_dynamics(
     d, _, left = fade(center.to(tl.float64), log_precision.to(tl.float64), tl.load(camera + 23))
     opacity = sigmoid(logit.to(tl.float64)) * left
     alive = mask & (255.0 * opacity >= 1.0)
-    width: tl.constexpr = 3 * COEFFICIENTS  # of a row of the motion
+    width: tl.constexpr = 3 * COEFFICIENTS  # numbers in a row of the motion
     fine &= all_finite(motion, row, alive, width, 16 if width <= 16 else 32, FLOAT_MAX)
     fine &= all_finite(rotation, row, alive, 8, 8, FLOAT_MAX)
     fine &= all_finite(log_scales, row, alive, 3, 4, FLOAT_MAX) & all_finite(rgb, row, alive, 3, 4, COLOUR_MAX)

@@ -1,4 +1,4 @@
-"""What the tiles of a splat have written, taken together in an order that never changes: no atomics."""
+"""Sums over the tiles of a splat, in an order that never changes: no atomics."""
 
 import triton
 import triton.language as tl

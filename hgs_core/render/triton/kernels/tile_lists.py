@@ -26,7 +26,7 @@ def covered_tiles(splat, tile_y, mask, ellipses, boxes, tiles_before, across, MA
     half_width = tl.load(at + 3, mask=mask, other=1.0)  # sqrt(det C / C_yy)
     reach = tl.load(at + 4, mask=mask, other=0.0)  # 2 ln(255 o)
     inverse_yy = tl.load(at + 5, mask=mask, other=0.0)
-    dy_of_right = tl.load(at + 6, mask=mask, other=0.0)  # where the ellipse reaches farthest to the right
+    dy_of_right = tl.load(at + 6, mask=mask, other=0.0)  # dy of the ellipse's rightmost point
     slack = tl.load(at + 7, mask=mask, other=0.0)
     at = boxes + splat * 4
     x0 = tl.load(at, mask=mask, other=1)

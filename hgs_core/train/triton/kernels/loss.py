@@ -117,7 +117,7 @@ def blur_derivatives(derivatives, blurs, width, height, BLOCK: tl.constexpr):
 
 @triton.jit
 def write_gradient(image, target, blurs, gradient, sums, width, height, scale, BLOCK: tl.constexpr):
-    """The gradient, with `scale` times the sign of the difference, whose magnitudes are summed per program."""
+    """The gradient, with `scale` times the sign of the difference; magnitudes are summed by each program."""
     i, _, row, mask = pixel(width, height, BLOCK)
     count = 3 * width * height
     a = tl.load(image + i, mask=mask, other=0.0)
