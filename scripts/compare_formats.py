@@ -32,7 +32,7 @@ from hgs_core.scene.splats import HybridScene
 
 __all__ = ["Kept", "compared", "markdown"]
 
-CAMERAS = 8  # that are drawn
+CAMERAS = 8  # drawn cameras
 STILL: tuple[tuple[str, dict[str, Any]], ...] = (
     ("still.ply", {}),
     ("still.splat", {}),
@@ -46,16 +46,16 @@ MOVING = ("moving.ply", "moving.4dgs")
 
 @dataclass(frozen=True)
 class Kept:
-    """What one file keeps of a scene."""
+    """The remains of a scene in one file."""
 
     name: str
     size: int  # bytes
     worst: float  # PSNR of its worst picture, dB
-    mean: float  # of the decibels of all pictures
+    mean: float  # mean decibels of all pictures
 
 
 def compared(source: Source, folder: Path, frame_rate: float, size: int) -> list[Kept]:
-    """Export a scene in every format that can be imported, draw what comes back, and compare it with the scene."""
+    """Export a scene in every format that can be imported, draw the imported scenes, and compare them with it."""
     scene, cameras = source.scene, source.cameras or orbit_cameras(source.scene).whole
     step = max(1, len(cameras) // CAMERAS)
     views = [camera.within(size) for camera in cameras[::step][:CAMERAS]]
@@ -90,7 +90,7 @@ def _kept(
     views: Sequence[Camera],
     moments: Sequence[tuple[float, float]],
 ) -> Kept:
-    """Compare at moments of the scene and of what was read back, seconds."""
+    """Compare at moments of the scene and of the imported one, seconds."""
     found = []
     for number, (before, after) in enumerate(moments):
         for camera in views:

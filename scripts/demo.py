@@ -27,7 +27,7 @@ REPOSITORY = Path(__file__).resolve().parent.parent
 TITLE = "Studio"
 HOLD_OUT = "cam00"
 CHECK_PSNR = 40.0  # dB between the page's canvas and the CPU renderer
-PROCESSOR_SECONDS = 520.0  # of the whole job (time scripts/demo --check, 2026-11-25)
+PROCESSOR_SECONDS = 520.0  # processor time of the whole job (time scripts/demo --check, 2026-11-25)
 USED = 0.85  # share of the cores that are busy on average
 LINE_EVERY = 4.0  # seconds
 
@@ -68,7 +68,7 @@ def say(line: str) -> None:
 
 @contextlib.contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Say what is waited for, at once and then every few seconds."""
+    """Print the cause of a wait, at once and then every few seconds."""
     done, started = threading.Event(), time.monotonic()
 
     def tell() -> None:

@@ -109,7 +109,7 @@ def try_manifest(document: Any) -> InputError | None:
 
 
 def run_batch(task: tuple[int, int, int]) -> tuple[int, int, list[str]]:
-    """Try `count` inputs; returns how many were tried and refused, and what went wrong."""
+    """Try `count` inputs; return the numbers of tried and refused ones, and the faults."""
     seed, batch, count = task
     chunks = [file.read_bytes() for file in sorted(VECTORS.glob("*.chunk"))]
     document = (VECTORS / "manifest.json").read_text()

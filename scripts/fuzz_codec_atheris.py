@@ -31,7 +31,7 @@ def one_input(data: bytes) -> None:
 
 
 def instrument(package: str) -> None:
-    """Let every function of a package that is imported report what it reaches.
+    """Instrument every function of an imported package for coverage.
 
     `atheris.instrument_imports` does not: its counters stay at zero where a package is installed in editable mode.
     """

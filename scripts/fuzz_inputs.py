@@ -1,4 +1,4 @@
-"""Requests and control frames at random, some of their parts replaced by what breaks programs."""
+"""Random requests and control frames, some of their parts replaced by values that break programs."""
 
 from __future__ import annotations
 

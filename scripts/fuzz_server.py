@@ -33,14 +33,14 @@ from server.bench.bench_scene import made_up_scene
 from server.bench.one_scene_server import application
 from server.captures.capture_folders import CaptureFolders
 
-CLOSES = {1003, 1009, 4000, 4001, 4004, 4008, 4009}  # that a client's message may cause
+CLOSES = {1003, 1009, 4000, 4001, 4004, 4008, 4009}  # closes that a client's message may cause
 LONGEST = 30.0  # seconds that a stream may take to end
-HANGS = -1  # in place of a code
-FRAMES = 60  # of one stream; more than 200 at once would wait
+HANGS = -1  # no close at all
+FRAMES = 60  # frames of one stream; more than 200 at once would wait
 
 
 class Faults(logging.Handler):
-    """Keeps what the server logs as an error."""
+    """A handler that keeps the errors in the server's log."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)

@@ -33,7 +33,7 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["Ball", "brightened", "capture_meta", "save_picture", "write_event_capture"]
 
-_SAMPLES = 4  # of a pixel, along either side
+_SAMPLES = 4  # samples of a pixel along either side
 _STRIPES = 8  # around the ball
 _GAIN = 1.35
 

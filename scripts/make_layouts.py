@@ -1,4 +1,4 @@
-"""Writes one capture in many layouts, to compare what they train to.
+"""Writes one capture in many layouts, to compare their trainings.
 
     .venv/bin/python -m scripts.make_layouts samples/studio /tmp/layouts
 
@@ -35,12 +35,12 @@ from hgs_core.scene.camera import Camera
 
 __all__ = ["LAYOUTS", "write_layouts"]
 
-_BENDS = (-0.02, 0.001)  # of the fisheye, in powers of the angle
-_FIELD = 0.78  # of the sides of a picture, that the fisheye's pictures have
+_BENDS = (-0.02, 0.001)  # fisheye coefficients, in powers of the angle
+_FIELD = 0.78  # share of a picture's sides in the fisheye's pictures
 _OPENCV_CENTRE = 0.5  # pixels that OpenCV's principal points are less than ours
 
 Picture = npt.NDArray[np.uint8]
-Pictures = Sequence[Sequence[Picture]]  # by camera and frame
+Pictures = Sequence[Sequence[Picture]]  # [camera][frame]
 
 
 def write_video(path: Path, pictures: Sequence[Picture], rate: float) -> None:

@@ -1,4 +1,4 @@
-"""Write tests/vectors/pages.json: a manifest, the index and pages that are made of it, and what is no page.
+"""Write tests/vectors/pages.json: a manifest, its index and pages, and bytes that are no page.
 
 The codec and the viewer are both tested against the file. Run it after a change of docs/format.md, "Index and pages":
 

@@ -75,7 +75,7 @@ def picture(camera: Camera, seconds: float, *, antialiased: bool) -> np.ndarray:
 
 
 def document() -> list[dict[str, Any]]:
-    """Return what pictures.json holds."""
+    """Return the content of pictures.json."""
     return [
         {
             "picture": f"{name}.png",

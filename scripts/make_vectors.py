@@ -1,4 +1,4 @@
-"""Write tests/vectors: chunks, what they decode to, and damaged ones with the error they must give.
+"""Write tests/vectors: chunks, their decoded splats, and damaged ones with the required error.
 
 The Python and the TypeScript decoder are both tested against these files. Run it after a change of the format, or to
 add a case:
@@ -252,7 +252,7 @@ def manifest() -> dict[str, object]:
 
 
 def captured_spaces() -> list[dict[str, object]]:
-    """Spaces with places in them and out of them, whose numbers follow from how they are put there."""
+    """Spaces with places inside and outside, placed so that their numbers are known."""
     worlds = (  # center, up, front, and what points to azimuth 90 degrees
         ((1.0, 2.0, 3.0), (0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
         ((0.0, 0.5, -2.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)),

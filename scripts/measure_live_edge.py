@@ -34,7 +34,7 @@ from jobs.home.home import Home
 from server.bench.shaped_line import ShapedLine
 from server.client.viewing import Viewer
 
-SECONDS = 2.0  # of a segment
+SECONDS = 2.0  # seconds of a segment
 EVERY = 2.7  # seconds between two publications
 FRAME_RATE = 30
 STATIC, DYNAMIC = 20_000, 6_000  # splats in all, and of a segment

@@ -1,4 +1,4 @@
-"""How well automatic masks find what moves, on a capture as it is and made worse; prints a Markdown table.
+"""The quality of automatic masks, on a capture as it is and made worse; prints a Markdown table.
 
     python -m scripts.measure_masks CAPTURE TRUTH [--cameras cam00,cam09] [--plain]
 
@@ -22,7 +22,7 @@ from hgs_core.decompose.background import estimate_background, moving_pixels, sa
 __all__ = ["DEGRADATIONS", "flickering", "noisy", "recompressed", "scores", "shadowed"]
 
 Video = npt.NDArray[np.uint8]  # [F, H, W, 3]
-_FRAMES = 12  # of each camera that are compared with the truth
+_FRAMES = 12  # frames of each camera compared with the truth
 
 
 def noisy(video: Video, deviation: float) -> Video:

@@ -21,7 +21,7 @@ __all__: list[str] = []
 
 
 def cost(scene: SceneIndex, hello: Hello) -> tuple[int, int]:
-    """Return the bytes of a hello, and of what the server sends of the manifest for it: messages and pages."""
+    """Return the bytes of a hello, and of the manifest's part of the answer: messages and pages."""
     session = StreamSession(scene)
     greeting = encode(hello)
     session.receive(greeting, 0.0)

@@ -36,7 +36,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=5.0, help="that a segment takes")
     parser.add_argument("--workers", type=int, nargs="+", default=[1, 4])
     options = parser.parse_args()
-    sys.path.insert(0, str(MODULES))  # of the stand-in
+    sys.path.insert(0, str(MODULES))  # the stand-in's modules
     os.environ["PYTHONPATH"] = os.pathsep.join((str(MODULES), str(REPOSITORY)))
     for workers in options.workers:
         first, whole = _measure(workers, options.segments, options.seconds)

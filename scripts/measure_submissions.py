@@ -45,7 +45,7 @@ def write_capture(folder: Path) -> None:
 
 
 def publish(store: Path) -> None:
-    """Put a made-up scene, whose chunks are noise, into the folder of a store as `bench`."""
+    """Put a made-up scene of noise into the folder of a store as `bench`."""
     scene = made_up_scene(4, static_bytes=120_000, slice_bytes=9_000)
     files = {f"chunks/{name}": content for name, content in scene.chunks.items()}
     for name, content in (files | {"scenes/bench/manifest.json": scene.document}).items():
@@ -85,7 +85,7 @@ def submit_all(address: str, submissions: int) -> tuple[dict[int, int], float]:
 
 
 async def measure(address: str, submissions: int, seconds: float) -> None:
-    """Have so many submitted at once by another process, watch for so many seconds, and print what was seen."""
+    """Submit so many at once from another process, watch for so many seconds, and print the figures."""
     took: dict[str, list[float]] = {one: [] for one in ADDRESSES}
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as others:
         await asyncio.get_running_loop().run_in_executor(others, submit_all, address, 0)  # it has started

@@ -1,4 +1,4 @@
-"""What an upload costs over a line that breaks: bytes that go twice, seconds, and the server's memory.
+"""The cost of an upload over a line that breaks: repeated bytes, seconds, and the server's memory.
 
     python -m scripts.measure_upload [--megabytes 2000] [--files 20] [--cuts 5]
 
@@ -31,7 +31,7 @@ _BLOCK = 1 << 16  # bytes that the relay passes on at once
 
 
 class _Relay:
-    """Passes connections on, counts what the client sends, and cuts all of them after every `distance` bytes."""
+    """A relay that counts the client's bytes and cuts all connections after every `distance` bytes."""
 
     def __init__(self, port: int, distance: int, cuts: int) -> None:
         self.sent, self.cuts = 0, 0

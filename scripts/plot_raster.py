@@ -1,4 +1,4 @@
-"""Draw what `hgs bench raster --json FILE` measured: speed against error, and where the time goes.
+"""Draw the results of `hgs bench raster --json FILE`: speed against error, and the profile.
 
     .venv/bin/python scripts/plot_raster.py raster.json raster.svg
 
@@ -16,7 +16,7 @@ from typing import Any
 from xml.sax.saxutils import escape
 
 WIDTH, TOP, ROW = 1000, 96, 34  # pixels
-LEFT_PANEL = (70, 400)  # from x to x
+LEFT_PANEL = (70, 400)  # x range
 RIGHT_PANEL = (620, 900)
 STAGES = ("project", "bin", "forward", "loss", "backward", "optimiser")
 

@@ -35,7 +35,7 @@ def balls(*places: np.ndarray) -> StaticSplats[torch.Tensor]:
 
 
 def pictures(static: StaticSplats[torch.Tensor] | None, grey: float = 0.2) -> list[torch.Tensor]:
-    """What the cameras show before a grey background."""
+    """The cameras' pictures before a grey background."""
     return [rasterize(static, None, c, gradients="none", background=(grey, grey, grey)).rgb for c in CAMERAS]
 
 

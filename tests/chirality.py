@@ -11,7 +11,7 @@ from hgs_core.scene.camera import Camera, looking_at
 
 Doubles = npt.NDArray[np.float64]
 Point = tuple[float, float, float]
-Stroke = tuple[Point, Point, tuple[float, float, float]]  # from, to, colour
+Stroke = tuple[Point, Point, tuple[float, float, float]]  # start, end, colour
 
 RED, GREEN, BLUE = (0.9, 0.1, 0.1), (0.1, 0.8, 0.1), (0.2, 0.3, 1.0)
 

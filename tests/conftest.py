@@ -58,7 +58,7 @@ def s3_url(s3_server: S3Server, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     return f"s3://bucket/{tmp_path.name}"
 
 
-@pytest.fixture(scope="module")  # while one is open, Playwright's event loop stands in the way of asyncio.run
+@pytest.fixture(scope="module")  # Playwright's event loop blocks asyncio.run while it is open
 def browser() -> Iterator[Browser]:
     """A real browser without a window; the test is skipped where there is none."""
     from benchmarks.viewers.browser import CHROMIUM_HINT, find_chromium, open_browser

@@ -25,7 +25,7 @@ def dome(count: int = 8) -> list[Camera]:
 
 
 def matches_of(cameras: Sequence[Camera], noise: float = 0.2, chance: float = 0.1) -> dict[tuple[int, int], Pair]:
-    """What every two cameras see of 60 points: pixels with noise, and a share of matches that are chance."""
+    """The views of 60 points in every two cameras: pixels with noise, and a share of chance matches."""
     numbers = np.random.default_rng(3)
     points = np.array([5.0, 0.0, 2.0]) + numbers.uniform(-1, 1, (60, 3))
     pairs = {}

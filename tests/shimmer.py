@@ -43,7 +43,7 @@ def drawn(scene: HybridScene[npt.NDArray[np.float32]], camera: Camera, *, antial
 
 
 def truth(scene: HybridScene[npt.NDArray[np.float32]], camera: Camera) -> Doubles:
-    """Return the mean of what is seen within each pixel: of a picture FINE times finer."""
+    """Return the mean within each pixel of a picture FINE times finer."""
     fine = dataclasses.replace(
         camera,
         width=FINE * camera.width,

@@ -29,7 +29,7 @@ def test_arrows_run_from_server_to_jobs_to_hgs_core(path: Path) -> None:
 
 
 WINGS = ("codec", "jobs", "server")
-"""The rooms whose own folders are rooms, too."""
+"""The folders with rooms of their own inside."""
 
 DOORS = ("server.app", "server.parts", "server.service")
 """Single modules that are rooms: those above and below them differ."""
@@ -55,7 +55,7 @@ def rooms_imported() -> dict[str, set[str]]:
 
 
 def rooms_documented() -> dict[str, set[str]]:
-    """The table of docs/architecture.md: what each room may import."""
+    """The table of docs/architecture.md: the permitted imports of each room."""
     rows = re.findall(r"^\| `([\w/]+)` \|.*\| ([^|]*) \|$", (REPOSITORY / "docs" / "architecture.md").read_text(), re.M)
     return {name.removeprefix("hgs_core/"): set(re.findall(r"`([^`]+)`", imported)) for name, imported in rows}
 
@@ -71,8 +71,11 @@ def test_no_arrow_runs_back_up_between_rooms() -> None:
 
 
 def started_with(name: str) -> dict[str, str]:
-    """Every module that a process of `name` may import, with who does: of the science what is imported at the top,
-    for a function of it is called by whoever opens files; of jobs and server also what their functions import."""
+    """Every module that a process of `name` may import, with its importer.
+
+    For the science imports at the top count: only openers of files call its functions. For jobs and server those of
+    functions count, too.
+    """
     found, waiting = {name: ""}, [name]
     while waiting:
         module = waiting.pop()
@@ -95,7 +98,7 @@ OPENING = (
     "hgs_core.calibrate",
     "hgs_core.interchange",
 )
-"""What opens or parses the files of captures, or loads what does; a process of strangers' requests has none of it."""
+"""The modules that open or parse the files of captures; a process of strangers' requests has none of them."""
 
 HARMLESS = {
     "hgs_core.capture.capture_config": "numbers and names",
@@ -207,7 +210,7 @@ def test_tests_mirror_the_packages() -> None:
 
 
 MIRRORS = ("native", "triton", "kernels", "cli", "routes")
-"""The folders whose modules are named for an operation, a command or a resource that another room implements."""
+"""The folders of modules named for an operation, a command or a resource of another room."""
 
 
 def test_no_two_modules_share_a_name() -> None:

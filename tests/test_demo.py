@@ -20,7 +20,7 @@ from tests.conftest import REPOSITORY
 
 
 class Service(http.server.BaseHTTPRequestHandler):
-    """Answers with the next state of the job whenever it is asked for that, and notes what is submitted."""
+    """A service that answers with the next state of the job, and notes submissions."""
 
     scenes: list[str] = []  # noqa: RUF012
     jobs: list[dict[str, Any]] = []  # noqa: RUF012

@@ -1,4 +1,4 @@
-"""What scripts/install does and leaves undone, with pip and npm that only note what they are asked."""
+"""The work of scripts/install, with pip and npm that only note their arguments."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ NOTING = '#!/bin/sh\necho "{name} $*" >>"{log}"\n'
 
 @pytest.fixture
 def install(tmp_path: Path) -> Callable[..., list[str]]:
-    """Return a function that runs the script in a small copy of the tree; it returns what pip and npm were asked."""
+    """Return a function that runs the script in a small copy of the tree and returns the arguments of pip and npm."""
     tree, log, tools = tmp_path / "tree", tmp_path / "log", tmp_path / "tools"
     for folder in (
         "scripts",

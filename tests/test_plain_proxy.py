@@ -1,4 +1,4 @@
-"""A server without keys behind real proxies whose configuration says no more than where it is."""
+"""A server without keys behind real proxies with nothing but its address in their configuration."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def served(home: Path) -> Iterator[tuple[int, str]]:
-    """The port of a server on a home without keys, and what it has said."""
+    """The port of a server on a home without keys, and its output."""
     command = [sys.executable, "-m", "server.cli", "serve", "--port", "0", "--workers", "0"]
     environment = os.environ | {"HGS_HOME": str(home)}
     log = home / "log"

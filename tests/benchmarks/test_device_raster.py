@@ -1,4 +1,4 @@
-"""What is measured of a device's rasterizers, with stand-ins for them on the CPU."""
+"""Measurements of a device's rasterizers, with stand-ins for them on the CPU."""
 
 from __future__ import annotations
 

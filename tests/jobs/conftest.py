@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 import sqlalchemy as sa
 
-sys.path.insert(0, str(Path(__file__).parent / "modules"))  # what tests import, and the pipelines that they name
+sys.path.insert(0, str(Path(__file__).parent / "modules"))  # helpers of tests, and pipelines
 
 from postgres_server import PostgresServer, missing_program
 
@@ -202,7 +202,7 @@ def elsewhere(tmp_path: Path, pipeline: str) -> Home:
 
 @pytest.fixture
 def used(home: Home, write_scene: Callable[..., list[str]], tmp_path: Path) -> Home:
-    """A home with a key, two scenes, an upload under way, and what a killed process leaves."""
+    """A home with a key, two scenes, an upload under way, and the remains of a killed process."""
     with closing(KeyTable(home)) as keys:
         keys.add("anna", {Scope.VIEW})
         keys.secret()

@@ -1,4 +1,4 @@
-"""What `docker compose up` starts, as processes, at the same moment, on an empty Postgres."""
+"""The services of `docker compose up` as processes, started at the same moment on an empty Postgres."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def composition(tcp_server: PostgresServer, tmp_path: Path, port: int, store: st
     composition = Composition(tmp_path, ("127.0.0.1", tcp_server.port), port, store)
     composition.captures.mkdir()
     user = composition.services[DATABASE]["environment"]
-    assert user["POSTGRES_USER"] == "hgs"  # that of the test's server, which believes every password
+    assert user["POSTGRES_USER"] == "hgs"  # the test's server accepts every password
     tcp_server.new_database(user["POSTGRES_DB"])
     yield composition
     composition.stop()

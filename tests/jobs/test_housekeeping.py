@@ -16,7 +16,7 @@ def test_old_jobs_and_unnamed_chunks_go_and_scenes_and_unfinished_jobs_stay(
     ids = [submit() for _ in range(4)]
     for job_id in ids[:3]:
         client.cancel(job_id)
-    throw_away(client.home, ids[0])  # as by a removal that was killed
+    throw_away(client.home, ids[0])  # a killed removal
     (client.home.run(ids[1]) / "checkpoint.pt").write_bytes(b"x" * 1000)
     store = open_store(client.home)
     chunks = write_scene(tmp_path / "scene")

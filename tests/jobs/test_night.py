@@ -194,7 +194,7 @@ def check(client: JobClient, job_ids: list[str]) -> None:
 
 
 def fill(ballast: Path, seconds: float) -> None:
-    """Keep a disk full for so long, whatever is given back."""
+    """Keep a disk full for so long, even as space is freed."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         with ballast.open("ab", buffering=0) as file:

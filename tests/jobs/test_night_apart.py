@@ -126,5 +126,5 @@ def test_nothing_shared_and_nothing_lost(
     artifacts = ArtifactStore(client.home.store_url)
     assert sorted(scene.id for scene in artifacts.list_scenes()) == sorted(job_ids)
     undisturbed = hashlib.sha256(chain(iterations)).hexdigest()
-    assert [chunk.id for chunk in artifacts.list_chunks()] == [undisturbed]  # of every scene
+    assert [chunk.id for chunk in artifacts.list_chunks()] == [undisturbed]  # the same for every scene
     assert len(killer.killed) == len(KILLS), "the night was too short for all kills"

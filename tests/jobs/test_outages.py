@@ -147,7 +147,7 @@ class TestFullDisk:
         ballast = disk / "ballast"
         fill(ballast)
         wait_until_unlocked(client.home.run(job_id))
-        fill(ballast)  # with what the stage may have given back
+        fill(ballast)  # space freed by the stage included
         with pytest.raises(OSError, match="No space left"):
             submit()
         assert len(list(client.home.runs.iterdir())) == 1  # nothing half made stays

@@ -122,7 +122,7 @@ def test_another_machine_goes_on_from_the_checkpoint_to_the_same_bits(
     assert sorted(began.values()) == [0, max(began.values())]
     if end == signal.SIGKILL:
         assert max(began.values()) in range(5, 150, 5), "it did not go on from a checkpoint of the other machine"
-    else:  # which saves all it has, and only then ends
+    else:  # it saves everything, and only then ends
         assert [int(number) for _, number in trained] == list(range(150))
 
     log = (run_reader(client.home).folder(job_id) / "stage.log").read_text()
@@ -169,7 +169,7 @@ def test_a_store_that_is_away_for_a_while_costs_no_training(
     run = StoredRun(open_object_store(home.store_url), run_prefix(job_id))
     wait_until(lambda: (head := run.head()) is not None and "checkpoint.pt" in head.files, "a checkpoint in the store")
     proxy.refuse()
-    job = wait_for(job_id, lambda job: job.state is JobState.WAITING, "the end of the training")  # which waits for it
+    job = wait_for(job_id, lambda job: job.state is JobState.WAITING, "the end of the training")  # the job waits for it
     assert "the store fails" in job.waiting
     proxy.pass_on()
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
@@ -192,7 +192,7 @@ def test_machines_share_the_segments_of_a_job(
     job_id = client.submit(JobRequest(capture, RunConfig().changed({"train.iterations": 8})))
     job = wait_for(job_id, lambda job: job.state.finished, "the end of the job")
     assert (job.state, job.error) == (JobState.SUCCEEDED, "")
-    (log,) = tmp_path.glob(f"*/runs/{job_id}/made.log")  # of the machine that had the job
+    (log,) = tmp_path.glob(f"*/runs/{job_id}/made.log")  # log of the job's machine
     made = log.read_text().split()
     assert made[0] == "0"
     assert 1 < len(made) < 5

@@ -1,4 +1,4 @@
-"""The stage process by itself: what it says, how it ends."""
+"""The stage process by itself: its reports and its end."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ def test_a_run_that_another_process_keeps_is_waited_for(home: Home, run: Path) -
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment) as ended:
             assert ended.stdout is not None
             said = ended.stdout.read()
-            assert ended.wait() == 69  # with stdin open: the stage would end without its parent
+            assert ended.wait() == 69  # stdin stays open: the stage would end without its parent
     assert json.loads(said) == {"waiting": f"{run}: another process works on this run; wait until it ends"}
 
 

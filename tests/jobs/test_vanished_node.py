@@ -115,7 +115,7 @@ def test_its_job_is_taken_over(
     if dies:
         process.kill()
     status = process.wait()
-    assert dies or status == FENCED  # by itself, before another may go on
+    assert dies or status == FENCED  # it ends by itself, before another may go on
     run = client.home.run(job_id)
     wait_until(lambda: len({pid for pid, _ in iterations(run)}) == 2, "another worker")
     print(f"taken over after {time.monotonic() - pulled:.0f} s")  # docs/jobs.md quotes it

@@ -215,7 +215,7 @@ def test_a_cancel_that_was_cut_off_is_completed(
 ) -> None:
     job_id = submit()
     with monkeypatch.context() as patch:
-        patch.setattr(client._table, "cancel", lambda *_: False)  # as if the process had died between the two writes
+        patch.setattr(client._table, "cancel", lambda *_: False)  # a death between the two writes
         client.cancel(job_id)
     worker()
     assert wait_for(job_id, finished, "the cancellation").state is JobState.CANCELLED
@@ -225,7 +225,7 @@ def test_a_job_under_which_too_many_workers_died_is_failed(
     client: JobClient, submit: Callable[..., str], worker: Callable[[], Worker], wait_for: WaitFor
 ) -> None:
     job_id = submit()
-    with client._engine.begin() as connection:  # what DBOS writes after the last take-over that is allowed
+    with client._engine.begin() as connection:  # DBOS's row after the last allowed take-over
         connection.exec_driver_sql("UPDATE workflow_status SET status = 'MAX_RECOVERY_ATTEMPTS_EXCEEDED'")
     worker()
     job = wait_for(job_id, finished, "the failure")
@@ -246,7 +246,7 @@ def test_a_workflow_of_a_living_worker_that_nobody_works_on_is_resumed(
     live = client.home.folder / "live"
     wait_for(job_id, lambda job: live.exists() and any(path.name[0] != "." for path in live.iterdir()), "the worker")
     (executor,) = [path.name for path in live.iterdir()]
-    with client._engine.begin() as connection:  # as if its end could not be written
+    with client._engine.begin() as connection:  # an unwritten end
         connection.exec_driver_sql(dropped, (executor,))
         connection.exec_driver_sql(running)
     assert wait_for(job_id, finished, "the end of the job").state is JobState.SUCCEEDED

@@ -54,7 +54,7 @@ def make_scene() -> Callable[[Sequence[int], Sequence[SliceSpec]], SceneIndex]:
     ) -> SceneIndex:
         def chunks(name: str, sizes: Sequence[int], part: int) -> tuple[Chunk, ...]:
             names = [hashlib.sha256(chunk_bytes(f"{name} {k}", size)).digest() for k, size in enumerate(sizes)]
-            return tuple(map(Chunk, names, sizes, layers(sizes, part), sizes))  # as many splats as bytes
+            return tuple(map(Chunk, names, sizes, layers(sizes, part), sizes))  # one splat for each byte
 
         pieces = tuple(
             Slice(start, end, chunks(f"slice {i} chunk", sizes, SLICE_PART))
@@ -228,7 +228,7 @@ class FakeArtifacts:
 
 @dataclasses.dataclass
 class Server:
-    """An application on fakes, and what it stands on."""
+    """An application on fakes, and the fakes."""
 
     app: FastAPI
     jobs: FakeJobs
@@ -298,7 +298,7 @@ def manifest(chunks: list[bytes]) -> bytes:
 
 @pytest.fixture
 def scene_folder(tmp_path: Path, chunks: list[bytes], manifest: bytes) -> Path:
-    """A run folder whose encoded scene is `studio`."""
+    """A run folder with the encoded scene `studio`."""
     run = tmp_path / "Studio run"
     (run / "scene" / "chunks").mkdir(parents=True)
     (run / "scene" / "manifest.json").write_bytes(manifest)
@@ -321,7 +321,7 @@ def player(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def other_scene(scene_folder: Path, tmp_path: Path) -> Path:
-    """A run like `scene_folder` whose scene lacks the last slice and has another title."""
+    """A run like `scene_folder` with a scene of another title, without the last slice."""
     run = tmp_path / "other"
     (run / "scene" / "chunks").mkdir(parents=True)
     document = json.loads((scene_folder / "scene" / "manifest.json").read_text()) | {"title": "<Other> & more"}

@@ -1,4 +1,4 @@
-"""Captures that were made to end, fill or hold what opens them, by name; each is written into an empty folder."""
+"""Captures made to end, fill or hold their reader, by name; each is written into an empty folder."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def assert_refused(answer: httpx.Response, capture: str, tmp_path: Path) -> None
     assert answer.status_code == 422, problem
     assert (problem["code"], problem["field"]) == ("capture-invalid", "capture")
     assert problem["detail"].startswith(capture)
-    assert str(tmp_path) not in problem["detail"]  # of the server's disk nobody learns
+    assert str(tmp_path) not in problem["detail"]  # no path of the server's disk
 
 
 def write(tmp_path: Path, names: tuple[str, ...]) -> None:

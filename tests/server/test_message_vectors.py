@@ -35,7 +35,7 @@ def _value(value: Any) -> Any:
 
 
 def _fields(message: ClientMessage) -> dict[str, Any]:
-    """The message as the protocol's table has it; what means its default is there too, but false."""
+    """The message as the protocol's table has it, with defaults, but without false."""
     fields = {"type": message.type} | dataclasses.asdict(message)
     if isinstance(message, Hello):
         fields["have"] = sorted(message.have)

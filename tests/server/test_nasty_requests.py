@@ -39,7 +39,7 @@ def app(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FastAPI]:
 
 
 class Faults(logging.Handler):
-    """Keeps what is worse than a warning."""
+    """A handler that keeps records worse than a warning."""
 
     def __init__(self) -> None:
         super().__init__(logging.ERROR)
@@ -51,7 +51,7 @@ class Faults(logging.Handler):
 
 @pytest.fixture(scope="module")
 def wire(app: FastAPI) -> Iterator[tuple[tuple[str, int], Faults]]:
-    """The application behind a socket: its address, and what it has logged."""
+    """The application behind a socket: its address, and its log."""
     faults, news, stop = Faults(), queue.SimpleQueue[str](), threading.Event()
 
     async def serve() -> None:
@@ -72,7 +72,7 @@ def wire(app: FastAPI) -> Iterator[tuple[tuple[str, int], Faults]]:
 
 @dataclass
 class Answer:
-    """What the application has sent."""
+    """The messages that the application has sent."""
 
     status: int = 0
     headers: dict[str, str] = field(default_factory=dict)

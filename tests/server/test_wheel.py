@@ -50,7 +50,7 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """A folder of somebody's own project: whatever of it is imported leaves a mark."""
+    """A folder of somebody's own project: every imported module of it leaves a mark."""
     folder = tmp_path / "project"
     folder.mkdir()
     mark = f"import os; os.open(os.path.join({str(tmp_path)!r}, 'mark-' + __name__), os.O_CREAT)\n"

@@ -1,4 +1,4 @@
-"""A scene whose sound is clicks, and how far a page's picture is ahead of them."""
+"""A scene with clicks as its sound, and the lead of a page's picture over them."""
 
 from __future__ import annotations
 

@@ -33,11 +33,11 @@ class Site:
 
     address: str  # http://host:port
     page: str  # the scene's page
-    scene: HybridScene[np.ndarray]  # as decoded from its chunks
+    scene: HybridScene[np.ndarray]  # decoded chunks
     cameras: tuple[Camera, ...]
     start: float  # seconds
     end: float
-    folder: Path  # of its manifest and chunks
+    folder: Path  # folder of its manifest and chunks
 
 
 def _single(value: np.ndarray) -> np.ndarray:

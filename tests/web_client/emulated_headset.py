@@ -1,4 +1,4 @@
-"""A headset for the page: what its eyes should see, computed from the manifest and the pose alone."""
+"""A headset for the page, and the true views of its eyes, computed from the manifest and the pose alone."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ NEAR = 0.05  # metres
 
 @dataclass(frozen=True)
 class Frustum:
-    """What an eye sees: tangents of the angles from straight ahead to the picture's edges."""
+    """The field of an eye: tangents of the angles from straight ahead to the picture's edges."""
 
     left: float
     right: float
@@ -87,7 +87,7 @@ def rotation(yaw: float, pitch: float = 0.0) -> Doubles:
 
 
 class Headset:
-    """A page whose scene is in an emulated headset."""
+    """A page with its scene in an emulated headset."""
 
     def __init__(self, page: Page, site: Site, size: tuple[int, int]) -> None:
         self.page = page
@@ -157,7 +157,7 @@ class Headset:
         return left, right
 
     def scene_from_room(self, camera: Camera) -> tuple[Doubles, float, Doubles]:
-        """Return rotation, scale and shift of where the page puts somebody who begins at a camera."""
+        """Return rotation, scale and shift of the page's placement of a visitor at a camera."""
         manifest = load_manifest(self.site.folder)
         up = np.asarray(manifest.up)
         forward = camera.world_to_camera[2, :3]
@@ -202,7 +202,7 @@ class Headset:
 def headset_page(
     browser: Browser, site: Site, parameters: str = "paused=1&t=0.4", size: tuple[int, int] = (256, 256)
 ) -> Iterator[Headset]:
-    """Open the page of a scene, with a headset at hand, each of whose eyes has a picture of `size`."""
+    """Open the page of a scene, with a headset at hand; each eye has a picture of `size`."""
     if not IWER.is_file():
         pytest.skip("the emulated headset is not there: run npm ci in web_client")
     context = browser.new_context(viewport={"width": 800, "height": 500})

@@ -1,4 +1,4 @@
-"""What a frame of a headset costs beside one picture of as many pixels: `python -m tests.web_client.measure_headset`.
+"""The cost of a headset's frame beside one picture of as many pixels: `python -m tests.web_client.measure_headset`.
 
 Processor time of all of the browser's processes, with SwiftShader, which other work on the machine disturbs little.
 In every frame the head moves, so that every frame has a new order; each frame waits for the device.
@@ -47,11 +47,11 @@ FRAMES = """async ({ frames, eyes }) => {
 
 
 PAGE = "async (frames) => { for (let i = 0; i < frames; i++) await hgs.readPixels(); }"
-SIDE = round(EYE * math.sqrt(2))  # of one picture with the pixels of two eyes
+SIDE = round(EYE * math.sqrt(2))  # side of one picture with the pixels of two eyes
 
 
 def camera() -> Camera:
-    """Return one that sees what the left eye sees of somebody who stands there."""
+    """Return the camera of a visitor's left eye at this place."""
     eye = FRUSTA[0]
     f = SIDE / (eye.left + eye.right)
     return Camera("eye", SIDE, SIDE, f, f, f * eye.left, f * eye.up, np.eye(4))
@@ -81,7 +81,7 @@ def swiftshader() -> Iterator[Browser]:
 def cost(page: Page, script: str, frames: int, **more: object) -> float:
     """Return processor milliseconds of a frame."""
     page.set_default_timeout(600_000)
-    page.evaluate(script, {"frames": 2, **more} if more else 2)  # to warm up
+    page.evaluate(script, {"frames": 2, **more} if more else 2)  # warm-up
     before = descendants_cpu_seconds()
     page.evaluate(script, {"frames": frames, **more} if more else frames)
     return (descendants_cpu_seconds() - before) * 1000 / frames

@@ -1,4 +1,4 @@
-"""A relay between a browser and a server, which counts what goes through and can hold an answer back."""
+"""A relay between a browser and a server, which counts bytes and can hold an answer back."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ __all__ = ["SwallowingProxy", "swallowing_proxy"]
 
 @dataclass
 class SwallowingProxy:
-    """What passes to `target`; the first WebSocket that has brought `limit` bytes is swallowed."""
+    """A proxy of `target`; the first WebSocket that has brought `limit` bytes is swallowed."""
 
     target: tuple[str, int]
     limit: int

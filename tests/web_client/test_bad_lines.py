@@ -103,7 +103,7 @@ def test_damaged_chunks_cost_their_splats_and_a_notice(page: Page, damaged: str)
 
 
 def test_chunk_that_cannot_be_decoded_costs_its_splats_and_a_notice(page: Page, site: Site, flipped_bit: str) -> None:
-    """One bit of the stream's first chunk is wrong, and what is fetched in its place is wrong too."""
+    """One bit of the stream's first chunk is wrong, and its replacement is wrong too."""
     page.add_init_script(flipped_bit)
     page.route("**/v1/scenes/*/chunks/*", lambda route: route.fulfill(body=b"no chunk"))
     page.goto(f"{site.page}?paused=1&t=0.4")

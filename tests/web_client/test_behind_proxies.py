@@ -46,7 +46,7 @@ PREFIXED = ("stripped", "kept", "told", "stripped without Upgrade", "kept withou
 
 @dataclass(frozen=True)
 class Proxies:
-    """The address of each kind of proxy, without a slash at its end; and what the guarded server asks for."""
+    """The address of each kind of proxy, without a slash at its end; and the key of the guarded server."""
 
     addresses: dict[str, str]
     key: str
@@ -106,7 +106,7 @@ def page(browser: Browser) -> Iterator[Page]:
 
 
 def lost(page: Page) -> list[str]:
-    """What the page asks for in vain, from now on; a stream's address is no file."""
+    """The failed requests of the page from now on, streams left aside."""
     failed: list[str] = []
 
     def note(status: int, url: str) -> None:
@@ -141,7 +141,9 @@ def test_a_scene_plays_and_says_calmly_what_is_missing(
     page.goto(f"{proxies.addresses[kind]}/view/clouds?paused=1")
     page.wait_for_function(READY)
     page.wait_for_function("() => window.hgs.state.complete")
-    assert page.evaluate("() => window.hgs.state.stream") == ("over-http" if over_http else "closed")  # as all is here
+    assert page.evaluate("() => window.hgs.state.stream") == (
+        "over-http" if over_http else "closed"
+    )  # all files are here
     assert [line.startswith(REMARK) for line in said] == ([True] if over_http else [])
     assert page.locator(".notice >> visible=true").count() == 0
     assert failed == []
@@ -191,7 +193,7 @@ def test_a_key_is_kept_for_the_path_alone_and_links_lead_below_it(page: Page, pr
     page.goto(f"{root}/view/clouds?paused=1")
     give(page, proxies.key)
     page.wait_for_function(READY_WITH_KEY)
-    assert page.evaluate("() => window.hgs.state.stream") == "over-http"  # which needs the cookie, too
+    assert page.evaluate("() => window.hgs.state.stream") == "over-http"  # the cookie is needed, too
     [cookie] = page.context.cookies()
     assert cookie["path"] == "/hgs/"
     page.goto(f"{root}/")

@@ -1,4 +1,4 @@
-"""The console on a real server with a worker: making a scene, following its job, and what can be done with scenes."""
+"""The console on a real server with a worker: making a scene, following its job, and managing scenes."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def page(browser: Browser, console: Console) -> Iterator[Page]:
 
 @pytest.fixture(autouse=True)
 def _leave_the_worker_free(console: Console) -> Iterator[None]:
-    """Cancel what a test has left, so that its fault is its own."""
+    """Cancel the leftovers of a test, so that its fault is its own."""
     yield
     for job in httpx.get(f"{console.address}/v1/jobs").json()["jobs"]:
         if job["state"] in ("queued", "running"):
@@ -145,7 +145,7 @@ def test_a_scene_is_made_from_the_form_and_followed_to_its_end(console: Console,
     history = httpx.get(f"{console.address}/v1/jobs/{job}/history").json()["points"]
     losses = [point["figures"]["loss"] for point in history if point["stage"] == "train" and "loss" in point["figures"]]
     page.get_by_text(f"Now {losses[-1]:.3g}", exact=True).wait_for()
-    page.reload()  # what the page had followed, the server has kept
+    page.reload()  # the server has kept the course that the page followed
     curve.wait_for()
     watch.click()
     page.wait_for_url(f"**/view/{job}")

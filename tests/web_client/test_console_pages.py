@@ -92,7 +92,7 @@ def _fulfill(answer: Any, route: Route) -> None:
 
 @contextmanager
 def answering(browser: Browser, site: Site, path: str, answers: dict[str, Any], **options: Any) -> Iterator[Page]:
-    """A page whose server answers so, by patterns of paths below /v1."""
+    """A page with these answers of its server, by patterns of paths below /v1."""
     context = browser.new_context(**options)
     try:
         page = context.new_page()
@@ -195,7 +195,7 @@ def test_no_long_name_widens_the_page_of_a_job(browser: Browser, site: Site, opt
 
 
 def small_controls(page: Page) -> list[str]:
-    """The controls that are smaller than a finger, by what they say; a box or circle counts with its label."""
+    """The labels of controls that are smaller than a finger; a box or circle counts with its label."""
     found: list[str] = page.evaluate("""() =>
       [...document.querySelectorAll("a, button, input, select, summary")]
         .map((node) => node.closest("label") ?? node)
@@ -230,7 +230,7 @@ LANDMARKS = ("region", "landmark-one-main", "landmark-no-duplicate-main")
 
 
 def violations(page: Page) -> list[str]:
-    """What axe finds serious or critical, or outside of all landmarks, with an element that shows it."""
+    """The serious and critical findings of axe, and those outside of all landmarks, each with an element."""
     if not AXE.is_file():
         pytest.skip("axe-core is not installed: run npm ci in web_client")
     page.evaluate(AXE.read_text())

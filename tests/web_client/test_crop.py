@@ -1,4 +1,4 @@
-"""The box that is drawn around what is to be kept, and the command line that keeps it."""
+"""The box drawn around the part to keep, and the command line that keeps it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How pages and scripts reach a real browser: what is on the wire, in which order, and what the browser may do."""
+"""Delivery of pages and scripts to a real browser: bytes on the wire, their order, and permissions."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def player(attributes: str, name: str = "one", width: int = WIDTH, height: int =
 
 
 def wait_for_picture(page: Page, name: str = "one") -> None:
-    """Until all of what is to be seen at the playhead is drawn."""
+    """Wait until the picture at the playhead is complete."""
     page.wait_for_function("(id) => document.getElementById(id).player?.manifest", arg=name)
     page.evaluate(STOOD, name)
 
@@ -370,7 +370,7 @@ def test_a_page_with_a_player_keeps_nobody_out(browser: Browser, host: Host) -> 
 
 
 def test_the_element_is_as_a_video(browser: Browser, host: Host) -> None:
-    """Attributes reflect; methods, properties and events do what those of media elements do."""
+    """Attributes reflect; methods, properties and events are those of media elements."""
     script = """<script>
       window.heard = [];
       addEventListener("DOMContentLoaded", () => {
@@ -503,7 +503,7 @@ def test_a_page_that_asks_for_trusted_types_plays(browser: Browser, host: Host, 
 def test_a_frame_writes_nothing_into_the_console_of_its_host(
     browser: Browser, host: Host, site: Site, tmp_path: Path, where: str, attributes: str
 ) -> None:
-    """Whatever its host has not allowed it; the page in the frame is of another origin."""
+    """Without its host's permissions; the page in the frame is of another origin."""
     if where == "server" and attributes:
         pytest.skip("a server's pages play in frames of their own origin alone, as its policy says")
     (host.folder / "inner.html").write_text(HEAD + SCRIPT + player("controls autoplay", width=400, height=300))
@@ -572,7 +572,7 @@ def test_a_frame_without_leave_to_fill_the_screen_says_why_it_does_not(browser: 
         inner.wait_for_function("() => one.player?.manifest")
         inner.get_by_role("button", name="Full screen").click()
         inner.get_by_role("alert").filter(has_text='needs allow="fullscreen"').wait_for()
-        assert inner.get_by_role("link", name="All scenes").count() == 0  # of a server that is not there
+        assert inner.get_by_role("link", name="All scenes").count() == 0  # no server, no list
 
 
 def test_damaged_and_missing_chunks_of_a_folder(browser: Browser, host: Host, served_picture: np.ndarray) -> None:

@@ -1,4 +1,4 @@
-"""What is seen before a scene: its poster, painted before any script, and a clock that stands meanwhile."""
+"""The first seconds: a scene's poster, painted before any script, and a clock at rest."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(180)]
 FIRST = "() => (window.hgs?.state ?? document.querySelector('hgs-player')?.player?.statistics)?.firstFrame != null"
 ARRIVED = """() => performance.getEntriesByType("resource").some(
   ({ name, responseEnd }) => name.includes("thumbnail") && responseEnd > 0)"""
-GROUND = (90, 60, 120)  # of the clouds' thumbnail
+GROUND = (90, 60, 120)  # colour of the clouds' thumbnail
 DARK_TIMES = """(() => {
   window.dark = [];
   const look = () => {
@@ -46,7 +46,7 @@ DARK_TIMES = """(() => {
 
 
 def middle(page: Page) -> np.ndarray:
-    """The colour in the middle of what the page shows, above the line that says what is loading."""
+    """The colour in the middle of the page, above the line about loading."""
     with Image.open(BytesIO(page.screenshot())) as shot:
         return np.asarray(shot.convert("RGB").getpixel((shot.width // 2, shot.height // 4)), dtype=float)
 
@@ -69,7 +69,7 @@ def held_scripts(browser: Browser, address: str, **options: Any) -> Iterator[tup
         page = context.new_page()
         page.route("**/*.js", lambda route: held.append(route))
         page.goto(address, wait_until="commit")
-        page.wait_for_function("() => document.body")  # before, there may be no frame to take a picture of
+        page.wait_for_function("() => document.body")  # a picture needs a frame
         yield page, held
     finally:
         context.close()
@@ -100,7 +100,7 @@ def test_the_poster_is_painted_before_any_script_and_goes_with_the_first_picture
 
 @pytest.mark.slow
 def test_the_poster_is_framed_as_the_first_picture(browser: Browser, site: Site, tmp_path: Path) -> None:
-    """A scene whose thumbnail is its own first picture: nothing moves when the scene takes the poster's place."""
+    """A scene with its own first picture as thumbnail: nothing moves when the scene takes the poster's place."""
     size = {"width": WIDTH, "height": HEIGHT}
     with open_viewer(browser, f"{site.page}?paused=1&width={WIDTH}&height={HEIGHT}&exact=1", **size) as page:
         picture = canvas_pixels(page)
@@ -134,7 +134,7 @@ def test_the_poster_is_framed_as_the_first_picture(browser: Browser, site: Site,
 
 
 def shown(page: Page) -> np.ndarray:
-    """The upper middle of what the page shows, small and grey, where no bar lies over it."""
+    """The upper middle of the page, small and grey, clear of bars."""
     with Image.open(BytesIO(page.screenshot())) as shot:
         box = (0, int(0.2 * shot.height), shot.width, int(0.7 * shot.height))
         return np.asarray(shot.convert("L").crop(box).resize((64, 32)), dtype=float)

@@ -47,7 +47,7 @@ def gallery(count: int, attributes: str = "") -> str:
 
 
 def problems(page: Page) -> list[str]:
-    """What players say is wrong; filled while the page is used."""
+    """The problems reported by players; filled while the page is used."""
     found: list[str] = []
     page.on("console", lambda line: found.append(line.text) if line.type in ("error", "warning") else None)
     return found
@@ -112,7 +112,7 @@ def test_of_more_in_sight_than_there_are_contexts_one_that_stands_aside_can_be_p
 
 
 def test_a_player_out_of_sight_still_answers_its_page(browser: Browser, host: Host) -> None:
-    """Loading, seeking and pictures do what they promise although nobody looks."""
+    """Loading, seeking and pictures keep their promises out of sight."""
     body = SCRIPT + '<p style="height: 3000px">Text</p><hgs-player id="p0" src="clouds/" camera="side"></hgs-player>'
     with embedding(browser, host, body) as page:
         wait_for_picture(page, "p0")

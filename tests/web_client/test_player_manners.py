@@ -1,4 +1,4 @@
-"""What a visitor of the player feels: limits of the camera, keys, the timeline, links, pictures, settings, help."""
+"""The manners of the player: limits of the camera, keys, the timeline, links, pictures, settings, help."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def drag(page: Page, dx: int) -> None:
 
 @pytest.mark.slow
 def test_a_quarter_turn_ends_softly_and_springs_back(browser: Browser, site: Site) -> None:
-    """Held at its end the rubber band shows a little more than what is left after letting go; a longer drag no more."""
+    """Held at its end the rubber band shows a little more than after letting go; a longer drag no more."""
     with viewing(browser, site, prepare=lambda page: page.add_init_script(ARC)) as page:
         drag(page, -262)  # 90 degrees
         held = settled(page)

@@ -1,4 +1,4 @@
-"""A page that draws fewer splats than there are: how many, which ones, and what its picture loses."""
+"""A page that draws fewer splats than there are: their number, their choice, and the loss of its picture."""
 
 from __future__ import annotations
 

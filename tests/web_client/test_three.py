@@ -84,7 +84,7 @@ def address(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[st
 
 
 class Files(http.server.SimpleHTTPRequestHandler):
-    """Says nothing of what it serves."""
+    """A handler without a log."""
 
     def log_message(self, *_: Any) -> None:
         pass
@@ -92,7 +92,7 @@ class Files(http.server.SimpleHTTPRequestHandler):
 
 @contextmanager
 def hosting(browser: Browser, address: str, **options: Any) -> Iterator[Page]:
-    """A page whose `host` has a canvas of the cameras' size."""
+    """A page with a `host` that has a canvas of the cameras' size."""
     page = browser.new_page(viewport={"width": 900, "height": 700})
     page.add_init_script("window.warnings = []; console.warn = (...words) => warnings.push(words.join(' '))")
     try:
@@ -110,7 +110,7 @@ def camera_named(site: Site, name: str) -> Camera:
 
 
 def numbers(camera: Camera, rows: npt.NDArray[np.float64] | None = None, scale: float = 1.0) -> dict[str, Any]:
-    """The camera for the page; `rows` in place of its own matrix, in a world whose units are `scale` times smaller."""
+    """The camera for the page; `rows` in place of its own matrix, in a world of units `scale` times smaller."""
     values = {name: getattr(camera, name) for name in ("width", "height", "fx", "fy", "cx", "cy")}
     matrix = np.asarray(camera.world_to_camera if rows is None else rows, np.float64)
     return values | {"near": camera.near * scale, "far": FAR * scale, "rows": matrix.tolist()}
@@ -218,7 +218,7 @@ def test_a_scene_that_is_moved_turned_and_scaled_is_the_same_picture_to_a_camera
 def test_splats_behind_a_wall_are_hidden_and_those_before_it_are_drawn_over_it(
     browser: Browser, address: str, site: Site, depth: dict[str, bool]
 ) -> None:
-    """The reference has only the splats whose centres are before the wall, on its colour."""
+    """The reference has only the splats with centres before the wall, on its colour."""
     camera = camera_named(site, "side")
     rows = np.asarray(camera.world_to_camera, np.float64)
     wall = 3.0
@@ -307,7 +307,7 @@ def test_each_of_two_viewports_has_its_own_order(browser: Browser, address: str,
 def test_render_targets_get_the_same_picture_in_linear_light(
     browser: Browser, address: str, site: Site, samples: int, least: float
 ) -> None:
-    """At any corner; what was there before the splats is behind them, and is as it was where no splat is."""
+    """At any corner; the earlier picture is behind the splats, and unchanged elsewhere."""
     camera = camera_named(site, "side")
     truth = rasterized(site, camera, 0.4)
     with hosting(browser, address) as page:

@@ -1,4 +1,4 @@
-"""What the page around the picture does: taps, notices, statistics, and nothing when nothing changes."""
+"""The page around the picture: taps, notices, statistics, and rest when nothing changes."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def notice(page: Page) -> Locator:
 
 
 def assert_quiet_line(page: Page) -> None:
-    """What is said over the picture is small and leaves the middle free."""
+    """Words over the picture are small and leave the middle free."""
     box = notice(page).bounding_box()
     assert box is not None
     height = page.evaluate("() => innerHeight")
@@ -87,7 +87,7 @@ def test_a_tap_plays_and_pauses(browser: Browser, site: Site) -> None:
 
 
 def test_a_double_click_looks_at_what_is_there_and_never_plays(browser: Browser, site: Site) -> None:
-    """What was under the pointer comes to the middle of the picture: compared where nothing but its place changes."""
+    """The point under the pointer comes to the middle of the picture: compared where only its place changes."""
     with viewing(browser, site, STILL_MOTION, reduced_motion="reduce") as page:
         before = canvas_pixels(page)
         page.clock.install()
@@ -244,7 +244,7 @@ def test_a_lost_connection_is_a_quiet_line_over_a_picture(browser: Browser, site
 
 
 def test_a_damaged_part_is_told_in_words_and_can_be_put_away(browser: Browser, site: Site) -> None:
-    """The last chunk of the stream is damaged, and so is whatever the server sends instead."""
+    """The last chunk of the stream is damaged, and so are its replacements."""
     damage = """(() => {
       const Original = WebSocket;
       window.WebSocket = class extends Original {
@@ -276,7 +276,7 @@ def test_a_damaged_part_is_told_in_words_and_can_be_put_away(browser: Browser, s
         problem = page.get_by_role("alert")
         problem.wait_for()
         assert "damaged" in problem.inner_text()
-        assert "hash" not in problem.inner_text()  # which is for the console
+        assert "hash" not in problem.inner_text()  # the hash is for the console
         assert len([line for line in console if "hash" in line]) == 1
         assert_quiet_line(page)
         problem.get_by_role("button", name="Close").click()
@@ -324,7 +324,7 @@ def test_nothing_runs_when_nothing_changes(browser: Browser, site: Site) -> None
       return performance.now() - window.since > 1000;
     }"""
     with viewing(browser, site, prepare=lambda page: page.add_init_script(count)) as page:
-        page.wait_for_function(at_rest, polling=100)  # in a loop of animation frames that never comes true
+        page.wait_for_function(at_rest, polling=100)  # a loop of animation frames would never end
         work = page.evaluate("() => window.work")
         page.keyboard.press("Shift+ArrowLeft")  # and a change wakes it
         page.wait_for_function("(work) => window.work > work", arg=work)

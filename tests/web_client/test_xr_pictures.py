@@ -1,4 +1,4 @@
-"""What the eyes of a headset see from their own poses: the reference rasterizer's picture, and the head's order."""
+"""The pictures of a headset's eyes from their own poses: the reference rasterizer's picture, and the head's order."""
 
 from __future__ import annotations
 

@@ -295,7 +295,7 @@ def test_a_flick_of_the_right_stick_turns_the_viewer(browser: Browser, dust: Sit
             }"""
         )
         headset.settle()
-        cameras = headset.cameras(dust.cameras[0], head, yaw=-math.pi / 6)  # to the right, once
+        cameras = headset.cameras(dust.cameras[0], head, yaw=-math.pi / 6)  # once to the right
         for eye, camera in zip(headset.pictures(), cameras, strict=True):
             assert psnr(eye[..., :3], reference_picture(dust, camera)) >= EYE_PSNR
 
@@ -309,9 +309,9 @@ def test_a_hand_moves_the_scene_and_the_panel_brings_it_back(browser: Browser, d
         headset.aim(np.array([0.4, 1.3, -0.6]))
         headset.frame()
         headset.hold("squeeze", down=False)
-        headset.aim(np.array([0.2, 1.2, -0.3]))  # without holding
+        headset.aim(np.array([0.2, 1.2, -0.3]))  # not holding
         headset.settle()
-        cameras = headset.cameras(dust.cameras[0], (-0.2, 1.5, 0.3))  # as if the head had moved the other way
+        cameras = headset.cameras(dust.cameras[0], (-0.2, 1.5, 0.3))  # equal to a head moved the other way
         for eye, camera in zip(headset.pictures(), cameras, strict=True):
             assert psnr(eye[..., :3], reference_picture(dust, camera)) >= EYE_PSNR
         look_again(headset)
@@ -344,7 +344,7 @@ def test_a_pinching_hand_moves_the_scene(browser: Browser, dust: Site) -> None:
             }"""
         )
         headset.settle()
-        cameras = headset.cameras(dust.cameras[0], (0.1, 1.55, 0.2))  # as if the head had moved the other way
+        cameras = headset.cameras(dust.cameras[0], (0.1, 1.55, 0.2))  # equal to a head moved the other way
         for eye, camera in zip(headset.pictures(), cameras, strict=True):
             assert psnr(eye[..., :3], reference_picture(dust, camera)) >= EYE_PSNR
 

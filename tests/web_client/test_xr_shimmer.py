@@ -1,4 +1,4 @@
-"""Thin lines do not shimmer as the head moves: what an eye sees, frame by frame, against finely sampled truth."""
+"""Thin lines do not shimmer as the head moves: an eye's pictures, frame by frame, against finely sampled truth."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bench's page: where it is served, and what it says where it cannot be built."""
+"""The bench's page: its address, and the errors of its build."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What needs no browser; the viewer itself is opened by tests/web_client/test_browser.py."""
+"""Parts without a browser; tests/web_client/test_browser.py opens the viewer itself."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_the_browser_is_the_one_chosen_or_the_first_known_on_the_path(
 
 
 def test_bytes_and_floats_are_compared_on_one_scale() -> None:
-    """Off by 0.1 everywhere is 20 dB; what lies beyond [0, 1] is shown as its limit."""
+    """Off by 0.1 everywhere is 20 dB; values beyond [0, 1] are shown as their limit."""
     grey = np.full((2, 3, 3), 51, np.uint8)
     assert psnr(grey, np.full((2, 3, 3), 0.3, np.float32)) == pytest.approx(20.0, abs=1e-4)
     assert psnr(grey, np.full((2, 3, 3), 0.2)) == math.inf

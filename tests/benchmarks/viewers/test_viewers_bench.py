@@ -1,4 +1,4 @@
-"""Our viewer beside others: the camera that all of them take, and what is refused before anything is measured."""
+"""Our viewer beside others: the camera common to all, and early refusals."""
 
 from __future__ import annotations
 

@@ -161,6 +161,6 @@ def test_a_collector_that_is_killed_half_way_harms_no_scene_and_stands_in_nobody
     left = stored(store)
     assert left > {NAMES[2], NAMES[3]}
     assert len(left) == 3
-    publish(store, write_scene, tmp_path / "again", "a", [0, 1, 2])  # what is gone is stored again
+    publish(store, write_scene, tmp_path / "again", "a", [0, 1, 2])  # removed chunks are stored again
     assert stored(store) == set(NAMES[:4])
     assert collect_chunks(store, delete=True, youngest=0).chunks == 0

@@ -25,7 +25,7 @@ from tests.growing import MOVING, STATIC, write_growing_scene
 
 
 def poked(chunk: bytes) -> bytes:
-    """Return a chunk whose first plane is no zstd frame, under a right checksum."""
+    """Return a chunk with a right checksum and a first plane that is no zstd frame."""
     container = unpack(chunk)
     first = container.streams[0]
     damaged = first._replace(planes=(memoryview(b"no frame"), *first.planes[1:]))

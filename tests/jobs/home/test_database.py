@@ -1,4 +1,4 @@
-"""The tables: made once, by whoever comes first, on an empty or an older database."""
+"""The tables: made once, by the first process."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def test_the_cause_counts_and_what_an_error_was_raised_in_place_of() -> None:
     wrapped = InputError("points.npz", "cannot be written")
     wrapped.__cause__ = full
     assert reason_to_wait(wrapped) == "No space left on device"
-    hidden = RuntimeError("unexpected pos 704 vs 598")  # what torch makes of a full disk
+    hidden = RuntimeError("unexpected pos 704 vs 598")  # torch's error on a full disk
     hidden.__context__ = full
     assert reason_to_wait(hidden) == "No space left on device"
 

@@ -34,7 +34,7 @@ def test_older_software_leaves_a_newer_database_alone(
     newer = number(engine)
     monkeypatch.undo()
     with engine.begin() as connection:
-        connection.execute(sa.text("DROP TABLE hgs_worker"))  # which it would make anew
+        connection.execute(sa.text("DROP TABLE hgs_worker"))  # it would make it anew
     with pytest.raises(InputError, match=r"has tables of the form 2, and HGS .* knows them up to 1; install"):
         prepare_database(Home.at(tmp_path), engine, metadata)
     assert number(engine) == newer
@@ -45,7 +45,7 @@ def test_newer_software_takes_an_older_database_over(
     engine: sa.Engine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with engine.begin() as connection:
-        connection.execute(sa.text("DROP TABLE hgs_schema"))  # as before there was a number
+        connection.execute(sa.text("DROP TABLE hgs_schema"))  # a database without a number
     prepare_database(Home.at(tmp_path), engine, metadata)
     assert number(engine) == [schema_number.SCHEMA]
     monkeypatch.setattr(schema_number, "SCHEMA", 7)

@@ -1,4 +1,4 @@
-"""A pipeline whose every iteration depends on all before it, so that its scene tells whether one was lost or repeated.
+"""A pipeline with iterations that depend on all before: its scene shows a lost or repeated one.
 
 An iteration hashes what the last one left; a checkpoint every five holds how many there were and the hash. Every
 iteration leaves a line with its process id and number in the capture, which all machines share: no part of the run.

@@ -1,4 +1,4 @@
-"""Starts as processes what docker-compose.yml starts as containers.
+"""The services of docker-compose.yml, started as processes.
 
 Commands, environment, ports and health checks are read from the file, so that a test of this is a test of the file.
 Inside a container and out of it differ: where folders are mounted, the name of the database's host, and the ports.
@@ -74,7 +74,7 @@ class Composition:
         return environment
 
     def log(self) -> str:
-        """Return what the processes have printed."""
+        """Return the output of the processes."""
         return (self._folder / "log").read_text()
 
     def stop(self) -> None:

@@ -1,5 +1,4 @@
-"""A pipeline whose training counts to `config.train.iterations`: it checkpoints, resumes, stops and fails
-like the real one.
+"""A pipeline that counts to `config.train.iterations`: it checkpoints, resumes, stops and fails like the real one.
 
 The capture is a folder; the file `behaviour` in it says how the training goes: "count", "raise", "bad input", "die" (by
 SIGKILL at half-time), "die once", "hang once" (stopped at half-time), "memory" (wants too much of it at half-time),

@@ -19,7 +19,7 @@ class NetworkNode:
     def __init__(self) -> None:
         number = next(_numbers)
         self._name = f"hgs-{os.getpid()}-{number}"
-        self._here, self._there = f"h{os.getpid()}n{number}a", f"h{os.getpid()}n{number}b"  # at most 15 characters
+        self._here, self._there = f"h{os.getpid()}n{number}a", f"h{os.getpid()}n{number}b"  # 15 characters at most
         network = f"10.{200 + number % 50}.{os.getpid() % 256}"
         self.address, self._own = f"{network}.1", f"{network}.2"
 

@@ -1,4 +1,4 @@
-"""What a night of faults takes: supervised workers, a watch over what jobs say, and somebody who kills."""
+"""The cast of a night of faults: supervised workers, a watch over jobs, and a killer."""
 
 from __future__ import annotations
 

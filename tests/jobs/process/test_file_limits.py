@@ -1,4 +1,4 @@
-"""What a stage may do with files, as a process of its own: limits cannot be taken back."""
+"""Limits on files, in a process of its own: they cannot be lifted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a stage learns of its worker's environment."""
+"""The part of a worker's environment that a stage receives."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_what_gives_access_is_left_out_and_all_else_stays() -> None:
 
 @pytest.fixture
 def apart(home: Home) -> Home:
-    """A home whose machines share no folder."""
+    """A home of machines that share no folder."""
     urls = {"store_url": "s3://bucket/hgs", "database_url": "postgresql://db/hgs"}
     return dataclasses.replace(home, run_state="store", **urls)
 

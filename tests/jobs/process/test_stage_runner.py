@@ -248,7 +248,7 @@ class TestProcesses:
 
 
 class TestSegments:
-    """A training by segments, whose process is not told where the store is."""
+    """A training by segments, in a process without access to the store."""
 
     @pytest.fixture
     def home(self, home: Home, tmp_path: Path) -> Home:

@@ -1,4 +1,4 @@
-"""What stands in the queue, as DBOS lists it."""
+"""The queue as DBOS lists it."""
 
 from __future__ import annotations
 

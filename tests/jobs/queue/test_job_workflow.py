@@ -106,7 +106,7 @@ def run_stage(workflow: TrainingWorkflow, stage: str = "train") -> StageOutcome:
 
 
 class TestPuttingOff:
-    """What is queued, and for when, if a fault passes."""
+    """The attempts queued after a passing fault, and their times."""
 
     @pytest.fixture(autouse=True)
     def queued(self, monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
@@ -306,7 +306,7 @@ class TestMissedCapture:
 
 
 class TestReports:
-    """What a stage says while it runs."""
+    """The reports of a running stage."""
 
     def test_reports_that_cannot_be_written_do_not_end_the_stage(
         self, workflow: TrainingWorkflow, stages: FakeStages, monkeypatch: pytest.MonkeyPatch
@@ -320,7 +320,7 @@ class TestReports:
 
 
 class TestFinish:
-    """The end of a job whose scene has been published."""
+    """The end of a job after publication."""
 
     @pytest.fixture(autouse=True)
     def _published(self, home: Home, tmp_path: Path, write_scene: Callable[..., list[str]]) -> None:

@@ -107,13 +107,13 @@ class FakeSurroundings:
 
 @pytest.fixture
 def seen() -> set[str]:
-    """What this machine sees of what jobs wait for."""
+    """The causes of waiting as this machine sees them."""
     return set()
 
 
 @pytest.fixture
 def table(engine: sa.Engine) -> JobTable:
-    """The table with the jobs "a" and "b", whose first attempts run."""
+    """The table with the jobs "a" and "b" in their first attempts."""
     table = JobTable(engine)
     for job_id in ("a", "b"):
         with engine.begin() as connection:
@@ -331,7 +331,7 @@ def test_a_worker_that_leaves_queues_its_own_work_again_and_nothing_else(
 
 
 class TestWaking:
-    """Jobs whose pause is long, but what they wait for is back."""
+    """Jobs with a long pause after the end of its cause."""
 
     @pytest.fixture(autouse=True)
     def _waiting(self, table: JobTable, engine: sa.Engine, monkeypatch: pytest.MonkeyPatch) -> None:

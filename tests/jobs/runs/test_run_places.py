@@ -1,4 +1,4 @@
-"""Where runs lie: what is kept, counted and removed in a home and in a store; test_separate_homes.py has the rest."""
+"""Places of runs: kept, counted and removed in a home and in a store; test_separate_homes.py has the rest."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the API shows of runs that other machines work on."""
+"""Runs of other machines, as the API shows them."""
 
 from __future__ import annotations
 

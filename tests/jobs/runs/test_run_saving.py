@@ -1,4 +1,4 @@
-"""What a worker saves while a stage runs, and what it does when the store is away or another has the run."""
+"""Saving while a stage runs, without the store, and after another process has taken the run."""
 
 from __future__ import annotations
 

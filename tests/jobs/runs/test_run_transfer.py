@@ -1,4 +1,4 @@
-"""Two machines and one run: what one saved, the other goes on from, and the first can save no more."""
+"""Two machines and one run: the second resumes from the first one's state, and the first can save no more."""
 
 from __future__ import annotations
 

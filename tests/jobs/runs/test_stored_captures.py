@@ -86,7 +86,7 @@ def test_copies_take_no_more_room_than_they_may(here: StoredCaptures, tmp_path: 
         with there.held(Path(there.local(f"upload:{name}"))):
             pass
         os.utime(there.local(f"upload:{name}"), (time, time))
-    with there.held(Path(there.local("upload:a"))):  # which is in use, and stays though it was not used for longer
+    with there.held(Path(there.local("upload:a"))):  # held: it stays, though unused for longer
         os.utime(there.local("upload:a"), (0, 0))
         with there.held(Path(there.local("upload:c"))):
             pass

@@ -49,7 +49,7 @@ def test_the_same_head_put_twice_is_another_one(run: StoredRun) -> None:
 
 
 def test_a_put_whose_answer_was_lost_counts(run: StoredRun, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The library asks again, and is refused what it has already got."""
+    """The library repeats a request that has already succeeded, and is refused."""
     first = run.create(RunHead(0))
     put = obstore.put
 

@@ -31,7 +31,7 @@ def store() -> ObjectStore:
 
 @pytest.fixture
 def machine(store: ObjectStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Machine:
-    """Return a function: name -> the folder of a run of three segments, whose first is made, and how it is shared."""
+    """Return a function: name -> the folder of a run of three segments, the first one made, and its sharing."""
     monkeypatch.setattr(stored_segments, "LOOK", 0.0)
     monkeypatch.setattr(segments, "LOOK", 0.01)
 

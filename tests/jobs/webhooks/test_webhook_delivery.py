@@ -39,7 +39,7 @@ Poll = Callable[[Callable[[], bool], str], None]
 
 
 class Receiver:
-    """An HTTP server that keeps what it is sent, and answers with the next of its statuses, or 200."""
+    """An HTTP server that keeps its requests, and answers with the next of its statuses, or 200."""
 
     def __init__(self) -> None:
         self.received: list[tuple[str, dict[str, str], bytes]] = []
@@ -237,7 +237,7 @@ def test_a_worker_that_is_killed_while_it_tells_loses_nothing(
     worker()
     wait_until(lambda: (told := client.announcement(job_id)) is not None and told.delivered > 0, "the delivery")
     ids = {headers["webhook-id"] for _, headers, _ in receiver.received}
-    assert ids == {f"{job_id}.1"}  # by which a receiver knows it again
+    assert ids == {f"{job_id}.1"}  # the id for receivers
 
 
 def test_a_private_address_is_not_connected_to(engine: sa.Engine, receiver: Receiver) -> None:

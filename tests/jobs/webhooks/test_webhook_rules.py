@@ -112,7 +112,7 @@ def test_what_is_allowed_can_be_looked_up(name: str) -> None:
     except InputError:
         return
     assert parts.hostname is not None
-    parts.hostname.encode("idna")  # as getaddrinfo does
+    parts.hostname.encode("idna")  # getaddrinfo's encoding
 
 
 def test_without_settings_there_are_no_webhooks() -> None:

@@ -1,4 +1,4 @@
-"""Who is let in, by a clock that the tests move."""
+"""Admission of visitors, with a clock that the tests move."""
 
 from __future__ import annotations
 

@@ -62,7 +62,7 @@ def read(tmp_path: Path) -> Callable[[], list[str]]:
 
 @pytest.fixture
 def make(root: Path, tmp_path: Path) -> Callable[..., CaptureList]:
-    """Return a function that makes a list of files that stand for captures: their text says what they do."""
+    """Return a function that makes a list of files that stand for captures and behave as their text orders."""
 
     def list_of(captures: dict[str, str], patience: float = 600.0) -> CaptureList:
         for name, text in captures.items():
@@ -116,7 +116,7 @@ def test_a_capture_that_ends_its_reader_is_unreadable_and_the_others_are_there(
         assert f"{name}: is damaged, or made to do harm" in found[name]["problem"]
         assert "(SIGSEGV); export the file again" in found[name]["problem"]
     assert (found["a"]["problem"], found["c"]["problem"]) == (None, None)
-    assert read() == ["a", "b", "b", "c", "d", "d"]  # what ends a reader has a second one for itself
+    assert read() == ["a", "b", "b", "c", "d", "d"]  # a capture that ends a reader is read alone once more
 
 
 def test_only_what_has_changed_is_opened_again(
@@ -147,7 +147,7 @@ def test_a_capture_that_takes_long_is_listed_as_being_looked_at(make: Callable[.
     found = listed(captures)["a"]
     assert (found["looking"], found["layout"], found["frames"]) == (True, "N3DV", None)
     assert found["problem"] == "a: is being looked at; ask again in a few seconds"
-    captures._readers.close()  # which ends what hangs
+    captures._readers.close()  # ends hanging readers
     captures.close()
 
 

@@ -1,4 +1,4 @@
-"""Which folders are captures, and what their lists and headers say."""
+"""Outlines of captures, from their lists and headers."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def names(folders: CaptureFolders) -> list[str]:
 
 
 def described(path: Path, folders: CaptureFolders) -> dict[str, Any]:
-    """What a list tells of a capture, without what it says where all is well."""
+    """The description of a capture in a list, without the fields of a sound one."""
     told = describe_capture(path, folders)
     assert told.pop("problem") is None
     return told

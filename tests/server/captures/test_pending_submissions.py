@@ -149,7 +149,7 @@ def test_a_server_that_stops_gives_up_what_waits() -> None:
         all_of_them, looks = Submissions(at_once=1), Looks()
         running, waiting = (all_of_them.start(name, "a", "", looks) for name in "ab")
         await asyncio.sleep(0.02)
-        looks.go.set()  # as the end of its reader does
+        looks.go.set()  # the end of its reader
         await all_of_them.close()
         assert running.job == JOB
         assert isinstance(waiting.error, ProblemError)

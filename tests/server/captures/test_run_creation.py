@@ -63,7 +63,7 @@ def looks(tmp_path: Path) -> int:
 
 def test_a_capture_is_not_opened_again_for_the_same_wish(create: Callable[..., RunConfig], tmp_path: Path) -> None:
     configs = [create("well", run) for run in ("one", "two")]
-    assert [config.seed for config in configs] == [5, 5]  # as the pipeline chose
+    assert [config.seed for config in configs] == [5, 5]  # the pipeline's choice
     assert (tmp_path / "two" / "run.json").read_text() == "auto"
     assert looks(tmp_path) == 1
     create("well", "three", audio="none")  # another wish

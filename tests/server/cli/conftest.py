@@ -24,7 +24,7 @@ def capture(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="session")
 def splats(capture: Path) -> Path:
-    """An STGS file of the capture's scene, whose times 0 to 1 are five frames."""
+    """An STGS file of the capture's scene, with five frames from 0 to 1."""
     static, dynamic = synthetic_scene()
     scene = HybridScene(static, (Segment(0.0, 5 / 30, dynamic),)).map(lambda tensor: tensor.numpy())
     export_scene(scene, capture / "x.ply", cameras=[])
@@ -39,7 +39,7 @@ def run(capture: Path, splats: Path, tmp_path_factory: pytest.TempPathFactory) -
     return out
 
 
-CAMERAS, FRAMES = 3, 4  # of the capture `n3dv`
+CAMERAS, FRAMES = 3, 4  # size of the capture `n3dv`
 
 
 @pytest.fixture(autouse=True)

@@ -101,7 +101,7 @@ def test_truth_can_be_left_out(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
-    """What `hgs bench codec` asked for; it gets a report of nothing."""
+    """The requests of `hgs bench codec`, answered with an empty report."""
     found: list[dict[str, Any]] = []
 
     def bench_codec(source: Path, progress: object, **options: Any) -> codec.CodecReport:

@@ -1,4 +1,4 @@
-"""`hgs bench stream`; what is measured is tested in tests/server/bench/test_stream_bench.py."""
+"""`hgs bench stream`; tests/server/bench/test_stream_bench.py tests the measurements."""
 
 from __future__ import annotations
 

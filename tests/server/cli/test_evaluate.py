@@ -43,7 +43,7 @@ SCORES: dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def wishes(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Put an evaluation in the place of the real one that has these scores and more; returns what it was asked for."""
+    """Replace the evaluation with one of these scores and more; return its requests."""
     asked: dict[str, Any] = {}
 
     def evaluate_run(run: Path, progress: ProgressCallback, **options: Any) -> dict[str, Any]:

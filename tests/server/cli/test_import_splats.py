@@ -107,7 +107,7 @@ def test_splats_that_were_trained_antialiased_are_drawn_so(splats: Path, tmp_pat
 def test_pictures_of_a_capture_are_asked_how_a_file_is_drawn_that_does_not_say(
     capture: Path, splats: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Splats of many pixels look the same both ways: what most files are is kept, and the figures are told."""
+    """Splats of many pixels look the same both ways: the usual choice is kept, with a report of the figures."""
     (tmp_path / "x.ply").write_bytes(splats.read_bytes().replace(b"comment hgs_antialiased 0\n", b""))
     capsys.readouterr()
     arguments = ["import", str(tmp_path / "x.ply"), "--out", str(tmp_path / "run"), "--duration", str(5 / 30)]

@@ -11,7 +11,7 @@ from server.cli.interrupts import Interrupts
 
 @pytest.fixture(autouse=True)
 def handlers() -> Iterator[None]:
-    """Begin with the handlers of a fresh process, whatever ran in this one; put back what a failed test leaves."""
+    """Begin with the handlers of a fresh process, and restore them after a failed test."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)

@@ -1,4 +1,4 @@
-"""`hgs masks` on the command line: what it writes comes back as given masks, and bad input leaves nothing behind."""
+"""`hgs masks` on the command line: its files are read as given masks, and bad input leaves nothing behind."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def panoptic(tmp_path: Path) -> Path:
 
 
 def damage(capture: Path, how: str) -> str:
-    """Damage a capture and return what the error must name."""
+    """Damage a capture and return the words that the error must contain."""
     if how == "corrupt mp4":
         video = capture / "cam01.mp4"
         video.write_bytes(video.read_bytes()[:300])

@@ -42,7 +42,7 @@ def test_a_total_that_grows_is_followed(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_a_stage_that_is_resumed_goes_on_where_it_was(capsys: pytest.CaptureFixture[str]) -> None:
-    """Its speed is that of this process, so the bar begins with what was done before."""
+    """Its speed is that of this process, so the bar begins with earlier work."""
     (bar,) = drawn(capsys, Progress("train", 800, 1000))
     assert "800/1000" in bar
     assert "?it/s" in bar  # nothing was done yet while this process looked

@@ -1,4 +1,4 @@
-"""`hgs publish`; what it does is tested in tests/server: test_publishing.py, test_web_folder.py, test_web_bucket.py."""
+"""`hgs publish`; tests/server/publishing tests its results."""
 
 from __future__ import annotations
 

@@ -13,14 +13,14 @@ from server.cli import server_client
 from server.cli.server_client import LostConnectionError, RefusedError, ServerClient
 
 ANSWERS: list[tuple[int, bytes]] = []
-"""What the server answers next; a status of 0 ends the connection without an answer."""
+"""The next answers of the server; a status of 0 ends the connection without one."""
 
 KEYS: list[str | None] = []
-"""What the server was told in `Authorization`."""
+"""The `Authorization` headers that the server received."""
 
 
 class Scripted(http.server.BaseHTTPRequestHandler):
-    """Answers as it is told, and then what it was asked."""
+    """A server that gives ordered answers, and then repeats the request."""
 
     protocol_version = "HTTP/1.1"
 

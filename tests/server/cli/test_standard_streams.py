@@ -1,4 +1,4 @@
-"""What standard output and error meet: readers that leave, encodings that lack letters, disks that are full."""
+"""Standard output and error: readers that leave, encodings that lack letters, full disks."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def test_a_submission_that_reaches_nobody_ends_at_the_first_signal(n3dv: Path, n
 
 
 def test_a_submission_while_it_sends_ends_at_the_first_signal(n3dv: Path, home: Path) -> None:
-    """From a server that takes what is sent and answers nothing."""
+    """A server that accepts everything and answers nothing."""
     import http.server
     import threading
 

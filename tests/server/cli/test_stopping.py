@@ -1,4 +1,4 @@
-"""`hgs train` stopped by SIGTERM and SIGINT in each of its stages: it says so, keeps what it has, and goes on."""
+"""`hgs train` stopped by SIGTERM and SIGINT in each of its stages: it reports the stop, keeps its work, and resumes."""
 
 from __future__ import annotations
 

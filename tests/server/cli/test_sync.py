@@ -55,7 +55,7 @@ def test_a_camera_that_nothing_tells_of_is_named_and_nothing_is_written(
 def test_footage_that_time_stamps_put_in_step_is_refused(
     capture: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Offsets of what is left would take the place of those that the stamps gave."""
+    """Offsets of the rest would replace those of the stamps."""
     found(monkeypatch, [0.0, 0.0, 0.0])
     monkeypatch.setattr(Capture, "number", lambda self, camera, frame: frame + (camera == 1))
     assert main(["sync", str(capture)]) == 2

@@ -1,4 +1,4 @@
-"""The options of `hgs train` and `hgs submit` that choose what a training does."""
+"""The training options of `hgs train` and `hgs submit`."""
 
 from __future__ import annotations
 

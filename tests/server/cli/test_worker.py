@@ -15,7 +15,7 @@ def test_the_home_is_that_of_the_environment(tmp_path: Path, monkeypatch: pytest
 
     def run_worker(home: Home) -> None:
         served.append(home)
-        raise SystemExit(0)  # as a worker ends
+        raise SystemExit(0)  # the end of a worker
 
     monkeypatch.setattr(jobs.worker, "run_worker", run_worker)
     monkeypatch.setenv("HGS_HOME", str(tmp_path / "home"))

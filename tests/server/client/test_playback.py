@@ -70,7 +70,7 @@ def test_clock_counts_what_it_waits_for_after_it_has_begun() -> None:
         clock.tick(now, have, 0.0)
     assert 1.8 < clock.time < 2.0
     have.update(BASES[:8])
-    assert not clock.tick(now + 0.1, have, 0.0)  # after it has waited it wants more
+    assert not clock.tick(now + 0.1, have, 0.0)  # a larger reserve after a wait
     have.update(BASES)
     assert clock.tick(now + 0.2, have, 0.0)
     assert clock.stalls == 1

@@ -89,7 +89,7 @@ def test_a_stream_that_has_worked_is_waited_for() -> None:
             running = asyncio.create_task(client.run())
             while client.manifest is None:
                 await asyncio.sleep(0)
-            client.url = f"ws://127.0.0.1:{port}/v1/scenes/bench/nowhere"  # whose handshakes fail from now on
+            client.url = f"ws://127.0.0.1:{port}/v1/scenes/bench/nowhere"  # handshakes fail from now on
             client.drop()
             await asyncio.sleep(0.3)
             running.cancel()

@@ -1,4 +1,4 @@
-"""Answers to conditional and range requests, against what RFC 9110 says of each header."""
+"""Answers to conditional and range requests, against RFC 9110's rule for each header."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_text_is_compressed_for_those_who_ask(coding: str) -> None:
     body = bytes(response.body)
     assert (response.headers["content-encoding"], response.headers["vary"]) == (coding, "Accept-Encoding")
     assert (gzip.decompress(body) if coding == "gzip" else zstandard.ZstdDecompressor().decompress(body)) == text
-    assert response.headers["etag"] == f'"{hashlib.sha256(body).hexdigest()}"'  # of the bytes as they are sent
+    assert response.headers["etag"] == f'"{hashlib.sha256(body).hexdigest()}"'  # digest of the sent bytes
 
 
 def test_tag_of_one_coding_does_not_stand_for_another() -> None:

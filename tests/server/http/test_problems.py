@@ -17,7 +17,7 @@ from server.http.problems import ProblemError, install_problem_handlers, problem
 
 
 def answer_to(error: Exception | None, path: str = "/fault", method: str = "GET") -> httpx.Response:
-    """Return what a client gets when a route at /fault raises `error`."""
+    """Return the answer to a client when a route at /fault raises `error`."""
     app = FastAPI(openapi_url=None)
     install_problem_handlers(app)
 
@@ -54,7 +54,7 @@ def test_a_problem_of_no_field_names_none() -> None:
 
 
 def told(answer: httpx.Response, status: int, code: str) -> str:
-    """Check what the answer is, and return its words."""
+    """Check the answer, and return its words."""
     body: dict[str, Any] = answer.json()
     assert (answer.status_code, body["status"], body["code"]) == (status, status, code)
     detail: str = body["detail"]

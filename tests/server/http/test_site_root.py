@@ -47,7 +47,7 @@ def below(server: Server, root: str, **settings: Any) -> Server:
 def test_paths_are_those_below_the_root_where_the_proxy_has_left_it(server: Server) -> None:
     kept = below(server, "/my scenes")
     assert kept.get("/my%20scenes/v1/health").status_code == 200
-    assert kept.get("/v1/health").status_code == 200  # from the machine itself
+    assert kept.get("/v1/health").status_code == 200  # a request of the machine itself
     assert kept.get("/my%20scenesv1/health").status_code == 404
 
 
@@ -68,7 +68,7 @@ def test_two_proxies_are_both_in_front(server: Server) -> None:
     kept = below(server, "/hgs")
     answer = kept.get("/hgs/v1/scenes/none", **{"X-Forwarded-Prefix": "/outer"})
     assert answer.json()["instance"] == "/outer/hgs/v1/scenes/none"
-    answer = kept.get("/hgs/v1/scenes/none", **{"X-Forwarded-Prefix": "/hgs"})  # which tells what it leaves
+    answer = kept.get("/hgs/v1/scenes/none", **{"X-Forwarded-Prefix": "/hgs"})  # the proxy's own prefix
     assert answer.json()["instance"] == "/hgs/v1/scenes/none"
 
 

@@ -1,4 +1,4 @@
-"""Many followers and one who asks the queue: counted, with a queue that changes whenever it is asked."""
+"""Many followers and one reader of the queue: counted, with a queue that changes at every query."""
 
 from __future__ import annotations
 

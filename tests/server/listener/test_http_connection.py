@@ -46,7 +46,7 @@ class Client:
         return int(head.split()[1]), await self.reader.readexactly(length)
 
     async def rest(self) -> bytes:
-        """Return what comes until the server closes the connection."""
+        """Return the bytes until the server closes the connection."""
         with contextlib.suppress(ConnectionResetError):
             return await asyncio.wait_for(self.reader.read(), 60)
         return b""
@@ -70,7 +70,7 @@ async def connections(server: Any, **limits: float) -> AsyncIterator[tuple[HttpS
 
 
 def set_limits(http: HttpServer, **limits: float) -> None:
-    """Change the limits for what begins from now on."""
+    """Change the limits of later connections."""
     state = cast(OpenConnections, http.server_state)
     state.limits = dataclasses.replace(state.limits, **limits)
 
@@ -172,7 +172,7 @@ def test_body_that_does_not_come_is_answered_with_408(server: Any, sent: str, ca
 def test_a_long_body_has_time_as_long_as_it_comes_fast_enough(
     server: Any, fast: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """`fast` or not is set by what is asked of it, not by the clock; the body takes many of its spans of time."""
+    """The rate decides `fast`, not the clock; the body takes many of its spans of time."""
     monkeypatch.setattr(http_connection, "BODY_BYTES", 0 if fast else 1 << 30)
     size = 1 << 20
     upload = server.request("POST", "/v1/uploads", json={"name": "a", "files": 1, "bytes": size}).json()["id"]
@@ -356,7 +356,7 @@ def test_request_that_a_proxy_could_see_otherwise_is_refused_and_its_connection_
             found, body = await client.answer()
             assert (found, json.loads(body)["code"]) == (status, "bad-request")
             assert why in json.loads(body)["detail"]
-            assert await client.rest() == b""  # what comes behind it is not answered
+            assert await client.rest() == b""  # no answer to later requests
 
     asyncio.run(scenario())
 

@@ -63,7 +63,7 @@ async def receive(socket: ClientConnection) -> dict[str, Any] | tuple[bytes, int
 
 
 async def receive_all(socket: ClientConnection, window: int) -> tuple[dict[bytes, bytearray], list[dict[str, Any]]]:
-    """Receive until `end`, granting back what came; return the chunks in order of arrival and the messages."""
+    """Receive until `end`, granting the received bytes back; return the chunks in order of arrival and the messages."""
     chunks: dict[bytes, bytearray] = {}
     messages: list[dict[str, Any]] = []
     while not messages or messages[-1]["type"] != "end":
@@ -257,4 +257,4 @@ def test_what_is_there_when_a_server_begins_is_not_looked_through_again(monkeypa
     monkeypatch.setattr(gc, "freeze", lambda: frozen.append("freeze"))
     monkeypatch.setattr(gc, "set_threshold", lambda *counts: frozen.append(math.prod(counts)))
     spare_collector()
-    assert frozen == ["collect", "freeze", 1_000_000]  # what is garbage by then would stay for good
+    assert frozen == ["collect", "freeze", 1_000_000]  # garbage of that moment would stay for good

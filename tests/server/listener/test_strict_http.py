@@ -83,7 +83,7 @@ def test_heads_are_bounded(cut: int) -> None:
     assert refused(many[:cut], many[cut:]).error_status_hint == 431
     long = whole(*first, b"X: " + b"x" * 65_536)
     assert refused(long[:cut], long[cut:]).error_status_hint == 431
-    assert refused(long[:cut], long[cut:-4]).error_status_hint == 431  # what is not complete yet
+    assert refused(long[:cut], long[cut:-4]).error_status_hint == 431  # incomplete yet
     path = whole(b"GET /" + b"x" * 8_200 + b" HTTP/1.1", first[1])
     assert refused(path[:cut], path[cut:]).error_status_hint == 414
     assert isinstance(read(whole(*first, *[b"X: " + b"x" * 400] * 126))[0], h11.Request)

@@ -35,7 +35,7 @@ PING, PONG, MESSAGE = frame(0x9, b"x" * 100), 0xA, frame(0x2, b"message")
 
 
 class Transport(asyncio.Transport):
-    """Keeps what is written until the test takes it away."""
+    """A transport that keeps written bytes until the test removes them."""
 
     def __init__(self, connection: socket.socket | None) -> None:
         super().__init__({"socket": connection})
@@ -63,7 +63,7 @@ class Transport(asyncio.Transport):
         return self.aborted
 
     def close(self) -> None:
-        pass  # what waits would have to go first
+        pass  # waiting bytes would have to go first
 
     def abort(self) -> None:
         self.aborted = True
@@ -127,7 +127,7 @@ class Connection:
         self.run(self.protocol.send({"type": "websocket.accept"}))
 
     def run(self, coroutine: Any) -> Any:
-        """Run what does not wait."""
+        """Run a coroutine that does not wait."""
         with pytest.raises(StopIteration) as stop:
             coroutine.send(None)
         return stop.value.value

@@ -1,4 +1,4 @@
-"""A pipeline whose captures are finished scenes: it only copies them."""
+"""A pipeline with finished scenes as captures: it only copies them."""
 
 from __future__ import annotations
 

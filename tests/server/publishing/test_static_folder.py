@@ -1,4 +1,4 @@
-"""What is published, and in which order; the rest is in test_web_folder.py and test_web_bucket.py."""
+"""The published files and their order; the rest is in test_web_folder.py and test_web_bucket.py."""
 
 from __future__ import annotations
 

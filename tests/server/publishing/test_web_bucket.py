@@ -42,7 +42,7 @@ def contents(store: ObjectStore) -> dict[str, bytes]:
 
 
 def whole_scene(store: ObjectStore, folder: Path) -> str:
-    """Copy what is published to a folder, read all chunks as its manifest names them, and return its title."""
+    """Copy the published files to a folder, read all chunks named by its manifest, and return its title."""
     for name, data in contents(store).items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
@@ -247,7 +247,7 @@ def test_a_bucket_that_does_not_exist_is_told(scene_folder: Path, s3_url: str) -
 
 @pytest.fixture
 def refusing(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[int, str], None]]:
-    """Return a function that says what a store answers to every request, as a code of S3 or as it stands."""
+    """Return a function that sets a store's answer to every request: a code of S3, or a body."""
     answer = (500, b"")
 
     class Refusing(BaseHTTPRequestHandler):

@@ -192,7 +192,7 @@ def test_a_title_and_a_missing_picture_leave_a_sound_page(other_scene: Path, pla
 
 
 class _Links(HTMLParser):
-    """Collects what a page loads."""
+    """A collector of a page's files."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -204,7 +204,7 @@ class _Links(HTMLParser):
 
 @pytest.fixture
 def address(scene_folder: Path, player: Path, tmp_path: Path) -> Iterator[str]:
-    """The address at which Python's own web server serves what was published."""
+    """The address of the published files on Python's own web server."""
     publish_to_folder(scene_folder, tmp_path / "web", player=player)
 
     class Silent(SimpleHTTPRequestHandler):

@@ -154,7 +154,7 @@ def test_a_job_is_there_if_and_only_if_the_answer_is_201(queue: Queue, body: Any
 def test_a_row_that_no_answer_could_hold_breaks_neither_the_list_nor_its_job(queue: Queue) -> None:
     job = queue.post(b'{"capture": "studio"}').json()
     config = {"preset": "best", "train": {"iterations": float("inf")}, "capture": {"hold_out": ["\ud800"]}}
-    with queue.client._engine.begin() as connection:  # as an older version wrote it
+    with queue.client._engine.begin() as connection:  # a row beyond JSON
         connection.exec_driver_sql("UPDATE hgs_job SET config = ?, state = 'failed'", (json.dumps(config),))
     (listed,) = queue.get("/v1/jobs").json()["jobs"]
     assert listed == queue.get(f"/v1/jobs/{job['id']}").json()

@@ -1,4 +1,4 @@
-"""What the API shows of a job's run folder."""
+"""A job's run folder as the API shows it."""
 
 from __future__ import annotations
 
@@ -140,7 +140,7 @@ def test_the_report_can_show_itself_and_reach_nothing(server: Any, run: Path) ->
     answer = server.get("/v1/jobs/job-0/report")
     assert (answer.status_code, answer.headers["content-type"]) == (200, "text/html; charset=utf-8")
     policy = answer.headers["content-security-policy"].split("; ")
-    assert "sandbox allow-scripts" in policy  # without allow-same-origin: the page has an origin of its own
+    assert "sandbox allow-scripts" in policy  # no allow-same-origin: the page has an origin of its own
     assert {"default-src 'none'", "frame-ancestors 'none'", "form-action 'none'"} <= set(policy)
 
 

@@ -1,4 +1,4 @@
-"""The picture of a scene in its page, for those who may see it."""
+"""The picture of a scene in its page, for permitted visitors."""
 
 from __future__ import annotations
 

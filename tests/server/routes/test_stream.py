@@ -186,7 +186,7 @@ def test_stream_ends_with_a_bad_message_that_comes_together_with_a_good_one(
 
     async def receive_next() -> Any:
         if len(waiting) == 2:
-            await asyncio.sleep(0.05)  # until nothing is sent any more
+            await asyncio.sleep(0.05)  # the end of sending
         return {"type": "websocket.receive"} | waiting.pop()
 
     async def send(message: Any) -> None:

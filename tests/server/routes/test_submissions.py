@@ -1,4 +1,4 @@
-"""Submissions whose captures are still being looked at; those that are answered with a job are in test_jobs.py."""
+"""Submissions with captures still being checked; test_jobs.py has those answered with a job."""
 
 from __future__ import annotations
 

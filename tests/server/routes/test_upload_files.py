@@ -38,7 +38,7 @@ def announcement(path: str = "cam00.mp4", content: bytes = CONTENT, **headers: s
 
 
 def located(made: httpx.Response) -> str:
-    """The path of a file that was announced, from what the answer says of it."""
+    """The path of an announced file, from the answer."""
     return urljoin(made.request.url.path, made.headers["location"])
 
 

@@ -1,4 +1,4 @@
-"""The list of scenes on a real store: what each look costs in listings and reads, counted."""
+"""The list of scenes on a real store: counted listings and reads of each look."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.growing import write_growing_scene
 
 
 class CountingStore(ArtifactStore):
-    """A store that notes what it is asked for."""
+    """A store that notes its requests."""
 
     def __init__(self, folder: Path) -> None:
         self.uri = folder.as_uri()
@@ -33,7 +33,7 @@ class CountingStore(ArtifactStore):
         self.unreadable: set[str] = set()
 
     def put_scene(self, folder: Path, scene_id: str) -> None:
-        """Without a count: publishing looks at what there is."""
+        """Uncounted: publishing lists the store."""
         ArtifactStore(self.uri).put_scene(folder, scene_id)
 
     def list_scenes(self) -> list[SceneEntry]:

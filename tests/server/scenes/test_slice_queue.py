@@ -15,7 +15,7 @@ from server.stream.stream_session import StreamSession
 
 
 class PlainQueue:
-    """What docs/protocol.md says under "Order", by looking at every slice."""
+    """The order of the protocol's "Order", by looking at every slice."""
 
     def __init__(self, ends: list[float]) -> None:
         self.ends = ends

@@ -120,7 +120,7 @@ def chunks_of(scene: SceneIndex) -> list[Chunk]:
     return [*scene.static, *(chunk for piece in scene.slices for chunk in piece.chunks)]
 
 
-SOUNDS = [(1.0 * k, 1.0 * k + 1, 20 + k) for k in range(15)]  # of a second each
+SOUNDS = [(1.0 * k, 1.0 * k + 1, 20 + k) for k in range(15)]  # one second each
 
 
 def test_sound_comes_after_the_bases_of_its_time_and_before_refinements(make_scene: MakeScene) -> None:
@@ -165,7 +165,7 @@ def test_pages_come_before_what_they_list_and_those_of_the_next_seconds_before_a
     ]
     order = SendOrder(dataclasses.replace(scene, slices=tuple(slices), pages=tuple(pages)))
     assert first(order, 6) == [10, 900, 400, 901, 902, 401]
-    assert first(order, 2, 17.9) == [408, 903]  # what is shown comes before the next page
+    assert first(order, 2, 17.9) == [408, 903]  # shown chunks precede the next page
     assert sorted(sizes(order)) == sorted({*range(400, 412), *range(300, 312)} - {400, 401, 408})
 
 

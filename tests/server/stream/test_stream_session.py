@@ -258,7 +258,7 @@ def test_rate_limit_is_kept_from_frame_to_frame(make_scene: MakeScene) -> None:
 
 
 def test_refinements_that_a_limit_of_splats_leaves_out_come_when_it_is_lifted(make_scene: MakeScene) -> None:
-    scene = make_scene([100, 200], [(0.0, 1.0, [100, 100, 100])])  # as many splats as bytes
+    scene = make_scene([100, 200], [(0.0, 1.0, [100, 100, 100])])  # one splat for each byte
     session = start(scene, splats=320)
     items = drain(session)
     assert [chunk.size for chunk in chunks_of(items)] == [100, 100, 100]
@@ -478,5 +478,5 @@ def test_who_begins_to_listen_gets_the_sound_then_and_what_it_keeps_does_not_com
     after = drain(session)
     assert [chunk.size for chunk in chunks_of(after)] == [21]
     assert after[-1]["type"] == "end"
-    session.receive(encode(Limits(measured=1000)), 0.0)  # in place of all that was said before
+    session.receive(encode(Limits(measured=1000)), 0.0)  # replaces all earlier limits
     assert [item["type"] for item in drain(session)] == ["end"]

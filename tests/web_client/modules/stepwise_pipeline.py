@@ -1,4 +1,4 @@
-"""A pipeline whose training goes as far as its capture says, so that a page can be looked at on the way.
+"""A pipeline that trains as far as its capture says, so that a page can be looked at on the way.
 
 The capture is a folder of the nerfstudio layout with a finished scene in scene/, and a file `until`: the training goes
 on while it has done less than the number in there. It fails at the end if there is a file `fail`.
