@@ -49,7 +49,7 @@ class DevicePoint:
     repeats: int
     forward: float  # seconds
     forward_backward: float  # seconds
-    peak_bytes: int | None  # of device memory beyond the scene's, drawing and differentiating; None without CUDA
+    peak_bytes: int | None  # device memory beyond the scene's, drawing and differentiating; None without CUDA
     image_error: float  # relative L2 against the float64 reference
     gradient_error: float | None  # the worst of the parameters'; None where the reference's graph is too large
 
@@ -122,7 +122,7 @@ def _measure(
 
 
 def _median(run: Callable[[], object], device: torch.device, seconds: float) -> tuple[float, int]:
-    """Return the median time of a run whose work the device has finished, and how many were timed."""
+    """Return the median time of a run, the device awaited, and the number of runs."""
 
     def timed() -> float:
         started = time.perf_counter()

@@ -96,7 +96,7 @@ def flooding(url: str, clients: int) -> Iterator[None]:
 
 @contextmanager
 def resting(url: str, viewers: int) -> Iterator[None]:
-    """Let so many viewers, in a process of their own, take what they ask for, ask for no more and stay."""
+    """Let so many viewers, in a process of their own, take their first grant, ask for no more and stay."""
     spawn = multiprocessing.get_context("spawn")
     there = spawn.Event()
     process = spawn.Process(target=_rest, args=(url, viewers, there), daemon=True)

@@ -1,4 +1,4 @@
-"""A server in a process of its own that tells what it costs: processor time, its memory, and the kernel's for it."""
+"""A server in a process of its own that reports its cost: processor time, its memory, and the kernel's for it."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class BenchServer:
         return f"ws://127.0.0.1:{self.port}/v1/scenes/bench/stream"
 
     async def costs(self) -> Costs:
-        """Return what it has cost so far."""
+        """Return its cost so far."""
         self._pipe.send("costs")
         costs: Costs = await asyncio.to_thread(self._pipe.recv)
         return costs

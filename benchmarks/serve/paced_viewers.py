@@ -28,7 +28,7 @@ JOIN_RATE = 50.0  # viewers that join in a second
 
 @dataclass(frozen=True)
 class Pace:
-    """How fast a viewer takes a scene: what stands and two seconds of the rest at once, and then as it plays."""
+    """The pace of a viewer: statics and two seconds of the rest at once, and then as it plays."""
 
     first: int  # bytes
     rate: float  # bytes per second
@@ -37,7 +37,7 @@ class Pace:
 
 @dataclass
 class CrowdFigures:
-    """What viewers have got since they were last asked."""
+    """The figures of viewers since the last look."""
 
     bytes: int = 0
     visits: int = 0  # scenes that were begun
@@ -75,7 +75,7 @@ class Crowd:
             self._processes.append(process)
 
     async def figures(self) -> CrowdFigures:
-        """Return what has come since this was last asked."""
+        """Return the figures since the last look."""
         total = CrowdFigures()
         for pipe in self._pipes:
             pipe.send("figures")
@@ -94,7 +94,7 @@ class Crowd:
 
 def _watch(pipe: Connection, urls: Sequence[str], pace: Pace, joining: float) -> None:
     raise_open_file_limit()
-    gc.disable()  # what is measured is not to wait for it; a viewer leaves no more behind than there is room for
+    gc.disable()  # measurements do not wait for it; a viewer leaves no more behind than there is room for
     with contextlib.suppress(EOFError, OSError):
         asyncio.run(_serve_figures(pipe, urls, pace, joining))
 

@@ -1,4 +1,4 @@
-"""What many viewers cost the server, how late what they ask for comes, and how clients that misbehave harm them."""
+"""The cost of many viewers for a server, the delay of their chunks, and the harm by clients that misbehave."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PATIENCE = 90.0  # seconds in which those that do not read must be gone
 LOOK_SECONDS = 0.2  # between two looks at whether they are
 PING_SECONDS = 12.0  # longer than a connection may wait before it asks: the idle ones are closed meanwhile
 REST_SECONDS = 20.0  # a server's keepalive pings come so often
-FLOOD_SECONDS = 2.0  # until those that seek are there
+FLOOD_SECONDS = 2.0  # a start for the viewers that seek
 
 
 async def bench_serve(
@@ -72,7 +72,7 @@ def _pace(manifest: Manifest) -> Pace:
 
 async def _crowd(servers: Sequence[BenchServer], viewers: int, seconds: float, pace: Pace) -> dict[str, Any]:
     for server in servers:
-        await play(server.url, 1.0)  # what the first one costs is not for each
+        await play(server.url, 1.0)  # the first one's cost is not everyone's
     empty = [await server.costs() for server in servers]
     crowd = Crowd([server.url for server in servers], viewers, pace)
     try:

@@ -60,7 +60,7 @@ _READ = """async (float) => {
 
 
 def find_chromium() -> str | None:
-    """Return the path of Chromium or Chrome: `$HGS_CHROMIUM`, else what is on the PATH, else None."""
+    """Return the path of Chromium or Chrome: `$HGS_CHROMIUM`, else the one on the PATH, else None."""
     chosen = os.environ.get("HGS_CHROMIUM")
     if chosen:
         return shutil.which(chosen)
@@ -141,7 +141,7 @@ def canvas_floats(page: Page) -> npt.NDArray[np.float32]:
 
 
 def capture_canvas(url: str, width: int, height: int, chromium: str) -> npt.NDArray[np.uint8]:
-    """Open `url` once and return its canvas, [H, W, 3] sRGB. See `open_viewer` for what it raises."""
+    """Open `url` once and return its canvas, [H, W, 3] sRGB; raises the errors of `open_viewer`."""
     with open_browser(chromium) as browser, open_viewer(browser, url, width=width, height=height) as page:
         return canvas_pixels(page)
 

@@ -1,4 +1,4 @@
-"""Processor time of a process's children and their children, such as a browser's: what other work does not disturb."""
+"""Processor time of a process's descendants, such as a browser's, undisturbed by other work."""
 
 from __future__ import annotations
 

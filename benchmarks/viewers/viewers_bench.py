@@ -65,21 +65,21 @@ class ViewerPoint:
     viewer: str
     still: float  # the same picture again
     orbit: float  # the camera turns by 9 degrees a frame, and the splats are ordered anew
-    playing: float | None  # while the scene plays; of ours and of moving scenes
+    playing: float | None  # playing, for our viewer and moving scenes
     psnr: tuple[float, ...]  # dB against the renderer in float64, at each of `DEGREES`
 
 
 @dataclass(frozen=True)
 class ViewerReport:
-    """What `bench_viewers` measured."""
+    """The results of `bench_viewers`."""
 
     machine: Mapping[str, Any]
     chromium: str  # its version
     source: str
-    splats: int  # that every viewer is given
+    splats: int  # splats of every viewer
     size: tuple[int, int]  # width, height
     rounds: int
-    frames: int  # of a phase
+    frames: int  # frames of a phase
     points: tuple[ViewerPoint, ...]
 
     def to_json(self) -> dict[str, Any]:
@@ -144,7 +144,7 @@ def _scene_folder(source: Path) -> Path:
 def _write_files(
     source: Path, out: Path, scratch: Path, size: tuple[int, int]
 ) -> tuple[HybridScene[Floats], dict[str, Any], StaticSplats[Floats]]:
-    """Write what the viewers load; returns the scene, the camera as the page takes it, and the splats of the start."""
+    """Write the viewers' files; return the scene, the camera in the page's form, and the splats of the start."""
     if source.is_file():
         import_run(
             source,

@@ -101,7 +101,7 @@ class Clock:
     buffer: Buffer
     time: float  # seconds of the scene
     rate: float = 1.0
-    stalls: int = 0  # from the first movement on
+    stalls: int = 0  # stalls after the first movement
     waited: float = 0.0  # seconds, since it first moved
     started: float | None = None  # moment of the first movement
     waiting: bool = True

@@ -1,4 +1,4 @@
-"""The library's front door: what `import hgs_core` offers, and the examples that its docstrings and README give."""
+"""The library's front door: the names of `import hgs_core`, and the examples of its docstrings and of README."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FIRST_MET = [
     "save_scene",
     "encode_scene",
 ]
-"""What a user meets first, in the order in which they meet it; each has a runnable example."""
+"""The names that a user meets first, in that order; each has a runnable example."""
 
 SMALL: dict[str, Any] = {
     "capture": {"hold_out": ["2"]},
@@ -64,7 +64,7 @@ def test_every_public_name_resolves_and_says_what_it_is(name: str) -> None:
     value = getattr(hgs_core, name)
     assert value.__name__ == name
     assert value.__doc__
-    assert not value.__doc__.startswith(f"{name}(")  # what a dataclass without a docstring is given
+    assert not value.__doc__.startswith(f"{name}(")  # the default docstring of a dataclass
 
 
 def test_dir_lists_the_public_names_and_others_are_refused() -> None:

@@ -7,7 +7,7 @@ from hgs_core.ablate.summary import FIGURES, summarise
 
 
 def scores(**some: float | None) -> dict[str, Any]:
-    """What eval.json has of one run."""
+    """The eval.json of one run."""
     return dict.fromkeys(FIGURES, 1.0) | some
 
 

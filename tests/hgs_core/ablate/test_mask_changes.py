@@ -1,4 +1,4 @@
-"""Spoiled masks, against dilation by every radius in turn and against what was asked for."""
+"""Spoiled masks, against dilation by every radius in turn and against the request."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_discs_cover_the_share_and_clear_nothing() -> None:
 
 
 def _centred() -> np.random.Generator:
-    """A generator whose first two numbers are near the middle."""
+    """A generator with its first two numbers near the middle."""
     for seed in range(1000):
         if (abs(np.random.default_rng(seed).random(2) - 0.5) < 0.1).all():
             return np.random.default_rng(seed)

@@ -18,7 +18,7 @@ SPAWN = "import multiprocessing as m; p = m.get_context('spawn').Process(target=
 
 @pytest.fixture
 def trap(tmp_path: Path) -> Path:
-    """A folder in which whatever Python imports leaves a mark."""
+    """A folder in which every import leaves a mark."""
     for name in ("numpy", "random", "pickle", "socket", "selectors"):
         (tmp_path / f"{name}.py").write_text(f"import os; os.open({str(tmp_path / 'mark')!r}, os.O_CREAT)")
     return tmp_path

@@ -14,7 +14,7 @@ SMALL, LARGE = Size(300, 64, 48), Size(400, 75, 41)
 
 @pytest.fixture(scope="session")
 def heard() -> list[Progress]:
-    """What `report` told of its progress."""
+    """The progress of `report`."""
     return []
 
 

@@ -21,7 +21,7 @@ SCORES = {"psnr": 27.5, "ssim": 0.875, "bytes_total": 1_234_567, "splats_static"
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    """Stages that only tell what they were asked for; the one that trains writes its summary."""
+    """Stages that only note their requests; the one that trains writes its summary."""
     told: dict[str, Any] = {"stages": []}
 
     def create(run: Path, capture: Path, config: RunConfig) -> None:

@@ -51,7 +51,7 @@ def photograph(camera: Camera, frame: int) -> npt.NDArray[np.uint8]:
     size = BOARD.columns * _PRINT, BOARD.rows * _PRINT
     print_ = cv2.copyMakeBorder(pattern.generateImage(size), 20, 20, 20, 20, cv2.BORDER_CONSTANT, value=255)
     to_metres = np.array([[BOARD.square / _PRINT, 0, 0], [0, BOARD.square / _PRINT, 0], [0, 0, 0], [0, 0, 1]])
-    to_metres[:2, 3 - 1] = 0.5 * BOARD.square / _PRINT - 20 * BOARD.square / _PRINT  # of the first pixel's centre
+    to_metres[:2, 3 - 1] = 0.5 * BOARD.square / _PRINT - 20 * BOARD.square / _PRINT  # the first pixel's centre
     to_pixels = np.array([[camera.fx, 0, camera.cx - 0.5], [0, camera.fy, camera.cy - 0.5], [0, 0, 1.0]])
     flat = to_pixels @ (camera.world_to_camera @ board_pose(frame) @ to_metres)[:3]
     grey = cv2.warpPerspective(

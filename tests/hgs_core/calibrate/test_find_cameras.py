@@ -1,4 +1,4 @@
-"""The whole way on videos of samples/studio, whose cameras are known."""
+"""The whole way on videos of samples/studio, with known cameras."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_five_cameras_are_found_within_a_quarter_of_a_degree(folder: Path) -> No
     for one in found:
         for other in found:
             off = found[one] @ found[other].T @ (true[one] @ true[other].T).T
-            assert np.degrees(np.arccos(np.clip((np.trace(off) - 1) / 2, -1, 1))) < 0.4  # of two that are 0.25 off
+            assert np.degrees(np.arccos(np.clip((np.trace(off) - 1) / 2, -1, 1))) < 0.4  # two that are 0.25 off
 
 
 def test_down_is_where_it_is_in_the_studio(folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""Rigs whose cameras are known, by features that are projections of known points."""
+"""Rigs of known cameras, with projections of known points as features."""
 
 from __future__ import annotations
 

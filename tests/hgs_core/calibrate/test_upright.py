@@ -1,4 +1,4 @@
-"""Where a solution is put, against a rig whose up, size and middle are known."""
+"""The placement of a solution, against a rig of known up, size and middle."""
 
 from __future__ import annotations
 

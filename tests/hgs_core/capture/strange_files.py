@@ -1,4 +1,4 @@
-"""What strangers' files hold: every file of a capture changed in many ways, the same ways in every run."""
+"""Strange files: every file of a capture changed in many ways, the same ways in every run."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ def test_the_cache_never_holds_more_than_its_budget(n3dv: Path, budget: int) -> 
 
 
 class CountingSource:
-    """A source that counts what is decoded and fails on overlapping calls for one camera."""
+    """A source that counts decoded pictures and fails on overlapping calls for one camera."""
 
     def __init__(self) -> None:
         self.reads: list[tuple[int, int]] = []

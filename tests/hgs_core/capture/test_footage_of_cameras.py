@@ -174,7 +174,7 @@ def test_chapters_in_a_camera_s_folder_are_refused_by_name(tmp_path: Path) -> No
         command = str(caught.value).partition("join chapters of one: ")[2]
         subprocess.run(command, shell=True, check=True, stdin=subprocess.DEVNULL, capture_output=True)
         assert len(VideoReader(tmp_path / "cam00.mp4")) == 6
-    touch(tmp_path, "cam00.mp4")  # as the command in the refusal makes it
+    touch(tmp_path, "cam00.mp4")  # the result of the refusal's command
     found = match_footage(tmp_path, rig(tmp_path, "cam00", "cam01", "cam02"))
     assert files(tmp_path, found)["cam00"] == ["cam00.mp4"]
 

@@ -1,4 +1,4 @@
-"""Every reader of cameras with every reader of pictures, and what is told of a capture without opening it."""
+"""Every reader of cameras with every reader of pictures, and outlines of captures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which layout a folder is of, and what is said of one that is none."""
+"""The layout of a folder, and the refusal of a folder without one."""
 
 from __future__ import annotations
 

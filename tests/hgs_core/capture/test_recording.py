@@ -1,4 +1,4 @@
-"""How a recording becomes a capture: reduced pictures, masks and cameras, and what is said of it."""
+"""The capture of a recording: reduced pictures, masks, cameras and notes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever a file of a capture holds, the capture is read or refused in one line: never another exception."""
+"""With any bytes in its files, a capture is read or refused in one line: never another exception."""
 
 from __future__ import annotations
 

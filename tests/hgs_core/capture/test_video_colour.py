@@ -1,4 +1,4 @@
-"""Colours of videos whose chroma has half the resolution, against the pictures that were encoded."""
+"""Colours of videos with chroma of half the resolution, against the encoded pictures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Distances from epipolar lines, against points whose projections are known."""
+"""Distances from epipolar lines, against points with known projections."""
 
 from __future__ import annotations
 

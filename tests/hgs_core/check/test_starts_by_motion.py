@@ -7,7 +7,7 @@ from hgs_core.check.starts_by_motion import energy_offsets
 
 
 def energies(shifts: list[float], frames: int = 60, noise: float = 0.05) -> list[np.ndarray]:
-    """What cameras that began `shifts` frames late see of one irregular motion, each at its own strength."""
+    """One irregular motion in cameras that began `shifts` frames late, each at its own strength."""
     numbers = np.random.default_rng(4)
     heights, places = numbers.uniform(1, 4, 30), numbers.uniform(-12, 75, 30)
     seen = []

@@ -27,7 +27,7 @@ def scene(seed: int) -> npt.NDArray[np.float64]:
 def heard(
     sound: npt.NDArray[np.float64], start: float, *, gain: float = 1.0, noise: float = 0.0, echo: int | None = None
 ) -> Track:
-    """Return what a camera hears that begins at `start`, to parts of a sample; `echo` is the seed of a room."""
+    """Return the sound of a camera that begins at `start`, to parts of a sample; `echo` is the seed of a room."""
     random = np.random.default_rng(round(1e6 * start))
     if echo is not None:
         room = np.zeros(4800)

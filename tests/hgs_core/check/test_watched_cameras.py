@@ -1,4 +1,4 @@
-"""Dead spans are found whatever their place; what all cameras share is none."""
+"""Dead spans are found at any place; a span common to all cameras is none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Random scenes to encode, and checks of what decodes against what went in."""
+"""Random scenes to encode, and checks of decoded scenes against them."""
 
 from __future__ import annotations
 

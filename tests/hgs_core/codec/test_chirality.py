@@ -1,4 +1,4 @@
-"""What comes out of the codec is not mirrored."""
+"""The codec mirrors nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How many bytes a fixed scene takes, and what they lose: neither may grow unseen.
+"""Bytes and loss of a fixed scene: neither may grow unseen.
 
 Coarseness is fixed, not searched for: the search stops anywhere in the last 15 % of a budget, and hides as much. Every
 set has a bound on its bytes and one on its loss, so that neither pays for the other.
@@ -29,7 +29,7 @@ BYTES_MARGIN, LOSS_MARGIN = 1.02, 1.03
 
 @dataclass(frozen=True)
 class Outcome:
-    """What an encoding is."""
+    """The figures of an encoding."""
 
     bytes_static: int
     bytes_dynamic: int
@@ -49,7 +49,7 @@ SMALL_CHUNK = {"measured, a chunk a grade": 64}  # splats; the others have the d
 
 
 def statics(count: int, seed: int) -> StaticSplats[np.ndarray]:
-    """Discs on a wavy ball whose colour and size change smoothly, a few of them large."""
+    """Discs on a wavy ball with smooth changes of colour and size, a few of them large."""
     rng = np.random.default_rng(seed)
     normal = rng.normal(size=(count, 3))
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -84,14 +84,14 @@ def dynamics(count: int, seed: int) -> DynamicSplats[np.ndarray]:
 
 
 def one_grade(count: int, seed: int) -> SetUtility:
-    """One splat in 64 shows four times as much as the others, whose steps are therefore twice the chunk's."""
+    """One splat in 64 shows four times as much as the others, so that their steps are twice the chunk's."""
     spread = np.random.default_rng(seed).lognormal(0, 0.2, count)
     return SetUtility(4.0 ** (np.arange(count) % 64 == 0) * spread, np.full(count, np.inf))
 
 
 @pytest.fixture(params=list(TODAY))
 def outcome(request: pytest.FixtureRequest, tmp_path: Path, cameras: list[Camera]) -> tuple[Outcome, Outcome]:
-    """What encoding the scene gives, and what it gave."""
+    """The figures of encoding the scene, today's and recorded ones."""
     segment = Segment(0.0, 29 / 30, dynamics(DYNAMIC, 1))
     given = HybridScene(statics(STATIC, 0), (segment,), antialiased=not request.param.startswith("measured"))
     seen_by = tuple(camera.scaled(0.25) for camera in cameras)

@@ -1,4 +1,4 @@
-"""Automatic masks on synthetic videos whose motion is known, and on the sample against the renderer's object masks."""
+"""Automatic masks on synthetic videos of known motion, and on the sample against the renderer's object masks."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_sampled_frames_are_spread_evenly() -> None:
 
 
 def test_the_sample_s_moving_objects_are_found() -> None:
-    """Truth: the renderer's object masks (they leave shadows and reflections out, which double what moves)."""
+    """Truth: the renderer's object masks (without shadows and reflections, which double the moving area)."""
     capture = open_capture(Path(__file__).resolve().parents[3] / "samples" / "studio")
     with np.load(Path(__file__).parent / "studio_truth.npz") as file:
         truth = np.unpackbits(file["bits"], count=int(file["shape"].prod())).reshape(file["shape"]).astype(bool)

@@ -1,4 +1,4 @@
-"""Compensation of exposure: known gains and offsets are undone, and what is no camera's doing is left alone."""
+"""Compensation of exposure: known gains and offsets are undone, and changes of the scene are left alone."""
 
 from __future__ import annotations
 

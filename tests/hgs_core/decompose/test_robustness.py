@@ -1,4 +1,4 @@
-"""Automatic masks of a sample camera whose video was made worse, against the renderer's object masks.
+"""Automatic masks of a sample camera with a degraded video, against the renderer's object masks.
 
 Shadows and reflections move but are not in the truth: recall is what counts, and that little else is marked.
 """

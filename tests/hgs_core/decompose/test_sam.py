@@ -1,4 +1,4 @@
-"""SAM 2 with a tiny model of random weights: what it says is noise, but every call that real weights need is made."""
+"""SAM 2 with a tiny model of random weights: its answers are noise, but all calls of real weights are made."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def test_paths_are_inside_exactly_where_the_equations_of_time_say_so(region: Reg
     np.testing.assert_array_equal(seen, first <= last)
     moments = [np.where(seen, first + (last - first) * share, 0) for share in np.linspace(0, 1, 801)]
     inside = np.array([region.contains(evaluate(dynamic, moment)[0]) for moment in moments])[:, seen]
-    assert not (inside.all(axis=0) < always[seen]).any()  # what is inside all of the time is so at each moment
+    assert not (inside.all(axis=0) < always[seen]).any()  # always inside means inside at each moment
     assert not (inside.any(axis=0) > ever[seen]).any()
     assert (inside.all(axis=0) == always[seen]).mean() > 0.99  # others leave between two moments
     assert (inside.any(axis=0) == ever[seen]).mean() > 0.99

@@ -35,7 +35,7 @@ def test_among_few_splats_none_floats() -> None:
 
 
 def test_still_and_moving_floaters_are_left_out_and_counted() -> None:
-    """A moving splat is looked at in the middle of what is seen of its life, wherever its polynomial starts."""
+    """A moving splat is judged in the middle of its visible life, apart from its polynomial's start."""
     rng = np.random.default_rng(2)
     places, sizes = cloud(rng)
     places[:2] = [[40, 0, 0], [0, 40, 0]]

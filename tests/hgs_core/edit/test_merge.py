@@ -52,7 +52,7 @@ def test_a_still_scene_stays_for_all_time_and_leaves_segments_as_they_are() -> N
         assert len(merged.scene.static) == 240
         assert [len(s.dynamic) for s in merged.scene.segments] == [60, 60]
         np.testing.assert_array_equal(merged.scene.segments[1].dynamic.motion, a.scene.segments[1].dynamic.motion)
-    assert merge(b, a).viewed.scene.start == 0.0  # on the clock of the first
+    assert merge(b, a).viewed.scene.start == 0.0  # the first one's clock
 
 
 def test_two_still_scenes_make_one() -> None:

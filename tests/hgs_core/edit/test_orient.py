@@ -58,7 +58,7 @@ def test_up_becomes_the_direction_that_is_upwards(up: list[float]) -> None:
 
 def test_without_a_new_up_the_old_one_turns_along() -> None:
     turned = orient(still(), Similarity(turn_about([0, 0, 1, 90]), 2.0, np.ones(3))).viewed
-    np.testing.assert_allclose(turned.up, [1, 0, 0], atol=1e-12)  # from -y
+    np.testing.assert_allclose(turned.up, [1, 0, 0], atol=1e-12)  # -y before
 
 
 def test_one_change_after_another_is_their_product() -> None:

@@ -1,4 +1,4 @@
-"""What two scenes have of one set."""
+"""The shared statics of two scenes."""
 
 from __future__ import annotations
 

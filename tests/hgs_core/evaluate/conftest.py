@@ -1,4 +1,4 @@
-"""A finished run whose scene is the true one: nothing had to be trained."""
+"""A finished run with the true scene: nothing had to be trained."""
 
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def test_a_camera_is_scored_at_the_moments_when_it_took_its_frames(tmp_path: Pat
     write_capture(tmp_path / "late", frames=FRAMES, width=SIZE[1], height=SIZE[0], late={"2": 0.5})
     result = evaluate_run(finished_run(tmp_path / "run", tmp_path / "late"), silent)
     scores = [camera["psnr"] for camera in result["per_camera"].values()]
-    assert min(scores) > 41  # at the times of the others camera 2 scores 37.7
+    assert min(scores) > 41  # camera 2 scores 37.7 at the times of the others
 
 
 def test_the_file_is_plain_json(finished: Path, masks_folder: Path) -> None:

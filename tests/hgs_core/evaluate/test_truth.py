@@ -30,7 +30,7 @@ def test_without_folders_the_capture_is_the_truth(capture_folder: Path) -> None:
 
 
 def test_without_masks_they_are_made_of_the_true_pictures(tmp_path: Path) -> None:
-    """A square passes over a still wall; the capture, whose pictures are not the truth, has nothing that moves."""
+    """A square passes over a still wall; the capture's pictures differ from the truth and show no motion."""
     write_capture(tmp_path / "capture", frames=8, width=SIZE[1], height=SIZE[0])
     wall = np.random.default_rng(0).integers(60, 90, (*SIZE, 3), np.uint8)
     for frame in range(8):

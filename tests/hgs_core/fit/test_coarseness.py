@@ -87,7 +87,7 @@ def moving_ball() -> HybridScene[np.ndarray]:
 
 
 def views_of_a_sharp_mover_in_a_noisy_room(given: HybridScene[np.ndarray]) -> EncodeViews:
-    """What is still in the pictures is far from the scene, so that quantisation costs little there."""
+    """Still parts of the pictures are far from the scene, so that quantisation costs little there."""
     cameras, times = ring_of_cameras(3, 64, 48), np.arange(6) / 30
     still = dataclasses.replace(given, segments=(Segment(0.0, 5 / 30, DynamicSplats.empty()),))
 

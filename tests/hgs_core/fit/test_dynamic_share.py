@@ -15,7 +15,7 @@ from tests.synthetic import synthetic_scene
 
 
 class KnownLoss:
-    """Stands for drawing the views: what the dynamic splats alone lose."""
+    """A stand-in for drawing the views: the loss of the dynamic splats alone."""
 
     def __init__(self, whole: float, moving: float) -> None:
         self.lost = Decibels(whole, moving)

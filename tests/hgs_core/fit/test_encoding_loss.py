@@ -1,4 +1,4 @@
-"""What views lose is counted as independent pictures and formulas say, of all pixels and of those that move."""
+"""The loss of views agrees with independent pictures and formulas, for all pixels and for moving ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What splats do to pictures, against the reference rasteriser with one of them changed or left out."""
+"""The utility of splats, against the reference rasteriser with one of them changed or left out."""
 
 from __future__ import annotations
 
@@ -105,4 +105,4 @@ def test_what_no_picture_shows_is_missed_without_limit_and_shows_by_its_size() -
         near = min(np.linalg.norm(camera.position - [0, 0, place]) for camera in cameras)
         area = np.pi * ((0.1 * cameras[0].fx / near) ** 2 + LOW_PASS)
         alpha = GUESSED_TRANSMITTANCE / (1 + np.exp(-4.0))
-        np.testing.assert_allclose(shown, area * alpha**2 / 5, rtol=1e-3)  # of three pictures and two more
+        np.testing.assert_allclose(shown, area * alpha**2 / 5, rtol=1e-3)  # three pictures and two more

@@ -106,7 +106,7 @@ def test_a_hollow_thing_is_begun_with_from_outside_and_looked_at_from_inside_as_
 
 @pytest.mark.parametrize("side", [(-1, 0), (1, 0), (0, -1), (0, 1)])
 def test_the_front_is_the_side_from_which_most_splats_are_seen(side: tuple[int, int]) -> None:
-    """A wall of large splats that hide what is behind, and on one side of it many more."""
+    """A wall of large splats that hide those behind, and on one side of it many more."""
     across = np.array([-side[1], side[0]])
     wall = np.linspace(-1, 1, 41)
     grid = np.array([[across[0] * a, y, across[1] * a] for a in wall for y in wall])

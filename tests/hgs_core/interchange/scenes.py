@@ -1,4 +1,4 @@
-"""Scenes to write to files, and counts of what a file lacks."""
+"""Scenes to write to files, and counts of losses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever is exported comes back as it was drawn, without a word to the importer."""
+"""Every exported scene is imported as it was drawn, without an option."""
 
 from __future__ import annotations
 

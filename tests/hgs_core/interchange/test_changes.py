@@ -1,4 +1,4 @@
-"""What a change counts, and the line that it says."""
+"""The counts of a change, and its line."""
 
 from __future__ import annotations
 

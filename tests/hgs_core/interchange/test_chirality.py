@@ -1,4 +1,4 @@
-"""No format mirrors the scene: no file, read by hand in the format's own axes, nor what is imported of it."""
+"""No format mirrors the scene: neither a file, read by hand in the format's own axes, nor its import."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ every_format = pytest.mark.parametrize(("name", "moving", "read"), FORMATS.value
 
 
 def dots(positions: Doubles, colours: Doubles, camera: Camera) -> Doubles:
-    """Return what a camera sees of points, each a disc, the farthest first."""
+    """Return a camera's picture of points, each a disc, the farthest first."""
     picture = np.zeros((camera.height, camera.width, 3))
     seen = positions @ camera.world_to_camera[:3, :3].T + camera.world_to_camera[:3, 3]
     rows, columns = np.mgrid[: camera.height, : camera.width] + 0.5

@@ -1,4 +1,4 @@
-"""Reference: numpy's polyfit over the times at which a splat is seen, residuals times what is left of its opacity."""
+"""Reference: numpy's polyfit over the visible times of a splat, residuals times its remaining opacity."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ def reasons(path: object) -> dict[str, int | None]:
 
 
 def test_rows_of_zeros_are_left_out(written: Write) -> None:
-    """What was never filled would be drawn as a fog: a scale of e^0 and half an opacity."""
+    """Unfilled rows would be drawn as a fog: a scale of e^0 and half an opacity."""
     given = statics()
     for _, array in given.items():
         array[10:] = 0

@@ -1,4 +1,4 @@
-"""What is written where, what a format lacks of a scene, and which exports cannot be."""
+"""The files of exports, the losses of formats, and refused exports."""
 
 from __future__ import annotations
 

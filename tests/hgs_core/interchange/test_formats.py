@@ -37,7 +37,7 @@ def test_no_suffix_is_taken_twice_and_those_imported_can_be_read() -> None:
     assert IMPORTED == (".ply", ".splat", ".spz", ".glb", ".4dgs", ".sog")
 
 
-STEPS = {  # of the numbers that a file stores: log-scale, colour, entry of a rotation's matrix, opacity
+STEPS = {  # steps of stored numbers: log-scale, colour, entry of a rotation's matrix, opacity
     "x.glb": (3e-6, 1e-6, 1e-6, 1e-6),
     "2.spz": (0.5 / 16 + 1e-6, 0.0037, 0.25, 0.5 / 255 + 1e-6),
     "3.spz": (0.5 / 16 + 1e-6, 0.0037, 0.006, 0.5 / 255 + 1e-6),
@@ -49,7 +49,7 @@ STEPS = {  # of the numbers that a file stores: log-scale, colour, entry of a ro
 @given(seed=st.integers(0, 2**32 - 1), reach=st.floats(-4, 6))
 @settings(max_examples=25, deadline=None)
 def test_any_still_scene_comes_back_within_a_formats_steps(name: str, seed: int, reach: float) -> None:
-    """Places too, wherever they are: floats are kept, and fixed point has half a step of what 24 bits reach."""
+    """Places too, at any distance: floats are kept, and fixed point is within half a step of 24 bits."""
     splats = statics(20, seed)
     splats = dataclasses.replace(splats, means=splats.means * np.float32(10**reach))
     scene = HybridScene(splats, (Segment(0.0, 0.0, DynamicSplats.empty()),))

@@ -1,4 +1,4 @@
-""".4dgs files against the library of the format's makers: what it finds in ours, and we in its."""
+""".4dgs files against the library of the format's makers, which reads ours, and we its."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def moving() -> HybridScene[np.ndarray]:
 
 
 def state(data: bytes, seconds: float) -> tuple[Any, dict[str, np.ndarray]]:
-    """The gaussians of a file, and what the library says of them at a second."""
+    """The gaussians of a file, and their state at a second in the library."""
     found = fourdgs.read(data)
     return found.gaussians, found.gaussians.state_at(seconds, cutoff=found.header.cutoff)
 

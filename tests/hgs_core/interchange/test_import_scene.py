@@ -1,4 +1,4 @@
-"""What becomes of the splats of any file: which are left out, what is limited, and how long the scene is."""
+"""The splats of any file after import: omissions, limits, and the length of the scene."""
 
 from __future__ import annotations
 

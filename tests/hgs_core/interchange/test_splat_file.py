@@ -104,7 +104,7 @@ def test_the_format_holds_still_scenes_alone() -> None:
 
 
 def test_a_last_row_that_nobody_sees_says_that_splats_are_drawn_antialiased(written: Write) -> None:
-    """It is where the row before it is, so that boxes stay as they are, and no part of what is read."""
+    """It lies at the row before it, so that boxes stay as they are, and is not read."""
     plainly, noted = (splat_file(statics(), antialiased).data for antialiased in (False, True))
     assert noted[: len(plainly)] == plainly
     (row,) = ROW.iter_unpack(noted[len(plainly) :])

@@ -12,7 +12,7 @@ from tests.hgs_core.interchange.scenes import axes_of, dynamics
 
 
 def one(**changed: object) -> DynamicSplats[np.ndarray]:
-    """A large opaque splat that stands still for all time, but for what is changed."""
+    """A large opaque splat that stands still for all time, apart from the changes."""
     plain = {
         "motion": np.zeros((1, 4, 3)),
         "rotation": [[[1, 0, 0, 0], [0, 0, 0, 0]]],

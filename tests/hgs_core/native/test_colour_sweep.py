@@ -1,4 +1,4 @@
-"""What may cross to the kernel; its results are compared with those of numpy in points/test_sweep_costs.py."""
+"""Arguments of the kernel; points/test_sweep_costs.py compares its results with numpy's."""
 
 from __future__ import annotations
 

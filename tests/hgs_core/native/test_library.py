@@ -1,4 +1,4 @@
-"""Choosing a library, and what the environment may say about it."""
+"""The choice of a library, and its settings in the environment."""
 
 from __future__ import annotations
 

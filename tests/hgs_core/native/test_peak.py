@@ -10,7 +10,7 @@ from hgs_core.native import library, peak
 
 
 class Kernel:
-    """Stands for the library's measurement: remembers what it was asked and gives a figure."""
+    """A stand-in for the library's measurement: it notes its arguments and returns a figure."""
 
     restype: Any = None
 

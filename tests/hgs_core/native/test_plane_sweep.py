@@ -19,7 +19,7 @@ REACH, CONTRAST, STEP, JUMP, EDGE, BLIND = (
     1024.0,
     30.0,
     0.9,
-)  # of src/plane_sweep.cpp and src/semi_global.cpp
+)  # constants of src/plane_sweep.cpp and src/semi_global.cpp
 
 
 def view(x: float, y: float = 0.0, width: int = 64, height: int = 48) -> Camera:

@@ -31,7 +31,7 @@ STRUCTS = {
 
 
 def declared(name: str) -> list[tuple[str, str]]:
-    """The fields of a struct of the header, with what each is: a type, "type[n]" or "pointer"."""
+    """The fields of a struct of the header, with their types: a type, "type[n]" or "pointer"."""
     found = re.search(rf"typedef struct hgs_{name} {{(.*?)}} hgs_{name};", HEADER, re.S)
     assert found is not None
     fields = []

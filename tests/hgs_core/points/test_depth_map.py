@@ -1,4 +1,4 @@
-"""Points of depth maps, and what other views say to them."""
+"""Points of depth maps, and the votes of other views."""
 
 from __future__ import annotations
 

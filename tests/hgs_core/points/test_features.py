@@ -1,4 +1,4 @@
-"""Epipolar geometry and matching, against synthetic points whose projections are known."""
+"""Epipolar geometry and matching, against synthetic points with known projections."""
 
 from __future__ import annotations
 

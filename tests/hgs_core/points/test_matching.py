@@ -1,4 +1,4 @@
-"""Matches of cameras whose poses nobody says, against points whose projections are known."""
+"""Matches of cameras without poses, against points with known projections."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Normals of points on surfaces whose normals are known."""
+"""Normals of points on surfaces with known normals."""
 
 from __future__ import annotations
 

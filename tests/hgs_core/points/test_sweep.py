@@ -19,7 +19,7 @@ def view(x: float, y: float) -> Camera:
 
 
 def photograph(camera: Camera) -> np.ndarray:
-    """Ray-cast the wall z = 3, whose colours are smooth waves, at pixel centres."""
+    """Ray-cast the wall z = 3, with smooth waves as colours, at pixel centres."""
     row, column = np.mgrid[0:72, 0:96] + 0.5
     x = (column - camera.cx) / camera.fx * WALL + camera.position[0]
     y = (row - camera.cy) / camera.fy * WALL + camera.position[1]

@@ -1,4 +1,4 @@
-"""The compiled sweep against the one in numpy, and both against what the docstrings say."""
+"""The compiled sweep against the one in numpy, and both against their docstrings."""
 
 from __future__ import annotations
 

@@ -16,12 +16,12 @@ def test_points_within_the_picture_and_before_the_camera_have_the_pixel_they_hit
             [0, 0, 1],  # column 5, row 3
             [0, 0, -1],  # behind
             [-0.5, -0.3, 1],  # the upper left corner
-            [0.49, 0.29, 1],  # in the last pixel
+            [0.49, 0.29, 1],  # last pixel
             [0.5, 0, 1],  # right of the last column
             [0, 0.3, 1],  # below the last row
             [-0.51, 0, 1],  # left of the first
             [0, -0.31, 1],  # above the first
-            [0.98, 0.58, 2],  # as the last pixel, farther away
+            [0.98, 0.58, 2],  # the last pixel's ray, farther away
         ],
         float,
     )

@@ -42,7 +42,7 @@ class Result:
     statistics: ScreenStatistics
 
     def pictures(self) -> dict[str, Tensor]:
-        """Name -> what was drawn."""
+        """Name -> drawn picture."""
         return {name: image.detach() for name, image in self.render._asdict().items() if image is not None}
 
     def gradients(self) -> dict[str, Tensor]:

@@ -1,4 +1,4 @@
-"""What every backend must make of dynamic splats that nobody can see at the moment: nothing."""
+"""Dynamic splats that are invisible at the moment: every backend must draw nothing."""
 
 from __future__ import annotations
 

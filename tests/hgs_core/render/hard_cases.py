@@ -1,4 +1,4 @@
-"""Scenes that break rasterizers: what must come out, and how far float32 may be from it.
+"""Scenes that break rasterizers: the required pictures, and the tolerance of float32.
 
 `CASES` is read by test_hard_cases.py and by scripts/hard_cases.py, which prints the errors. The bounds are a few
 times the measured errors; none is wider than float32 requires. A case says so where a decision at a threshold (alpha
@@ -475,7 +475,7 @@ def camera_upside_down_and_turned() -> HardCase:
     pose = np.eye(4)
     pose[:3, :3] = about_z @ about_y
     splats = stills()
-    means = splats.means @ torch.from_numpy(pose[:3, :3])  # in front of the turned camera
+    means = splats.means @ torch.from_numpy(pose[:3, :3])  # moved into the turned camera's view
     return HardCase(
         dataclasses.replace(splats, means=means), None, view(dataclasses.replace(front(), world_to_camera=pose))
     )

@@ -1,4 +1,4 @@
-"""Which backend draws what."""
+"""The choice of a backend."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def ellipses(count: int = 40, seed: int = 0) -> Ellipses:
 
 
 def listed(given: Ellipses, tile: int) -> list[int]:
-    """The ellipses whose box reaches a tile, nearest first, ties in the order of their rows: one after the other."""
+    """The ellipses with a box that reaches a tile, nearest first, ties in the order of their rows."""
     x, y = 16 * (tile % ACROSS), 16 * (tile // ACROSS)
     found = []
     for row in range(len(given.depths)):

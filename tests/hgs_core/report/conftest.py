@@ -14,7 +14,7 @@ from tests.hgs_core.report.finished_run import HISTORY, write_finished_run
 
 @pytest.fixture(scope="session")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A measured run whose training recorded everything."""
+    """A measured run with a full record of its training."""
     folder = tmp_path_factory.mktemp("runs")
     path = write_finished_run(folder, history=HISTORY, profile={"frames": 3.0, "all step": 8.0})
     evaluate_run(path, silent)

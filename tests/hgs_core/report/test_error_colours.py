@@ -1,4 +1,4 @@
-"""The colour map against what it promises, in OKLab; OKLab against the table of its author."""
+"""The colour map against its promises, in OKLab; OKLab against the table of its author."""
 
 from __future__ import annotations
 

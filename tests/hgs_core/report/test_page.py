@@ -16,7 +16,7 @@ VOID = {"meta", "link", "img", "input"}
 
 
 class Page(HTMLParser):
-    """Elements that open and close in order, with what they refer to."""
+    """Elements that open and close in order, with their references."""
 
     def __init__(self, text: str) -> None:
         super().__init__()

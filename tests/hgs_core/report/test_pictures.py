@@ -74,7 +74,7 @@ def test_frames_are_drawn_at_the_moments_when_they_were_taken(tmp_path: Path) ->
 
 
 def test_the_error_map_shows_the_difference_of_the_two_pictures(tmp_path: Path) -> None:
-    """Up to what JPEG does to all three."""
+    """Up to JPEG's changes of all three."""
     run = read_run(write_finished_run(tmp_path, statics=12), silent)
     moment = draw_pictures(run, run.spec.open_capture(), silent)[0].moments[0]
     drawn, truth, error = (_pixels(uri).astype(float) for uri in (moment.drawn, moment.truth, moment.error))

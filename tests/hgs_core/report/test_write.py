@@ -1,4 +1,4 @@
-"""A report of what is left of a run, and the refusals before one is written."""
+"""A report of the remains of a run, and the refusals before one is written."""
 
 from __future__ import annotations
 

@@ -58,7 +58,7 @@ def chunks_of(run: Path) -> dict[str, bytes]:
 
 
 def timeless(manifest: Path) -> dict[str, object]:
-    """A manifest without what two trainings never have in common: how long they took."""
+    """A manifest without its times, which differ between two trainings."""
     document: dict[str, object] = json.loads(manifest.read_text())
     training = document["training"]
     assert isinstance(training, dict)
@@ -104,7 +104,7 @@ def test_the_scene_is_whole_and_shows_what_was_trained(in_one_process: Path) -> 
     assert all(coded <= kept for coded, kept in counts)
     assert sum(coded for coded, _ in counts) > 0
     assert manifest.training["iterations"] == 60
-    assert manifest.training["encoding_loss"] <= 0.1  # of the first segment
+    assert manifest.training["encoding_loss"] <= 0.1  # the first segment's
 
 
 def test_nothing_is_made_twice(in_one_process: Path) -> None:

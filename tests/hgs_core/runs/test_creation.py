@@ -1,4 +1,4 @@
-"""A run is created of what can be trained, and nothing is written of what cannot."""
+"""A run is created of a trainable capture, and nothing is written for any other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What encoding reads back from a run folder is what was put there."""
+"""Encoding reads the same views and states from a run folder that were put there."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_nothing_tells_what_moves_in_a_run_without_masks(folder: RunFolder, scen
 
 
 def test_the_cameras_see_nothing_before_the_scene(folder: RunFolder, scene: HybridScene[np.ndarray]) -> None:
-    """Every camera stands three units from the points, of whose depth 0.6 is cut off."""
+    """Every camera stands three units from the points; 0.6 of the depth is cut off."""
     views = views_of_run(folder, folder.read_spec(), scene)
     assert [camera.near for camera in views.cameras] == pytest.approx([0.6 * 3.0] * 5, rel=1e-4)
     assert [camera.near for camera in views.trained.values()] == pytest.approx([0.6 * 3.0] * 4, rel=1e-4)

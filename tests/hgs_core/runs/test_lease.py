@@ -59,7 +59,7 @@ def no_locks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def mounts(tmp_path: Path) -> Iterator[tuple[Path, Path]]:
-    """One folder, mounted twice by bindfs, whose mounts do not share locks."""
+    """One folder, mounted twice by bindfs without shared locks."""
     if shutil.which("bindfs") is None or os.geteuid() != 0 or not Path("/dev/fuse").exists():
         pytest.skip("mounting a folder twice without shared locks takes root, /dev/fuse and bindfs")
     (tmp_path / "run").mkdir()

@@ -1,4 +1,4 @@
-"""What a run finds out first: on small videos, with the search for poses replaced by the true ones."""
+"""The preparation of a capture: on small videos, with the true poses in place of the search."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def test_a_finished_scene_gets_sound_and_loses_it_to_the_same_bytes(videos: Path
     assert manifest.audio is not None
     assert manifest.audio.pieces[-1].end >= 1.0
     assert {entry.id for entry, _ in checked_chunks(run.scene, manifest)} >= set(manifest.audio.sizes)
-    assert read_audio(run.scene, manifest) == scene_sound(run, spec_with("auto"), None, 0.0, 1.0)  # which is kept
+    assert read_audio(run.scene, manifest) == scene_sound(run, spec_with("auto"), None, 0.0, 1.0)  # the kept sound
     replace_sound(run.path, "none")
     assert run.manifest.read_bytes() == before
     assert sorted(path.name for path in (run.scene / "chunks").iterdir()) == chunks

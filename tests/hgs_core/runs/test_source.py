@@ -1,4 +1,4 @@
-"""What can be opened for export, against the scene that was put there."""
+"""Sources of an export, against the scene that was put there."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is not a camera is refused."""
+"""Numbers that are not a camera are refused."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from hgs_core.scene.camera import Camera, looking_at
     ("rotation", "complaint"),
     [
         (1.01 * np.eye(3), "not orthonormal"),
-        (1e300 * np.ones((3, 3)), "not orthonormal"),  # whose products overflow
+        (1e300 * np.ones((3, 3)), "not orthonormal"),  # products overflow
         (np.diag([1.0, 1.0, -1.0]), "reflection"),
         (np.full((3, 3), np.nan), "not a finite 4x4 matrix"),
     ],

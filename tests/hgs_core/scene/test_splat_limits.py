@@ -1,4 +1,4 @@
-"""What is drawn can be encoded: import and encoder keep to the same limits."""
+"""Every drawable set can be encoded: import and encoder keep to the same limits."""
 
 from __future__ import annotations
 

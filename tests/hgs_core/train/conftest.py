@@ -21,7 +21,7 @@ from hgs_core.train.training_views import TrainingViews
 from tests.synthetic import write_capture
 
 CONFIG = TrainConfig(colour_correction=False, density=DensityConfig(max_dynamic=100))
-"""What the state of `state_of` is made with; rounds may have another."""
+"""The config of `state_of`; rounds may have another."""
 
 Apply = Callable[[Round, TrainState, TrainConfig], None]
 

@@ -1,4 +1,4 @@
-"""What a checkpoint keeps; that a training resumes to the same bits is tested in test_trainer.py."""
+"""The content of a checkpoint; test_trainer.py tests that a training resumes to the same bits."""
 
 from __future__ import annotations
 

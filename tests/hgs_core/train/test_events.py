@@ -1,4 +1,4 @@
-"""What appears between two frames and vanishes between two others: there in time, and no ghost before or after."""
+"""A thing that appears between two frames and vanishes between two others: there in time, without a ghost."""
 
 from __future__ import annotations
 

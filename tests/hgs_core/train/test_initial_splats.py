@@ -81,7 +81,7 @@ def test_a_point_on_a_surface_becomes_a_disc_in_it(normal: tuple[float, float, f
 
 
 def test_motion_is_the_points_velocity_in_normalised_time() -> None:
-    """The clock lasts two seconds: what moves a metre in one of them moves two in the segment."""
+    """The clock lasts two seconds: a metre in one of them is two in the segment."""
     cloud = points()
     cloud.velocity[:] = (1.0, 0.0, -0.5)
     _, dynamic = initial_splats(cloud, CLOCK, 2, coefficients=6)

@@ -1,4 +1,4 @@
-"""Tiles of what moves, and the loss in them against the loss of whole pictures."""
+"""Tiles of motion, and the loss in them against the loss of whole pictures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def test_what_moves_apart_falls_into_parts() -> None:
 
 
 def test_parts_are_cut_until_no_row_or_column_of_tiles_is_still() -> None:
-    """A ring of tiles cannot be cut and its inside is not drawn; what stands beside it is cut from it, and again."""
+    """A ring of tiles cannot be cut and its inside is not drawn; tiles beside it are cut from it, and again."""
     tiles = np.zeros((5, 9), np.bool_)
     tiles[:3, :3] = True
     tiles[1, 1] = False

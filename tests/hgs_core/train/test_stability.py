@@ -31,13 +31,13 @@ from hgs_core.train.trainer import Trainer
 from tests.synthetic import write_capture
 
 STEPS, STILL, MOVING = 200, 24, 16
-ROUNDING = 1e-6  # of a loss: a scene that cannot be seen cannot learn
+ROUNDING = 1e-6  # rounding of a loss: an invisible scene cannot learn
 Kind = Callable[[StaticSplats[Tensor], int], None]
 Motion = Callable[[DynamicSplats[Tensor], int], None]
 
 
 def scales(*values: float) -> Kind:
-    """A kind of splat whose standard deviations are e to the power of `values`."""
+    """A kind of splat with standard deviations of e to the power of `values`."""
 
     def change(splats: StaticSplats[Tensor], row: int) -> None:
         splats.log_scales[row] = torch.tensor(values)
@@ -201,7 +201,7 @@ def train(capture: Capture, folder: Path, random: int, kinds: list[str], motions
     before = start[0].map(torch.clone), start[1].map(torch.clone)
     training.run(silent)
     (folder / "checkpoint.pt").unlink()
-    furthest = STEPS / math.sqrt(1 - BETA)  # in step sizes
+    furthest = STEPS / math.sqrt(1 - BETA)  # step sizes
     after = training.state.static, training.state.dynamic
     # They fall from there; between two frames every life counts as the whole segment, so that motion's stay alike.
     rates = training.schedule.static_rates(0), training.schedule.dynamic_rates(0, before[1])

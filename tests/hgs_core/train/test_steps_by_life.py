@@ -92,7 +92,7 @@ def test_the_schedules_steps_move_a_splat_as_far_at_each_visit_as_one_that_is_al
         splats.log_scales.grad = gradient[:, None].expand(-1, 3).contiguous()
         optimiser.step(splats, rates)
     always = moved_by_rmsprop(pull[:, None], schedule.config.learning_rates.log_scale)[0] / steps
-    visits = w.mean(0) ** 2 / (w**2).mean(0) * steps  # that are worth as much as whole ones
+    visits = w.mean(0) ** 2 / (w**2).mean(0) * steps  # equivalent whole visits
     # A tenth of the opacity is a little later than where a life without fading would end.
     np.testing.assert_allclose(splats.log_scales[:, 0].numpy() / visits, always, rtol=0.12)
     assert visits.min() < 0.12 * steps

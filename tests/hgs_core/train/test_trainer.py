@@ -99,11 +99,11 @@ def test_no_axis_is_longer_than_the_middle_one_times_the_elongation(
     for splats in (scene.static, scene.segments[0].dynamic):
         axes = np.sort(np.exp(splats.log_scales.astype(np.float64)), axis=1)
         longest = (axes[:, 2] / axes[:, 1]).max()
-        assert longest <= 3.0 + 1e-4 if elongation == 3.0 else longest > 4  # as long as pictures want it
+        assert longest <= 3.0 + 1e-4 if elongation == 3.0 else longest > 4  # the length of the pictures
 
 
 def test_a_mean_of_short_needles_is_one(capture_folder: Path, tmp_path: Path) -> None:
-    """What is short along its first axis and what is along its second have a mean that is short along both."""
+    """Splats short along the first and along the second axis have a mean that is short along both."""
     settings = config(**AVERAGED, iterations=1, elongation=3.0)
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", settings)
     for sizes in ([0.0, -10.0, 1.0], [-10.0, 0.0, 1.0]):
@@ -148,7 +148,7 @@ def test_a_stopped_training_resumes_to_the_same_bits(
 ) -> None:
     settings = config(**changes)
 
-    def begun(name: str) -> Trainer:  # with lives short enough for steps by life
+    def begun(name: str) -> Trainer:  # short lives, for steps by life
         return trainer(capture_folder, tmp_path / name, settings, sampled_frames=6)
 
     whole = begun("whole.pt").run(silent)
@@ -179,13 +179,11 @@ def test_the_result_is_the_mean_of_the_splats_of_the_last_iterations(capture_fol
         for name, array in sets.pop().items():
             expected = np.mean([getattr(splats, name).astype(np.float64) for splats in sets], axis=0)
             np.testing.assert_allclose(array, expected, rtol=1e-6, atol=1e-7, err_msg=f"{kind} {name}")
-    assert same_bits(
-        result, trainer(capture_folder, tmp_path / "mean.pt", settings).scene()
-    )  # as the checkpoint has it
+    assert same_bits(result, trainer(capture_folder, tmp_path / "mean.pt", settings).scene())  # the checkpoint's
 
 
 def test_the_mean_begins_anew_where_splats_are_removed(capture_folder: Path, tmp_path: Path) -> None:
-    """By the pruning after 85 % of the iterations, which is after the 50th: what is left to average is the last one."""
+    """The pruning after 85 % of the iterations comes after the 50th: only the last one is left to average."""
     settings = config(average_from=0.5, density={"prune_contribution": 0.3})
     counts: list[float] = []
     mean = trainer(capture_folder, tmp_path / "mean.pt", settings).run(lambda p: counts.append(p.figures["static"]))
@@ -229,7 +227,7 @@ def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_
 def test_a_stop_amid_a_long_round_loses_no_iteration(
     capture_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, control: type[Round]
 ) -> None:
-    """The round has changed the state already, which is not what is kept then."""
+    """The round has changed the state already; that state is not kept."""
     whole = trainer(capture_folder, tmp_path / "whole.pt", config()).run(silent)
     apply, stopped = control.apply, list[int]()
 
@@ -251,7 +249,7 @@ def test_a_stop_amid_a_long_round_loses_no_iteration(
 def test_a_slow_training_reports_more_often_than_every_ten_iterations(
     capture_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """So that it can be stopped: whoever asks for that waits ten seconds."""
+    """So that it can be stopped: a stop waits ten seconds."""
     monkeypatch.setattr(hgs_core.train.trainer, "_LONGEST_SILENCE", 0.0)
     told: list[int] = []
     training = trainer(capture_folder, tmp_path / "checkpoint.pt", config(iterations=12))
@@ -284,7 +282,7 @@ def test_training_draws_with_antialiasing_where_the_config_says_so(capture_folde
 
 @pytest.mark.parametrize("stages", ["together", "interleaved", "separate"])
 def test_both_sets_learn_in_all_stages(capture_folder: Path, tmp_path: Path, stages: str) -> None:
-    """Without rounds of control, which reorder rows: what has changed in a row has been learnt."""
+    """Without rounds of control, which reorder rows: a changed row has learnt."""
     settings = config(
         stages=stages,
         iterations=40,
@@ -334,7 +332,7 @@ def test_the_history_says_what_happened(capture_folder: Path, tmp_path: Path, st
 
 
 def with_and_without(field: str, capture_folder: Path, tmp_path: Path) -> list[Trainer]:
-    """Return two short trainings, the first with what the field turns on."""
+    """Return two short trainings, the first with the field turned on."""
     both = [trainer(capture_folder, tmp_path / str(on), config(iterations=20, **{field: on})) for on in (True, False)]
     for training in both:
         training.run(silent)

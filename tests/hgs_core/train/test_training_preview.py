@@ -31,7 +31,7 @@ def test_it_shows_what_the_reference_draws_of_the_middle_of_the_time(state: Trai
     with torch.no_grad():
         expected = rasterize(state.static, state.dynamic, CAMERA, 0.5, backend="reference", antialiased=True)
     error = np.abs(shown - expected.rgb.clamp(0, 1).permute(1, 2, 0).numpy()).mean()
-    assert error < 0.02  # what JPEG costs
+    assert error < 0.02  # JPEG's error
 
 
 def test_it_is_drawn_at_the_first_report_and_at_every_fortieth(

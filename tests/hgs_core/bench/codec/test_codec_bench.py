@@ -1,4 +1,4 @@
-"""What is measured of a small still cloud, and which sources there are none of."""
+"""Measurements of a small still cloud, and refused sources."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ def test_rotations_of_version_2_are_coarser(splats: StaticSplats[np.ndarray]) ->
 
 
 def test_the_error_of_a_rotation_is_its_angle_about_each_axis(splats: StaticSplats[np.ndarray]) -> None:
-    turn = np.array([np.cos(0.05), 0, np.sin(0.05), 0])  # by 0.1 about y
+    turn = np.array([np.cos(0.05), 0, np.sin(0.05), 0])  # 0.1 rad about y
     turned = dataclasses.replace(splats, quats=product(splats.quats, turn).astype(np.float32))
     assert spz_errors(splats, spz_file(turned).data).rotation == pytest.approx(0.1 / 3**0.5, rel=0.02)
 

@@ -1,4 +1,4 @@
-"""What a benchmark reports, on scenes too small to say anything about speed."""
+"""The report of a benchmark, on scenes too small for figures of speed."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ def test_there_is_a_row_of_times_for_every_point_in_milliseconds(report: RasterR
     assert [tuple(row[:3]) for row in rows] == [(p.size, p.backend, str(p.threads)) for p in report.points]
     point = dataclasses.replace(report.points[0], iteration=0.0125, iteration_least=0.25)
     (row,) = table(report_text(dataclasses.replace(report, points=(point,))), "Milliseconds")
-    assert row[-3:-1] == ["12.50", "250"]  # from a tenth of a second on without decimals
+    assert row[-3:-1] == ["12.50", "250"]  # no decimals above a tenth of a second
 
 
 def test_a_table_without_rows_is_left_out(report: RasterReport) -> None:

@@ -108,7 +108,7 @@ def without_cameras(count: int) -> dict[str, tuple[float, float, float]]:
 def test_the_model_with_most_cameras_counts_whatever_its_number(
     tmp_path: Path, order: tuple[int, ...], folder: str
 ) -> None:
-    """Structure from motion writes what it cannot join as models of their own, in no order that counts."""
+    """Structure from motion writes unconnected parts as models of their own, in no particular order."""
     models = [PLACES, without_cameras(4), without_cameras(3), {"x.png": (0, 0, 0), "y.png": (1, 0, 0)}]
     for number, which in enumerate(order):
         write_text(tmp_path / folder / str(number), models[which])

@@ -1,4 +1,4 @@
-"""What readers of cameras share: scaling to the pictures there are, and rotations in both forms."""
+"""The base of readers of cameras: scaling to the footage, and rotations in both forms."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def test_sides_may_be_rounded(size: tuple[float, float]) -> None:
     ],
 )
 def test_another_shape_is_refused(size: tuple[float, float], problem: str) -> None:
-    """1088 for 1080 rows is what encoders pad: eight rows are cut off there, and nothing is scaled."""
+    """1088 for 1080 rows is an encoder's padding: eight rows are cut off there, and nothing is scaled."""
     with pytest.raises(InputError, match=f"file, camera a: .*{problem}"):
         calibrated(size).camera("a", 1080, 1920)
 

@@ -291,7 +291,7 @@ def test_fox_leaves_out_what_is_not_there(fox: Capture) -> None:
 @pytest.mark.data
 def test_fox_features_lie_on_their_epipolar_lines(fox: Capture, matches: list[tuple[np.ndarray, np.ndarray]]) -> None:
     assert min(len(a) for a, _ in matches) > 100
-    assert max(_errors(list(fox.cameras), matches)) < 0.5  # of pixels half as fine: 1 px of the photographs
+    assert max(_errors(list(fox.cameras), matches)) < 0.5  # half-size pixels: 1 px of the photographs
 
 
 @pytest.mark.data

@@ -1,4 +1,4 @@
-"""What the times of transforms.json mean: shares, numbers of frames, or a unit."""
+"""The meaning of times in transforms.json: shares, numbers of frames, or a unit."""
 
 from __future__ import annotations
 

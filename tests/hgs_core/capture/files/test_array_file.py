@@ -1,4 +1,4 @@
-"""Arrays in .npy files: whatever a header says, no more memory is taken than the file has bytes."""
+"""Arrays in .npy files: with any header, no more memory is taken than the file has bytes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Only files that hold their own pictures and sound are opened, whatever they are called."""
+"""Only files that hold their own pictures and sound are opened, under any name."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ PIXELS = {"mjpeg": "yuvj420p"}
 
 @pytest.fixture(autouse=True)
 def usual_scheduling() -> Iterator[None]:
-    """Take back what SVT-AV1 does where it may: it makes the process that encodes, and all it starts, real-time."""
+    """Undo SVT-AV1's scheduling: it makes the encoding process, and all it starts, real-time."""
     yield
     if hasattr(os, "sched_setscheduler"):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))

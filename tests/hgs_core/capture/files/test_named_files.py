@@ -48,7 +48,7 @@ def test_the_longest_end_of_a_path_counts(tmp_path: Path) -> None:
 
 
 def test_what_most_names_need_taken_away_is_taken_of_all(tmp_path: Path) -> None:
-    """A lone 0.png at the top is not what a missing picture of cam02 means."""
+    """A lone 0.png at the top does not replace a missing picture of cam02."""
     touch(tmp_path, "images/cam00/0.png", "images/cam01/0.png", "0.png")
     found = find_named(tmp_path, [f"/x/images/cam{camera:02d}/0.png" for camera in range(3)])
     assert found.files == (tmp_path / "images/cam00/0.png", tmp_path / "images/cam01/0.png", None)

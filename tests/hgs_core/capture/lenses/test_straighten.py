@@ -1,4 +1,4 @@
-"""Straight pictures against pictures whose straight form is known, the border, and lenses that fold."""
+"""Straight pictures against known ones, the border, and lenses that fold."""
 
 from __future__ import annotations
 

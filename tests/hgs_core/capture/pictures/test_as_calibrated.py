@@ -1,4 +1,4 @@
-"""Pictures are turned and stretched where the calibration's size says so, and a line says what was done."""
+"""Pictures are turned and stretched to the calibration's size, with a note."""
 
 from __future__ import annotations
 

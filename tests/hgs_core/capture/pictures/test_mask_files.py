@@ -1,4 +1,4 @@
-"""Given masks: what counts as moving, whose masks are used, and what is wrong with a folder."""
+"""Given masks: moving values, matching cameras, and faults of a folder."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_every_value_but_0_moves_in_every_kind_of_png(n3dv: Path, tmp_path: Path
 
 @pytest.mark.parametrize("suffix", [".jpg", ".JPEG", ".PNG"])
 def test_masks_called_otherwise_are_read(n3dv: Path, tmp_path: Path, suffix: str) -> None:
-    """JPEG keeps no value exactly: what is dark moves no more than black."""
+    """JPEG keeps no value exactly: dark moves no more than black."""
     masks = write_masks(tmp_path / "masks" / "cam01")
     truth = []
     for path in sorted((masks / "cam01").iterdir()):
@@ -159,9 +159,9 @@ def test_a_folder_without_masks_of_the_capture_is_refused(n3dv: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("called", "shown"),
     [
-        ([0, 1, 2, 5, 6], [0, 1, 2, 5, 6]),  # by the pictures' numbers
+        ([0, 1, 2, 5, 6], [0, 1, 2, 5, 6]),  # the pictures' numbers
         (range(8), [0, 1, 2, 5, 6]),  # the same, and two of no picture
-        (range(5), [0, 1, 2, 3, 4]),  # by their places, as hgs masks writes them
+        (range(5), [0, 1, 2, 3, 4]),  # places, the form of hgs masks
     ],
 )
 def test_masks_follow_the_numbers_of_pictures_that_have_a_gap(

@@ -20,7 +20,7 @@ LEVELS = (40, 90, 150, 210)
 
 @pytest.fixture
 def upright() -> Corners:
-    """A picture of 64x48 whose four quarters tell where they belong."""
+    """A picture of 64x48 with four distinct quarters."""
     quarters = np.array(LEVELS, np.uint8).reshape(2, 2).repeat(24, 0).repeat(32, 1)
     return np.repeat(quarters[:, :, None], 3, 2)
 

@@ -1,4 +1,4 @@
-"""Pictures of strangers: their alpha, orientation and depth are heeded, and whatever is wrong is an InputError."""
+"""Pictures of strangers: their alpha, orientation and depth are heeded, and every fault is an InputError."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures of equal numbers are of one moment, whatever is missing between them."""
+"""Pictures of equal numbers are of one moment, even with gaps between them."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_a_file_of_times_that_contradicts_the_numbers_is_named() -> None:
 
 
 def write_pictures(root: Path, camera: str, numbers: set[int], pattern: str, folder: str) -> None:
-    """Write pictures whose grey is their number, in a folder for each camera or each moment."""
+    """Write pictures with their number as grey, in a folder for each camera or each moment."""
     for number in numbers:
         called = pattern.format(number)
         path = root / (f"images/{camera}/{called}.png" if folder == "cameras" else f"images/{called}/{camera}.png")

@@ -1,4 +1,4 @@
-"""Random access to video frames, against frames whose grey level tells their number."""
+"""Random access to video frames, against frames with their number as grey level."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_forward_access_never_seeks(video: Path, monkeypatch: pytest.MonkeyPatch
     for index in range(20):
         reader.read(index, 0)
     assert seeks[:1] == [0]
-    assert len(seeks) <= 4  # at most one for each key frame
+    assert len(seeks) <= 4  # one for each key frame at most
 
 
 def test_colours_follow_the_colour_space_that_the_file_states(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What a file says of its pictures: the shape of pixels, fields, and when each is shown."""
+"""A file's facts about its pictures: the shape of pixels, fields, and time stamps."""
 
 from __future__ import annotations
 

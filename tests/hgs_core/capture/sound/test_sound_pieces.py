@@ -1,4 +1,4 @@
-"""Pieces are compared with what PyAV decodes of the whole file, which knows its edit lists and its codecs' delays."""
+"""Pieces are compared with PyAV's decoding of the whole file, which heeds its edit lists and its codecs' delays."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def clicking() -> npt.NDArray[np.float32]:
 
 
 def decoded(data: bytes, rate: int = SOUND_RATE) -> npt.NDArray[np.float32]:
-    """What is heard of a file, mono."""
+    """The decoded sound of a file, mono."""
     with av.open(io.BytesIO(data)) as container:
         resampler = av.AudioResampler(format="flt", layout="mono", rate=rate)
         frames = [part for frame in container.decode(audio=0) for part in resampler.resample(frame)]

@@ -46,7 +46,7 @@ def test_what_stamps_may_err_is_not_late() -> None:
 
 def test_29_97_among_30_drifts_until_a_frame_is_left_out() -> None:
     clock = common_clock("x", [camera("a", 1200), camera("b", 1200), camera("c", 1200, rate=30000 / 1001)])
-    assert len(clock.times) == 1199  # after 33 s one moment is nearer to no frame of c
+    assert len(clock.times) == 1199  # one moment after 33 s has no nearest frame of c
     assert np.abs(clock.moments[2] - clock.times).max() <= 0.5 / 30 + 1e-9
     np.testing.assert_allclose(clock.moments[2], np.arange(1200)[clock.frames[2]] * 1001 / 30000)
     assert "these have others: c 29.97" in " ".join(clock.notes)
@@ -61,7 +61,7 @@ def test_a_dropped_frame_leaves_out_its_moment_alone() -> None:
 
 
 def test_of_two_frames_at_a_moment_the_nearer_is_shown() -> None:
-    stamps = np.array([0.0, 0.012, 0.03, 0.07])  # of 33 ms periods, 12 and 30 ms are nearest to the second
+    stamps = np.array([0.0, 0.012, 0.03, 0.07])  # 33 ms periods: 12 and 30 ms are nearest to the second
     clock = common_clock("x", [camera("a", 3), camera("b", 3), CameraTime("c", stamps, 43.0)])
     assert clock.frames[2].tolist() == [0, 2, 3]
     assert any("c has 1 frame too many" in note for note in clock.notes)

@@ -1,4 +1,4 @@
-"""Prepared splats whose numbers a test writes down itself."""
+"""Prepared splats with the numbers of a test."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Numbers of what does not move: near what they stand for, and cheap where nothing shows it."""
+"""Codes of appearance: near their values, and cheap where nothing shows them."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_splats_that_show_less_than_the_chunks_finest_have_cheaper_numbers() -> 
     for weak in (1.0, 1 / 16):
         splats = prepared(COUNT, rgb=rgb, utility=np.where(np.arange(COUNT) == 0, 1.0, weak))
         numbers = appearance_numbers(splats, Steps.of(splats, SETTINGS))["rgb"]
-        differences = np.concatenate([numbers[:, :1], np.diff(numbers, axis=1)], axis=1)  # what is counted of colours
+        differences = np.concatenate([numbers[:, :1], np.diff(numbers, axis=1)], axis=1)  # the counted form of colours
         found.append(entropy(differences))
     assert found[1] < 0.9 * found[0]
 

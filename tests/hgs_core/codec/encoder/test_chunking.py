@@ -45,7 +45,7 @@ def test_no_chunk_is_larger_than_it_may_be_and_large_groups_are_cut_evenly() -> 
 
 
 def test_large_groups_are_cut_by_what_their_splats_show() -> None:
-    utility = 1 + np.array([3, 11, 0, 8, 5, 10, 1, 7, 2, 9, 4, 6]) / 100  # of one grade
+    utility = 1 + np.array([3, 11, 0, 8, 5, 10, 1, 7, 2, 9, 4, 6]) / 100  # one grade
     assert members(static_layers(prepared(12, utility=utility), SETTINGS)) == [[1, 3, 5, 7, 9, 11], [0, 2, 4, 6, 8, 10]]
 
 

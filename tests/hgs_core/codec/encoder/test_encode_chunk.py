@@ -1,4 +1,4 @@
-"""What decodes lies within the bounds that its chunk states."""
+"""Decoded splats lie within the bounds stated by their chunk."""
 
 from __future__ import annotations
 

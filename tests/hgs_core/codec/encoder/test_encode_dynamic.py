@@ -1,4 +1,4 @@
-"""Motion: paths, orders and what they cost."""
+"""Motion: paths, orders and their cost."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_a_path_far_from_its_centre_in_time_is_kept(tmp_path: Path, cameras: lis
         20.0,
         -3.0,
         1.0,
-    )  # as if from t = 0
+    )  # shifted to t = 0
     far = dataclasses.replace(
         far, motion=(from_first + (np.arange(4) == 0)[:, None]).astype(np.float32)[None].repeat(count, 0)
     )

@@ -29,7 +29,7 @@ def test_what_is_no_clock_is_refused(times: object) -> None:
 def test_a_segment_is_shown_until_the_next_one_starts_and_the_last_to_its_end() -> None:
     first, second = shown_segments(scene((0.0, 0.9), (1.0, 3.0)), 0.1)
     assert [(one.number, one.until) for one in (first, second)] == [(0, 1.0), (1, 3.0)]
-    assert first.time.shown_until == pytest.approx(1.0 / 0.9)  # in its own time, beyond its end
+    assert first.time.shown_until == pytest.approx(1.0 / 0.9)  # its own time, beyond its end
     assert (second.time.start, second.time.end, second.time.shown_until) == (1.0, 3.0, 1.0)
 
 

@@ -146,7 +146,7 @@ def test_hundreds_of_damaged_chunks_give_chunk_errors_and_bounded_memory(name: s
     data = (VECTORS / f"{name}.chunk").read_bytes()
     rng = np.random.default_rng(0)
     for _ in range(20):
-        try_decoder(mutated(data, rng))  # what is loaded once is not counted
+        try_decoder(mutated(data, rng))  # loads modules, uncounted
     tracemalloc.start()
     refused = sum(try_decoder(mutated(data, rng)) is not None for _ in range(600))
     peak = tracemalloc.get_traced_memory()[1]

@@ -1,4 +1,4 @@
-"""Values of a JSON document are given as what they must be, or refused by their path."""
+"""Values of a JSON document are returned in their types, or refused by their path."""
 
 from __future__ import annotations
 

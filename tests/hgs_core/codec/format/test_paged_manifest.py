@@ -34,7 +34,7 @@ def test_all_pages_together_are_the_manifest_in_any_order() -> None:
 
 
 def test_a_page_that_comes_makes_nothing_anew_but_its_own_part() -> None:
-    """An hour has 113 pages: all of them made anew with each was most of what reading them took."""
+    """An hour has 113 pages: making all of them anew with each took most of the reading."""
     paged = PagedManifest(INDEX)
     paged.add(SECOND, PAGES[SECOND])
     before = paged.manifest
@@ -51,7 +51,7 @@ def test_in_place_of_a_page_is_a_slice_that_needs_it() -> None:
     first, *others = paged.manifest.slices
     assert (first.segment, first.start, first.end) == (0, 0.0, 4.0)
     assert [(chunk.id, chunk.bytes, chunk.splats) for chunk in first.chunks] == [(FIRST, len(PAGES[FIRST]), 0)]
-    assert [piece.segment for piece in others] == [2] * 4  # as in the whole manifest
+    assert [piece.segment for piece in others] == [2] * 4  # equal to the whole manifest
     assert paged.manifest.segments[2] == SegmentEntry(4.0, 6.0)
     assert paged.manifest.audio is not None
     assert [piece.start for piece in paged.manifest.audio.pieces] == [4.5, 5.5]
@@ -79,7 +79,7 @@ def test_only_a_later_version_of_the_scene_continues_it(change: dict[str, Any]) 
         header["totals"] = {**header["totals"], "splats_static": 0, "bytes_static": 0}
     other = PagedManifest({**INDEX, "manifest": header})
     assert not beginning().continued_by(other)
-    assert not PagedManifest(INDEX).continued_by(other)  # which is complete
+    assert not PagedManifest(INDEX).continued_by(other)  # INDEX is complete
 
 
 def test_pages_list_what_they_name_but_the_last_one_of_a_scene_that_grows() -> None:

@@ -65,7 +65,7 @@ def test_of_sound_beyond_the_edge_of_a_scene_that_grows_nothing_is_listed() -> N
 
 
 def test_boxes_are_never_smaller_than_they_were() -> None:
-    box = ((0.1, -0.1, 1e-50), (0.3, 0.7, 1.0))  # of which few are numbers of 32 bits
+    box = ((0.1, -0.1, 1e-50), (0.3, 0.7, 1.0))  # few are numbers of 32 bits
     pieces = tuple(
         dataclasses.replace(piece, chunks=tuple(dataclasses.replace(chunk, box=box) for chunk in piece.chunks))
         for piece in WHOLE.slices

@@ -1,4 +1,4 @@
-"""Files of a scene folder that are not what the manifest says are named."""
+"""Files of a scene folder that differ from the manifest are named."""
 
 from __future__ import annotations
 

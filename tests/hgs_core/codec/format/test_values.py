@@ -18,7 +18,7 @@ RGB, POSITION = ATTRIBUTES["rgb"], ATTRIBUTES["position"]
 
 
 def stream(*planes: bytes, bits: int = 8, step: float = 0.5, zeros: tuple[int, ...] = (0, 1, -2)) -> Stream:
-    """Planes of an attribute of three components, whose entry lies at byte 100 and whose planes at 200, 300, ..."""
+    """Planes of an attribute of three components, with its entry at byte 100 and its planes at 200, 300, ..."""
     frames = tuple(memoryview(compress(plane, 3)) for plane in planes)
     places = tuple(200 + 100 * i for i in range(len(planes)))
     return Stream(RGB.id, 3, Transform.NONE, Grid(step, zeros, bits), frames, 100, places)

@@ -1,4 +1,4 @@
-"""Point clouds of 3DGS: its properties, its colours, and what of them we have no place for."""
+"""Point clouds of 3DGS: its properties, its colours, and unsupported ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What headers of PLY files say."""
+"""Headers of PLY files."""
 
 from __future__ import annotations
 

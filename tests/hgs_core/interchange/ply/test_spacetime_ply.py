@@ -1,4 +1,4 @@
-"""Point clouds of Spacetime Gaussians: its equations are the reference for what the fields mean."""
+"""Point clouds of Spacetime Gaussians: its equations are the reference for the meaning of fields."""
 
 from __future__ import annotations
 

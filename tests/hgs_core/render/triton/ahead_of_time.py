@@ -97,4 +97,4 @@ if __name__ == "__main__":
     render(camera(40, 24))
     render(camera(40, 24), depth=True, antialiased=True, tile_mask=torch.ones(tiles, dtype=torch.bool).numpy())
     render(camera(40, 24), coefficients=6)
-    render(camera(4000, 4000))  # whose tiles need 32 bits
+    render(camera(4000, 4000))  # its tiles need 32 bits

@@ -1,4 +1,4 @@
-"""The kernels compile for real GPUs, which the interpreter cannot tell: it forgives what the compiler does not."""
+"""The kernels compile for real GPUs: the interpreter is more lenient than the compiler."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from benchmarks.device_raster import main
 
 
 def test_the_point_is_within_the_bounds(capsys: pytest.CaptureFixture[str]) -> None:
-    """With Triton itself; what is measured of it is tested in tests/benchmarks/test_device_raster.py."""
+    """With Triton itself; tests/benchmarks/test_device_raster.py tests the measurements."""
     arguments = ["--sizes", "8@16x16", "--seconds", "0.001", "--json"]
     assert main(arguments) == 0
     (point,) = json.loads(capsys.readouterr().out)["points"]

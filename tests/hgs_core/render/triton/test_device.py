@@ -1,4 +1,4 @@
-"""Without Triton or a CUDA device the backend says what is missing."""
+"""Without Triton or a CUDA device the backend names the missing part."""
 
 from __future__ import annotations
 

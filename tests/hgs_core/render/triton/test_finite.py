@@ -1,4 +1,4 @@
-"""The Triton kernels refuse what no picture can show, as test_finite.py asks of the other backends."""
+"""The Triton kernels refuse parameters that no picture can show, as the other backends do."""
 
 from __future__ import annotations
 

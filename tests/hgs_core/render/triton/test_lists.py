@@ -1,4 +1,4 @@
-"""Lists of the tiles against those of the float64 reference, which lists what a splat's box reaches."""
+"""Lists of the tiles against those of the float64 reference, which go by a splat's box."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_every_tile_lists_all_that_can_be_seen_in_it_by_depth(mask: np.ndarray |
     for batch in blend(ellipses, 40, 30, masked, torch.float64):
         for tile, rows, weights in zip(batch.tiles.tolist(), batch.rows, batch.weights, strict=True):
             x, y = 16 * (tile % 3) + LANE % 16, 16 * (tile // 3) + LANE // 16
-            inside = weights[:, (x < 40) & (y < 30)]  # of a tile at the edge
+            inside = weights[:, (x < 40) & (y < 30)]  # a tile at the edge
             reached[tile] |= set(ellipses.index[rows[inside.amax(1) > 0]].tolist())
     for tile, (begin, end) in enumerate(lists.ranges.tolist()):
         listed = lists.splats[begin:end].tolist()

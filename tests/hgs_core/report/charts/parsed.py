@@ -1,4 +1,4 @@
-"""Charts as what they show: elements with numbers and words."""
+"""Charts as elements with numbers and words."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ BARS = [
 
 
 def boxes(chart: str) -> dict[str, tuple[float, float]]:
-    """Left end and width of what has a tooltip."""
+    """Left end and width of elements with a tooltip."""
     return {tip(box): (number(box, "x"), number(box, "width")) for box in elements(chart, "rect") if tip(box)}
 
 

@@ -1,4 +1,4 @@
-"""Density control: what is pruned, cloned and split, and that optimiser and labels follow."""
+"""Density control: pruned, cloned and split splats, with optimiser and labels in step."""
 
 from __future__ import annotations
 

@@ -44,7 +44,7 @@ def test_a_life_ends_where_it_would_be_a_ghost_and_keeps_its_other_end() -> None
     peak = float(torch.sigmoid(after.opacity_logits))
     assert at(after, 0.3)[2] / peak < 0.051
     assert float(after.time_centers) > 0.5
-    end = 0.5 + 0.2 * math.sqrt(-math.log(0.05) / math.log(2))  # where the Gaussian is down to a twentieth
+    end = 0.5 + 0.2 * math.sqrt(-math.log(0.05) / math.log(2))  # a twentieth of the Gaussian's peak
     np.testing.assert_allclose(at(before, end)[2], at(after, end)[2], rtol=1e-4)
 
 
@@ -77,7 +77,7 @@ def test_splats_without_ghosts_and_those_that_are_nothing_else_stay_as_they_are(
 def test_a_ghost_is_visible_where_nothing_moves_and_the_picture_is_wrong() -> None:
     cameras = ring_of_cameras(3, 32, 24)
     one = splats([0.5], half_life=0.1)
-    one.motion[:] = 0  # before all cameras
+    one.motion[:] = 0  # visible to all cameras
 
     def everywhere(value: object) -> list[np.ndarray]:
         return [np.full((24, 32), value) for _ in cameras]

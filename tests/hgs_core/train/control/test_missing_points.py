@@ -13,7 +13,7 @@ from tests.balls import BALL, CAMERAS, RADIUS, balls, pictures, truths
 
 
 def births(shown: StaticSplats[torch.Tensor] | None, most: int = 100) -> np.ndarray:
-    """Points born where a ball is missing in what is shown."""
+    """Points born where a ball is missing in the picture."""
     seen = truths(balls(BALL))
     moving = [(np.abs(picture.astype(int) - 51) > 10).any(2) for picture in seen]
     errors = [picture_error(p, truth) for p, truth in zip(pictures(shown), seen, strict=True)]

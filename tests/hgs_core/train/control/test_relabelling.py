@@ -46,7 +46,7 @@ def test_moving_less_than_the_threshold_on_every_screen_is_standing_still(
     power: int, travel: float, still: bool
 ) -> None:
     dynamic = resting()
-    dynamic.motion[0, power, 0] = travel / 0.5**power  # from the middle of the segment to its ends
+    dynamic.motion[0, power, 0] = travel / 0.5**power  # travel between the middle and the ends of the segment
     assert standing_still(dynamic, CAMERAS, 0.25).tolist() == [still]
 
 
@@ -83,7 +83,7 @@ def test_a_static_splat_is_divided_into_two_lives_that_overlap() -> None:
     assert len(lives) == 4
     assert lives.time_centers.tolist() == [0.25, 0.25, 0.75, 0.75]
     torch.testing.assert_close(lives.motion[:, 0], static.means.repeat(2, 1))
-    for time in (0.25, 0.5, 0.75):  # as opaque as before, within a fifth
+    for time in (0.25, 0.5, 0.75):  # opacity within a fifth
         one, two = picture(static, None, time), picture(None, lives, time)
         assert np.abs(one - two).max() < 0.2
 
@@ -103,7 +103,7 @@ def test_labels_move_splats_between_the_sets(applied: Callable[..., None]) -> No
 
 def test_a_static_splat_in_the_way_of_motion_becomes_dynamic(applied: Callable[..., None]) -> None:
     static, dynamic = synthetic_scene()
-    state = state_of(static, dynamic.take(slice(0, 0)))  # what moves is missing: statics must stand in
+    state = state_of(static, dynamic.take(slice(0, 0)))  # no dynamics: statics must stand in
     config = dataclasses.replace(CONFIG, labels=LabelConfig(restless_error=0.005))
     applied(LabelRound(config), state, config)
     changed = state.history.labels_changed["to_dynamic"]

@@ -1,4 +1,4 @@
-"""When rounds are due, against the iterations written out by hand; what they draw."""
+"""The schedule of rounds, against iterations written out by hand; their random numbers."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_ten_rounds_lie_evenly_after_the_first_tenth() -> None:
 
 
 def test_few_iterations_have_a_round_each() -> None:
-    config = dataclasses.replace(CONFIG, iterations=10)  # from the first tenth to 0.6: five iterations
+    config = dataclasses.replace(CONFIG, iterations=10)  # first tenth to 0.6: five iterations
     assert [i + 1 for i in range(10) if is_one_of_ten(config, i)] == [2, 3, 4, 5, 6]
 
 
