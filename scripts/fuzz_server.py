@@ -4,7 +4,7 @@
 
 Requests follow the OpenAPI description of the server, some of their parts replaced by what breaks programs; frames are
 those of a client of the stream, mutated, on streams of a made-up scene. A request must be answered below 500, a stream
-ended by nothing but a close of docs/protocol.md, nothing logged as an error, and no task and no stream may be left.
+ended by nothing but a close of docs/stream.md, nothing logged as an error, and no task and no stream may be left.
 What is not so is printed, and the exit status is 1. Both go through the whole application, without sockets.
 """
 

@@ -1,4 +1,4 @@
-"""Write tests/vectors/messages.json: the messages of docs/protocol.md as bytes and values, and bytes to be refused.
+"""Write tests/vectors/messages.json: the messages of docs/stream.md as bytes and values, and bytes to be refused.
 
 The server and the viewer are both tested against the file. Run it after a change of the protocol:
 

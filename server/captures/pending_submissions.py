@@ -44,7 +44,7 @@ class PendingSubmission:
     task: asyncio.Task[None] | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the submission object of docs/protocol.md."""
+        """Return the submission object of docs/rest.md."""
         return {
             "id": self.id,
             "capture": self.capture,

@@ -1,4 +1,4 @@
-"""The jobs that `hgs jobs` shows, of the home on this machine or of a server, in the form of docs/protocol.md."""
+"""The jobs that `hgs jobs` shows, of the home on this machine or of a server, in the form of docs/rest.md."""
 
 from __future__ import annotations
 

@@ -94,7 +94,7 @@ def training_config(options: argparse.Namespace) -> RunConfig:
 
 
 def job_settings(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the fields of `POST /v1/jobs` (docs/protocol.md) that the options describe.
+    """Return the fields of `POST /v1/jobs` (docs/rest.md) that the options describe.
 
     Raises:
         InputError: --set is not followed by KEY=VALUE.

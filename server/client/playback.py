@@ -1,6 +1,6 @@
 """Playback of an arriving scene: playable moments, pauses, and the rate of the line.
 
-Nothing here draws, and nothing asks for the time. The rules are those of docs/protocol.md, "Waiting for data".
+Nothing here draws, and nothing asks for the time. The rules are those of docs/stream.md, "Waiting for data".
 """
 
 from __future__ import annotations

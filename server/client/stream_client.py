@@ -1,4 +1,4 @@
-"""A client of the stream in Python, as docs/protocol.md describes one: for tests, `hgs bench stream` and `hgs play`."""
+"""A client of the stream in Python, as docs/stream.md describes one: for tests, `hgs bench stream` and `hgs play`."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ __all__ = ["ProblemError"]
 
 
 class ProblemError(Exception):
-    """A request that is answered with a problem document; docs/protocol.md lists the codes."""
+    """A request that is answered with a problem document; docs/rest.md lists the codes."""
 
     def __init__(
         self, status: int, code: str, detail: str, *, field: str = "", headers: dict[str, str] | None = None

@@ -13,7 +13,7 @@ __all__ = ["describe_job", "describe_worker", "revision"]
 
 
 def describe_job(job: Job) -> dict[str, Any]:
-    """Return the job object of docs/protocol.md, with replacements for values that JSON cannot hold."""
+    """Return the job object of docs/rest.md, with replacements for values that JSON cannot hold."""
     figures = {name: value for name, value in encodable(job.figures).items() if value is not None}
     progress = {"stage": job.stage, "done": job.done, "total": job.total, "figures": figures}
     description = {
@@ -49,7 +49,7 @@ def _origin(url: str) -> str:
 
 
 def describe_worker(worker: Worker) -> dict[str, Any]:
-    """Return the worker object of docs/protocol.md."""
+    """Return the worker object of docs/rest.md."""
     return {
         "id": worker.id,
         "host": worker.host,

@@ -20,7 +20,7 @@ _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]|[\x00-\x08\x0b-\x1f\x7f]")
 
 
 def log_tail(run: Path, count: int) -> dict[str, Any]:
-    """Return at most `count` lines from the end of a run's stage logs, as documented in docs/protocol.md."""
+    """Return at most `count` lines from the end of a run's stage logs, as documented in docs/rest.md."""
     tail = last_lines(run / "stage.log", count, _MOST_BYTES)
     return {"lines": [_shown(line) for line in tail.lines], "complete": tail.whole}
 

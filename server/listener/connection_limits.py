@@ -25,7 +25,7 @@ ENDED_TOGETHER = 8
 
 @dataclass(frozen=True)
 class ConnectionLimits:
-    """Limits of one server; the defaults are those of docs/protocol.md."""
+    """Limits of one server; the defaults are those of docs/rest.md."""
 
     total: int
     per_address: int

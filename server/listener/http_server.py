@@ -59,7 +59,7 @@ def spare_collector() -> None:
 
 
 class HttpServer(uvicorn.Server):
-    """Uvicorn with the settings required by docs/protocol.md."""
+    """Uvicorn with the settings required by docs/rest.md."""
 
     def __init__(
         self,

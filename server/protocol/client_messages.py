@@ -1,4 +1,4 @@
-"""Parsing and validation of clients' control messages; docs/protocol.md is normative."""
+"""Parsing and validation of clients' control messages; docs/stream.md is normative."""
 
 from __future__ import annotations
 

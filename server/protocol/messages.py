@@ -1,4 +1,4 @@
-"""Messages of the streaming protocol as typed dataclasses; docs/protocol.md is normative.
+"""Messages of the streaming protocol as typed dataclasses; docs/stream.md is normative.
 
 A control message is one msgpack map whose `type` names its dataclass; a chunk frame is a fixed header and raw bytes.
 """

@@ -1,3 +1,3 @@
-"""Routes of the API, one router per resource of docs/protocol.md."""
+"""Routes of the API, one router per resource of docs/rest.md."""
 
 __all__: list[str] = []

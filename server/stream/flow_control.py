@@ -1,6 +1,6 @@
 """Credit and pacing of chunk frames.
 
-docs/protocol.md, section "Messages of the client": `credit` and `limits`. No socket, no clock.
+docs/stream.md, section "Messages of the client": `credit` and `limits`. No socket, no clock.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Sending order of chunks: base layers of the visible slices first, then their refinements.
 
-The order is that of docs/protocol.md, section "Order".
+The order is that of docs/stream.md, section "Order".
 """
 
 from __future__ import annotations

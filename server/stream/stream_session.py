@@ -1,6 +1,6 @@
 """One client's stream as a state machine: messages in, frames out; no socket, no clock, no file.
 
-Sending order and credits follow docs/protocol.md, "Messages of the client" and "Order".
+Sending order and credits follow docs/stream.md, "Messages of the client" and "Order".
 """
 
 from __future__ import annotations

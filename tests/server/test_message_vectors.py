@@ -103,8 +103,8 @@ def _code(source: str) -> str:
 
 
 def test_the_document_lists_the_same_ways() -> None:
-    text = (Path(__file__).resolve().parents[2] / "docs" / "protocol.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| (\d{4}) \| (?:`([a-z-]+)`)? *\|", text.partition("### Closing")[2], re.MULTILINE)
+    text = (Path(__file__).resolve().parents[2] / "docs" / "stream.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d{4}) \| (?:`([a-z-]+)`)? *\|", text.partition("## Closing")[2], re.MULTILINE)
     assert {(int(code), error or None) for code, error in rows} == {
         (case["code"], case["error"]) for case in VECTORS["closing"]
     } | {(1000, None)}

@@ -28,13 +28,13 @@ STAGES = [
     "train",
     "encode",
     "publish",
-]  # those of docs/protocol.md, in order
+]  # those of docs/rest.md, in order
 PICTURE = REPOSITORY / "docs" / "images" / "report.jpg"
 LONG = "a_name_without_any_space_" * 8
 
 
 def job(name: str, **fields: Any) -> dict[str, Any]:
-    """A job as docs/protocol.md has it."""
+    """A job as docs/rest.md has it."""
     return {
         "id": name,
         "state": "running",
@@ -59,7 +59,7 @@ def at_stage(stage: str, done: int = 3, total: int = 16, **figures: float) -> di
 
 
 def scene(name: str, **fields: Any) -> dict[str, Any]:
-    """A scene as docs/protocol.md has it."""
+    """A scene as docs/rest.md has it."""
     return {
         "id": name,
         "title": name,
@@ -74,7 +74,7 @@ def scene(name: str, **fields: Any) -> dict[str, Any]:
 
 
 def capture(name: str, **fields: Any) -> dict[str, Any]:
-    """A capture as docs/protocol.md has it."""
+    """A capture as docs/rest.md has it."""
     return {
         "capture": f"/captures/{name}",
         "name": name,

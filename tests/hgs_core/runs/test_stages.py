@@ -92,7 +92,7 @@ def test_the_captured_space_is_that_of_the_cameras_trained_on(finished: Path) ->
 
 
 def test_progress_is_reported_under_the_names_of_the_protocol(finished: Path, reported: dict[str, int]) -> None:
-    table = (REPOSITORY / "docs" / "protocol.md").read_text().partition("| stage, in order |")[2].partition("\n\n")[0]
+    table = (REPOSITORY / "docs" / "rest.md").read_text().partition("| stage, in order |")[2].partition("\n\n")[0]
     documented = re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE)
     of_jobs, of_what_is_missing = ("initialise", "publish"), ("sync", "cameras")
     assert list(reported) == [name for name in documented if name not in of_jobs + of_what_is_missing]

@@ -6,7 +6,7 @@ import { element } from "../ui/element";
 import { formatDuration } from "../ui/format";
 
 const EVERY = 1000; // milliseconds between two questions
-const WITHOUT_POSES = "videos without poses"; // a layout of docs/protocol.md
+const WITHOUT_POSES = "videos without poses"; // a layout of docs/rest.md
 
 export class CheckPanel {
   readonly node = element("div", { class: "check" });

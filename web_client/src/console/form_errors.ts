@@ -2,7 +2,7 @@
 
 import type { ApiError } from "../protocol/api";
 
-/** The fields of the form, by the names that docs/protocol.md gives them. */
+/** The fields of the form, by the names that docs/rest.md gives them. */
 export type Field = "capture" | "title" | "preset" | "hold_out";
 
 const FIELDS: readonly Field[] = ["capture", "title", "preset", "hold_out"];

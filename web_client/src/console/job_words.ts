@@ -2,7 +2,7 @@
 
 import { isFinal, type Job } from "../protocol/api";
 
-/** The steps of a job, in order, and the stages of docs/protocol.md that each of them is. */
+/** The steps of a job, in order, and the stages of docs/rest.md that each of them is. */
 export const STEPS: readonly { readonly name: string; readonly stages: readonly string[] }[] = [
   { name: "Checking the capture", stages: ["initialise", "sync", "cameras", "check"] },
   { name: "Finding what moves", stages: ["masks"] },

@@ -7,7 +7,7 @@ import { MORE } from "../ui/icons";
 import { ask } from "./dialog";
 import { nameOf } from "./scene_order";
 
-const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
+const LONGEST_TITLE = 200; // characters, as docs/rest.md has it
 
 export interface SceneEvents {
   /** The scenes have changed on the server. */

@@ -12,7 +12,7 @@ import { emptyState, type Shell, showShell } from "./shell";
 import { UploadPanel } from "./upload_panel";
 import "./form.css";
 
-const LONGEST_TITLE = 200; // characters, as docs/protocol.md has it
+const LONGEST_TITLE = 200; // characters, as docs/rest.md has it
 const LEAST_CAMERAS = 2; // that training needs
 const LOOK_AGAIN_MS = 2000; // at captures that the server is still looking at
 

@@ -1,4 +1,4 @@
-/** Captures, jobs and scenes over HTTP; the objects are those of docs/protocol.md. All functions throw `ApiError`. */
+/** Captures, jobs and scenes over HTTP; the objects are those of docs/rest.md. All functions throw `ApiError`. */
 
 import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
 import { siteUrl } from "./site";

@@ -1,4 +1,4 @@
-/** Requests to the server that the page came from, and its problem documents (docs/protocol.md, Errors). */
+/** Requests to the server that the page came from, and its problem documents (docs/rest.md, Errors). */
 
 /** The server answered with a problem, or not at all; the message is one line for people. */
 export class ApiError extends Error {

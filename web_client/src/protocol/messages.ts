@@ -1,4 +1,4 @@
-/** The messages of docs/protocol.md, version 3: one encoder, one decoder, and the chunk frame. */
+/** The messages of docs/stream.md: one encoder, one decoder, and the chunk frame. */
 
 import { toHex } from "../codec/hex";
 import { pack, unpack } from "./msgpack";

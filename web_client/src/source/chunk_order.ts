@@ -1,4 +1,4 @@
-/** Which chunks a playhead needs first (docs/protocol.md, "Order"), for a source that asks for each by itself. */
+/** Which chunks a playhead needs first (docs/stream.md, "Order"), for a source that asks for each by itself. */
 
 import { type Layered, layersOf } from "../codec/layers";
 import { chunksOf, sliceAt } from "../codec/slices";

@@ -2,7 +2,7 @@
 
 import type { SourceFailure } from "./scene_source";
 
-/** The server's error codes, and the close codes of those that come without one (docs/protocol.md, Closing). */
+/** The server's error codes, and the close codes of those that come without one (docs/stream.md, Closing). */
 const MEANINGS: Readonly<Record<string | number, SourceFailure>> = {
   "scene-not-found": "no-scene",
   4004: "no-scene",

@@ -5,7 +5,7 @@ import { decodeChunkFrame, decodeMessage, encodeMessage, ProtocolError } from ".
 
 const ID = "00ff".repeat(16);
 
-/** A chunk frame written byte by byte from the table of docs/protocol.md. */
+/** A chunk frame written byte by byte from the table of docs/stream.md. */
 function frame(offset: number, size: number, payload: number[]): Uint8Array<ArrayBuffer> {
   const bytes = new Uint8Array(48 + payload.length);
   const view = new DataView(bytes.buffer);
