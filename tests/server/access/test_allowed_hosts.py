@@ -64,7 +64,7 @@ def test_machine_answers_to_its_own_name_if_bound_to_all_addresses() -> None:
 
 @pytest.mark.parametrize("name", ["http://a.example", "a.example:8000", "", "*", "a b"])
 def test_what_is_no_name_is_bad_input(name: str) -> None:
-    with pytest.raises(InputError, match=r"--allow-host or HGS_ALLOW_HOSTS: .* is not the name of a host"):
+    with pytest.raises(InputError, match=r"--allow-host or HGS_ALLOW_HOSTS: .* is not a host name"):
         AllowedHosts.configured(given=[name], environment={})
 
 

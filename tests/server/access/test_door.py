@@ -149,7 +149,7 @@ def test_a_link_ends_to_the_second(guarded: Server, now: list[float]) -> None:
     answer = guarded.get(path)
     assert (answer.status_code, answer.json()["detail"]) == (
         401,
-        "this link has expired, or is no link of this server",
+        "this link has expired, or was not made by this server",
     )
 
 

@@ -149,7 +149,7 @@ def test_keys_that_are_known_hold_for_a_while_without_the_database(
     caplog.clear()
     with pytest.raises(OperationalError):
         visitor(access, asked(Authorization=f"Bearer {text}"))
-    assert "the database of keys does not answer: gone" in caplog.text
+    assert "the key database does not respond: gone" in caplog.text
 
 
 def test_a_new_key_works_at_once(keys: FakeKeys, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -113,7 +113,7 @@ def test_a_capture_that_ends_its_reader_is_unreadable_and_the_others_are_there(
 ) -> None:
     found = listed(make({"a": "well", "b": "dies", "c": "well", "d": "dies"}))
     for name in ("b", "d"):
-        assert f"{name}: is damaged, or made to do harm" in found[name]["problem"]
+        assert f"{name}: is damaged or malicious" in found[name]["problem"]
         assert "(SIGSEGV); export the file again" in found[name]["problem"]
     assert (found["a"]["problem"], found["c"]["problem"]) == (None, None)
     assert read() == ["a", "b", "b", "c", "d", "d"]  # a capture that ends a reader is read alone once more
@@ -146,7 +146,7 @@ def test_a_capture_that_takes_long_is_listed_as_being_looked_at(make: Callable[.
     captures = make({"a": "hangs"}, patience=0.0)
     found = listed(captures)["a"]
     assert (found["looking"], found["layout"], found["frames"]) == (True, "N3DV", None)
-    assert found["problem"] == "a: is being looked at; ask again in a few seconds"
+    assert found["problem"] == "a: is being read; try again in a few seconds"
     captures._readers.close()  # ends hanging readers
     captures.close()
 
@@ -154,7 +154,7 @@ def test_a_capture_that_takes_long_is_listed_as_being_looked_at(make: Callable[.
 def test_a_list_that_readers_cannot_make_says_so(root: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-c", "raise SystemExit(3)"]
     captures = CaptureList(CaptureFolders((root,)), CaptureReaders(Home.at(tmp_path), lambda *_: command))
-    with pytest.raises(ProblemError, match="do not answer") as raised:
+    with pytest.raises(ProblemError, match="the capture folders cannot be read") as raised:
         asyncio.run(captures.describe())
     assert (raised.value.status, raised.value.code) == (503, "captures-unavailable")
 

@@ -108,7 +108,7 @@ def create_with(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, har
 def test_memory_is_limited_as_the_stage_is(home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     small = dataclasses.replace(home, stage_memory=StageBytes(250e6))
     told = create_with(small, tmp_path, monkeypatch, "bytearray(1 << 30)", 60)
-    with pytest.raises(InputError, match=r"transforms.json: needs more memory than a capture may take"):
+    with pytest.raises(InputError, match=r"transforms.json: needs more memory to read than a capture may use"):
         answered(told, tmp_path / "capture")
 
 

@@ -34,9 +34,9 @@ for number in range(asked["most"]):
 @pytest.mark.parametrize(
     ("program", "reason"),
     [
-        ("os.kill(os.getpid(), signal.SIGSEGV)", r"it ended the process that read it \(SIGSEGV\)"),
+        ("os.kill(os.getpid(), signal.SIGSEGV)", r"reading it crashed the reader process \(SIGSEGV\)"),
         ("os.kill(os.getpid(), signal.SIGXCPU)", "takes more processor time to read than a capture may"),
-        ("raise SystemExit(3)", r"it ended the process that read it \(status 3\)"),
+        ("raise SystemExit(3)", r"reading it crashed the reader process \(status 3\)"),
     ],
 )
 def test_a_reader_that_ends_says_how_and_by_which_file(tmp_path: Path, program: str, reason: str) -> None:

@@ -53,7 +53,7 @@ def test_what_a_check_found_is_told_also_where_it_stops(status: int) -> None:
         ),
         ("raise SystemExit(3)", "ended with status 3"),
         ("import os; os.kill(os.getpid(), 9)", "ended with status -9"),
-        ("print('no JSON')", "a fault of the server"),
+        ("print('no JSON')", "internal server error"),
     ],
 )
 def test_what_fails_says_why(program: str, error: str) -> None:
@@ -134,9 +134,11 @@ def test_too_many_that_wait_are_refused() -> None:
         some = checks("import time; time.sleep(600)")
         for number in range(20):
             some.start(Path(f"/{number}"))
-        with pytest.raises(ProblemError, match="20 captures wait"):
-            some.start(Path("/more"))
-        await some.close()
+        try:
+            with pytest.raises(ProblemError, match="20 captures are waiting"):
+                some.start(Path("/more"))
+        finally:
+            await some.close()
 
     asyncio.run(scenario())
 

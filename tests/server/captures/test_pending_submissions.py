@@ -153,7 +153,7 @@ def test_a_server_that_stops_gives_up_what_waits() -> None:
         await all_of_them.close()
         assert running.job == JOB
         assert isinstance(waiting.error, ProblemError)
-        with pytest.raises(ProblemError, match="the server stops"):
+        with pytest.raises(ProblemError, match="the server is stopping"):
             all_of_them.start("a", "a", "", looks)
 
     asyncio.run(scenario())

@@ -83,7 +83,7 @@ def test_a_capture_that_ends_its_reader_is_refused_and_tried_again_later(
     create: Callable[..., RunConfig], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for run in ("one", "two"):
-        with pytest.raises(InputError, match=r"made to do harm.*\(SIGSEGV\); export the file again, or leave it out"):
+        with pytest.raises(InputError, match=r"malicious.*\(SIGSEGV\); export the file again, or leave it out"):
             create("dies", run)
     assert looks(tmp_path) == 1
     monkeypatch.setattr(module.time, "monotonic", lambda: float("inf"))

@@ -57,7 +57,7 @@ def test_publish_to_a_bucket_prints_its_address(
 def test_an_address_that_is_no_buckets_is_refused_and_not_taken_for_a_folder(
     refused: Callable[..., str], scene_folder: Path, address: str
 ) -> None:
-    assert f"{address}: is not the address of a bucket" in refused("publish", scene_folder, "--to", address)
+    assert f"{address}: is not the URL of a bucket" in refused("publish", scene_folder, "--to", address)
 
 
 def test_publish_gives_the_scene_sound_or_takes_it(

@@ -75,7 +75,6 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
     def work(*arguments: object, **options: object) -> None:
         raise AssertionError("the work has begun")
 
-    monkeypatch.setattr(hgs_core.runs.stages, "train_scene", work)
     for name in (
         "hgs_core.decompose.masks.motion_masks",
         "hgs_core.calibrate.find_cameras.find_cameras",
@@ -91,6 +90,7 @@ def no_work(monkeypatch: pytest.MonkeyPatch) -> None:
         "hgs_core.bench.training_bench.bench_training",
     ):
         monkeypatch.setattr(name, work)
+    monkeypatch.setattr(hgs_core.runs.stages, "train_scene", work)  # last: modules loaded above bind the real one
 
 
 @pytest.fixture

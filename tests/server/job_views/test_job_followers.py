@@ -93,7 +93,7 @@ def test_followers_outlast_a_database_that_is_away(caplog: pytest.LogCaptureFixt
     away = OperationalError("SELECT", {}, Exception("connection refused"))
     with caplog.at_level(logging.WARNING):
         assert follow(ScriptedJobs(RUNNING, away, away, away, SUCCEEDED), 3) == [["queued", "running", "succeeded"]] * 3
-    assert len([record for record in caplog.records if "does not answer" in record.message]) == 1
+    assert len([record for record in caplog.records if "does not respond" in record.message]) == 1
 
 
 def test_a_job_that_is_gone_ends_its_events() -> None:

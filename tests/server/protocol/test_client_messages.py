@@ -70,7 +70,7 @@ def test_truncated_messages_are_malformed(message: ClientMessage, cut: int) -> N
     data = encode(message)
     with pytest.raises(ProtocolError) as caught:
         decode(data[: cut % len(data)])
-    assert caught.value.code == "malformed"
+    assert caught.value.closing.error == "malformed"
 
 
 @pytest.mark.parametrize(

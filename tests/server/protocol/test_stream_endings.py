@@ -16,7 +16,7 @@ def test_a_client_does_not_come_back_to_be_refused_again(code: int | str) -> Non
 
 
 def test_a_revoked_key_is_called_so() -> None:
-    assert meaning("access-ended") == meaning(4003) == "the key or link that opened the stream holds no more"
+    assert meaning("access-ended") == meaning(4003) == "the key or link that opened the stream is no longer valid"
 
 
 def test_what_is_not_known_has_no_meaning() -> None:

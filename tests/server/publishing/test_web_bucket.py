@@ -124,7 +124,7 @@ def test_while_a_scene_is_replaced_the_old_one_is_whole(
     scene_folder: Path, other_scene: Path, s3_url: str, store: ObjectStore, tmp_path: Path
 ) -> None:
     publish_to_bucket(other_scene, s3_url, player=None)
-    with pytest.raises(InputError, match="holds another scene; give another prefix, or --replace"):
+    with pytest.raises(InputError, match="contains another scene; give another prefix, or --replace"):
         publish_to_bucket(scene_folder, s3_url, player=None)
     with pytest.raises(Killed):
         publish_to_bucket(scene_folder, s3_url, player=None, replace=True, progress=killed_after(5))
@@ -152,7 +152,10 @@ def test_a_scene_that_has_grown_replaces_what_it_was(s3_url: str, store: ObjectS
 
 @pytest.mark.parametrize(
     ("name", "problem"),
-    [("dear.jpg", "holds dear.jpg, but no scene"), ("manifest.json", "manifest.json: is not a scene's")],
+    [
+        ("dear.jpg", "contains dear.jpg, but no scene"),
+        ("manifest.json", "manifest.json: is not the manifest of a scene"),
+    ],
 )
 def test_a_prefix_of_something_else_is_never_touched(
     scene_folder: Path, s3_url: str, store: ObjectStore, name: str, problem: str
@@ -236,12 +239,12 @@ def let_all_read(s3_server: S3Server, s3_url: str) -> None:
     ],
 )
 def test_a_malformed_address_is_refused(scene_folder: Path, wrong: str) -> None:
-    with pytest.raises(InputError, match=rf"^{re.escape(wrong)}: is not the address of a bucket; give s3://BUCKET/"):
+    with pytest.raises(InputError, match=rf"^{re.escape(wrong)}: is not the URL of a bucket; give s3://BUCKET/"):
         publish_to_bucket(scene_folder, wrong, player=None)
 
 
 def test_a_bucket_that_does_not_exist_is_told(scene_folder: Path, s3_url: str) -> None:
-    with pytest.raises(InputError, match=r"^s3://nobodys/scene: there is no such bucket; make it, or"):
+    with pytest.raises(InputError, match=r"^s3://nobodys/scene: there is no such bucket; create it, or"):
         publish_to_bucket(scene_folder, "s3://nobodys/scene", player=None)
 
 
@@ -316,5 +319,5 @@ def test_a_file_of_the_run_that_is_gone_is_named(scene_folder: Path, s3_url: str
 
 def test_a_store_without_tls_needs_leave(scene_folder: Path, s3_url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("AWS_ALLOW_HTTP")
-    with pytest.raises(InputError, match=r"the store's address is no https; .*AWS_ALLOW_HTTP=true"):
+    with pytest.raises(InputError, match=r"the store's address is not https; .*AWS_ALLOW_HTTP=true"):
         publish_to_bucket(scene_folder, s3_url, player=None)

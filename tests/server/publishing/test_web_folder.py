@@ -87,7 +87,7 @@ def test_another_scene_is_refused_unless_it_may_be_replaced(
     web = tmp_path / "web"
     publish_to_folder(scene_folder, web, player=None)
     before = tree(web)
-    with pytest.raises(InputError, match="holds another scene; give another folder, or --replace"):
+    with pytest.raises(InputError, match="contains another scene; give another folder, or --replace"):
         publish_to_folder(other_scene, web, player=None)
     assert tree(web) == before
     publish_to_folder(other_scene, web, player=None, replace=True)

@@ -38,10 +38,10 @@ def test_operations_have_names_of_their_own_and_say_what_key_they_need(described
     operations = [operation for path in described["paths"].values() for operation in path.values()]
     assert len({operation["operationId"] for operation in operations}) == len(operations) > 40
     paths = described["paths"]
-    assert "Needs the scope `submit`." in paths["/v1/jobs"]["post"]["description"]
+    assert "Requires the scope `submit`." in paths["/v1/jobs"]["post"]["description"]
     assert paths["/v1/jobs/{job_id}"]["get"]["security"] == [{"key": []}]
     assert "security" not in paths["/v1/health"]["get"]
-    assert "Needs the scope `view`." in paths["/v1/scenes/{scene_id}/manifest"]["get"]["description"]
+    assert "Requires the scope `view`." in paths["/v1/scenes/{scene_id}/manifest"]["get"]["description"]
 
 
 def test_the_viewers_files_are_no_part_of_it(described: dict[str, Any]) -> None:

@@ -76,7 +76,7 @@ def test_cancelled_caller_does_not_cancel_the_read_for_others() -> None:
 
 @pytest.mark.parametrize(
     ("stored", "size", "fault"),
-    [(None, 4, "not in the store"), (b"dat\0", 4, "another SHA-256"), (b"data", 5, "where the manifest says 5")],
+    [(None, 4, "not in the store"), (b"dat\0", 4, "another SHA-256"), (b"data", 5, "but the manifest lists 5")],
 )
 def test_fault_is_logged_once_and_the_store_is_asked_again_later(
     stored: bytes | None, size: int, fault: str, caplog: pytest.LogCaptureFixture

@@ -280,7 +280,7 @@ def test_client_that_asks_and_does_not_read_is_refused(make_scene: MakeScene) ->
         session.receive(encode(Ping(k)), 0.0)
     with pytest.raises(ProtocolError) as caught:
         session.receive(encode(Ping(0)), 0.0)
-    assert caught.value.code == "flood"
+    assert caught.value.closing.error == "flood"
 
 
 def test_no_credit_no_frames(make_scene: MakeScene) -> None:

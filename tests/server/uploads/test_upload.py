@@ -39,7 +39,7 @@ def test_files_get_their_names_when_all_are_there(upload: Upload) -> None:
 
 def test_what_is_missing_is_told(upload: Upload) -> None:
     send(upload, "cam00.mp4", FILES["cam00.mp4"], until=7)
-    with pytest.raises(ProblemError, match="2 of 3 files were not announced"):
+    with pytest.raises(ProblemError, match="2 of 3 files are not announced yet"):
         upload.assemble()
     for path in ("sparse/0/cameras.txt", "empty.txt"):
         send(upload, path, FILES[path])
@@ -90,7 +90,7 @@ def test_announcing_again_is_the_same_file_and_new_content_another(upload: Uploa
         ("../x", b"", "'..'"),
         ("CAM00.mp4", b"", "one file or folder"),
         ("big", b"x" * 1001, "one file may have 1.0 kB"),
-        ("more", b"x" * 600, "makes 1.1 kB of the 505 bytes announced"),
+        ("more", b"x" * 600, "makes 1.1 kB, more than the 505 bytes announced"),
     ],
 )
 def test_what_was_not_announced_so_is_refused(upload: Upload, path: str, content: bytes, words: str) -> None:

@@ -34,7 +34,7 @@ def test_what_is_no_limit_is_refused_by_name(text: str) -> None:
             413,
             ["'a.mp4'", "1.5 GB", "have 1.0 GB", "file=2G"],
         ),
-        (lambda limits: UploadLimits.configured("off").check_upload(1, 1), 403, ["no uploads", "--uploads"]),
+        (lambda limits: UploadLimits.configured("off").check_upload(1, 1), 403, ["uploads", "--uploads"]),
     ],
 )
 def test_a_refusal_names_the_limit_and_the_cure(

@@ -103,8 +103,13 @@ def test_a_server_killed_at_the_last_step_has_a_capture_afterwards(
     ("announced", "limits", "status", "words"),
     [
         (Announcement("x", 1, 901, ""), {}, 413, "one upload may have 900 bytes"),
-        (Announcement("x", 1, 700, ""), {}, 507, "all uploads may have 1.0 kB (--uploads quota), of which 650 bytes"),
-        (Announcement("x", 1, 1, ""), {"open": 1}, 503, "1 uploads are not complete (--uploads open)"),
+        (
+            Announcement("x", 1, 700, ""),
+            {},
+            507,
+            "may take 1.0 kB in total (--uploads quota), of which 650 bytes",
+        ),
+        (Announcement("x", 1, 1, ""), {"open": 1}, 503, "1 uploads are unfinished (--uploads open)"),
         (Announcement("x", 1, 1, ""), {"free": 2**60}, 507, "room for 0 bytes more"),
     ],
 )
@@ -122,7 +127,7 @@ def test_what_would_be_too_much_together_is_refused(
 
 def test_bytes_are_refused_while_the_disk_is_full(open_uploads: Callable[..., Uploads]) -> None:
     open_uploads().begin(STUDIO)
-    with pytest.raises(ProblemError, match="what has come is kept"):
+    with pytest.raises(ProblemError, match="received data is kept"):
         open_uploads(free=2**60).require_room()
 
 
@@ -229,7 +234,7 @@ def test_one_client_cannot_hold_them_all(open_uploads: Callable[..., Uploads]) -
     first, _ = uploads.begin(dataclasses.replace(STUDIO, key="0"), "anna")
     uploads.begin(dataclasses.replace(STUDIO, key="1"), "anna")
     uploads = open_uploads(open=4, client=2, quota=10**6)  # the server was started again
-    with pytest.raises(ProblemError, match=r"it may have 2 at once .* finish or delete one") as refused:
+    with pytest.raises(ProblemError, match=r"the limit is 2 .* finish or delete one") as refused:
         uploads.begin(dataclasses.replace(STUDIO, key="2"), "anna")
     assert (refused.value.status, refused.value.headers) == (429, {"Retry-After": "60"})
     assert uploads.begin(dataclasses.replace(STUDIO, key="1"), "anna")[1] is False  # going on is no new one

@@ -1,0 +1,5 @@
+"""The scene that tests of the store publish."""
+
+from tests.studio_scene import chunks, manifest, scene_folder
+
+__all__ = ["chunks", "manifest", "scene_folder"]
