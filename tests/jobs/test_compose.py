@@ -183,7 +183,7 @@ def test_it_becomes_healthy_and_runs_a_job(
         return composition.healthy("api")
 
     wait_until(healthy, "the health check")
-    job = ask(port, "/v1/jobs", {"capture": "take", "config": {"iterations": 5}})
+    job = ask(port, "/v1/jobs", {"capture": "take", "config": {"train.iterations": 5}})
 
     def finished() -> bool:
         nonlocal job

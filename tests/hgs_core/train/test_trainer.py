@@ -192,23 +192,6 @@ def test_the_mean_begins_anew_where_splats_are_removed(capture_folder: Path, tmp
     assert same_bits(mean, last)
 
 
-def test_a_checkpoint_that_counts_cycles_is_resumed(capture_folder: Path, tmp_path: Path) -> None:
-    def stop(progress: Progress) -> None:
-        if progress.done >= 30:
-            raise StageStopped
-
-    checkpoint = tmp_path / "old.pt"
-    with pytest.raises(StageStopped):
-        trainer(capture_folder, checkpoint, config()).run(stop)
-    value = torch.load(checkpoint, weights_only=True)
-    value["cycle"] = value.pop("iteration")
-    value["history"]["curves"]["cycle"] = value["history"]["curves"].pop("iteration")
-    torch.save(value, checkpoint)
-    resumed = trainer(capture_folder, checkpoint, config())
-    assert resumed.state.iteration == 30
-    assert resumed.state.history.curves["iteration"] == [10, 20, 30]
-
-
 def test_killing_loses_no_more_than_the_iterations_since_the_checkpoint(capture_folder: Path, tmp_path: Path) -> None:
     def kill(progress: Progress) -> None:
         if progress.done >= 30:
