@@ -67,4 +67,4 @@ def test_all_are_ready(start: Callable[..., Process], wait_until: Poll, port: in
         return False
 
     wait_until(ready, "the API and both workers")
-    print(f"ready after {time.monotonic() - began:.1f} s")  # docs/jobs.md quotes it
+    print(f"ready after {time.monotonic() - began:.1f} s")

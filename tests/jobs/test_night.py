@@ -123,7 +123,7 @@ def test_twenty_of_twenty_succeed(
         f"{OUTAGE:g} s refusing and {OUTAGE:g} s hanging, disk full {FULL:g} s, Postgres away {DATABASE_AWAY:g} s, one "
         f"stage hung, one node without captures, {len(killer.killed)} kills; longest `running` without a process "
         f"{watch.longest:.0f} s"
-    )  # docs/jobs.md quotes it
+    )
     check(client, job_ids)
     assert len(killer.killed) == len(KILLS), "the night was too short for all kills"
 
@@ -178,7 +178,7 @@ class TestDroppedLinks:
             f"{client.counts()['succeeded']} of {JOBS} succeeded after {time.monotonic() - began:.0f} s: {LINK_DROPS} "
             f"links dropped for {LINK_AWAY:g} s, {len(killer.killed)} kills; longest `running` without a process "
             f"{watch.longest:.0f} s"
-        )  # docs/jobs.md quotes it
+        )
         check(client, job_ids)
         assert len(killer.killed) == len(KILLS_BESIDE), "the night was too short for all kills"
 

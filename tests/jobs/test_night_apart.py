@@ -120,7 +120,7 @@ def test_nothing_shared_and_nothing_lost(
         f"{client.counts()['succeeded']} of {JOBS} succeeded after {took:.0f} s: {LINK_DROPS} links dropped for "
         f"{LINK_AWAY:g} s, {len(killer.killed)} kills, {places} processes trained; longest `running` without a process "
         f"{watch.longest:.0f} s; most repeated {repeated * SECONDS_PER_ITERATION:.1f} s of training"
-    )  # docs/jobs.md quotes it
+    )
     assert [job.error for job in jobs if job.error] == []
     assert [job.state for job in jobs] == [JobState.SUCCEEDED] * JOBS
     artifacts = ArtifactStore(client.home.store_url)
