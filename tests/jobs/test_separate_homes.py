@@ -42,7 +42,10 @@ Poll = Callable[[Callable[[], bool], str], None]
 WaitFor = Callable[[str, Callable[[Job], bool], str], Job]
 
 # The grace of half a minute, after which a worker counts as dead, is not what is tested here.
-IMPATIENT = "from jobs import liveness, worker; liveness.PostgresLiveness.__init__.__kwdefaults__.update(grace=1.0)"
+IMPATIENT = (
+    "from jobs import worker; from jobs.queue import liveness; "
+    "liveness.PostgresLiveness.__init__.__kwdefaults__.update(grace=1.0)"
+)
 
 
 @pytest.fixture(scope="module")

@@ -52,7 +52,7 @@ def test_the_console_asks_for_a_key_and_keeps_it(browser: Browser, guarded: tupl
     page.goto(address)
     page.get_by_label("Key", exact=True).wait_for()
     give(page, "hgs_nonsense")
-    page.get_by_role("alert").filter(has_text="no key of this server").wait_for()
+    page.get_by_role("alert").filter(has_text="not a key of this server").wait_for()
     give(page, key)
     page.get_by_role("link", name="Clouds").first.wait_for()
     assert key.rpartition("_")[2] not in page.evaluate("() => document.cookie + JSON.stringify(localStorage)")

@@ -243,7 +243,7 @@ def test_a_scene_is_shared_renamed_and_deleted(console: Console, page: Page) -> 
     dialog = page.get_by_role("dialog", name="Rename the scene")
     dialog.get_by_role("textbox").fill("two\u2028lines")
     dialog.get_by_role("button", name="Rename").click()
-    dialog.get_by_text("holds control characters").wait_for()
+    dialog.get_by_text("contains control characters").wait_for()
     dialog.get_by_role("textbox").fill("On stage")
     dialog.get_by_role("button", name="Rename").click()
     page.get_by_role("heading", name="On stage", exact=True).wait_for()
