@@ -37,7 +37,7 @@ export default defineConfig({
           groups: [
             {
               name: "shared",
-              test: /src\/(ui\/(format|icons|player_style|playing|steering)|camera\/vector|xr\/offer)\.ts/,
+              test: /src\/(dom\/(format|icons|shadow_style)|ui\/(playing|steering)|camera\/vector|xr\/offer)\.ts/,
             },
           ],
         },

@@ -73,7 +73,19 @@ def publish_clicks(run: Path) -> Path:
 
 
 def ahead(page: Page, rate: float) -> float:
-    """By how many milliseconds pictures are seen before they are heard, in the median over three clicks."""
+    """The lead of the picture over its sound, ms, in the median over three clicks.
+
+    A busy machine shows single pictures late, an error of the clock lasts: up to four medians are taken, until one is
+    within ``FARTHEST``.
+    """
+    for _ in range(4):
+        found = _ahead_once(page, rate)
+        if abs(found) <= FARTHEST:
+            break
+    return found
+
+
+def _ahead_once(page: Page, rate: float) -> float:
     page.evaluate("() => { window.clicks.length = window.samples.length = 0; }")
     page.wait_for_function("() => window.clicks.length >= 3 && window.samples.at(-1)?.[0] > window.clicks[2] + 50")
     clicks, samples = page.evaluate("() => [window.clicks, window.samples]")

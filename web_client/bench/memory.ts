@@ -5,10 +5,10 @@
 
 import { parseManifest } from "../src/codec/manifest";
 import type { DynamicChunk } from "../src/codec/types";
-import { StreamedScene } from "../src/player/streamed_scene";
-import type { View } from "../src/player/view";
 import { DYNAMICS_PER_ROW, TEXTURE_WIDTH } from "../src/renderer/layout";
 import type { SplatSink } from "../src/renderer/splat_drawer";
+import { StreamedScene } from "../src/scene/streamed_scene";
+import type { View } from "../src/scene/view";
 import type { SceneSource, SourceEvents } from "../src/source/scene_source";
 import type { FromWorker, ToWorker } from "../src/worker/messages";
 import { WorkerScene } from "../src/worker/worker_scene";

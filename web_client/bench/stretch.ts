@@ -1,6 +1,6 @@
 /** How long sound takes to be brought to another rate: `npm run bench:stretch`. */
 
-import { stretched } from "../src/player/stretch";
+import { stretched } from "../src/sound/stretch";
 
 const SAMPLE_RATE = 48_000;
 const LEAD = 5760; // samples

@@ -3,9 +3,9 @@
  * is at any other address.
  */
 
+import { pageAt } from "./console/page_address";
 import { KEY_NEEDED } from "./protocol/http";
 import { beginSiteAt, pathInSite, siteUrl } from "./protocol/site";
-import { pageAt } from "./ui/page_address";
 import "./ui/style.css";
 import "./console/tokens.css";
 
@@ -41,7 +41,7 @@ switch (page.kind) {
     break;
   }
   case "unknown": {
-    const { showNotFoundPage } = await import("./ui/not_found_page");
+    const { showNotFoundPage } = await import("./console/not_found_page");
     showNotFoundPage(document.body, siteUrl(""));
   }
 }

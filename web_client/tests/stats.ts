@@ -1,7 +1,7 @@
 /** What a player tells of itself, for tests. */
 
 import type { PlayerStats } from "../src/player/player_types";
-import { LADDER } from "../src/renderer/quality";
+import { LADDER } from "../src/renderer/fineness";
 
 /** A player that shows a scene of which a quarter is here. */
 export const stats = (fields: Partial<PlayerStats> = {}): PlayerStats => ({

@@ -1,7 +1,6 @@
 /** A page of a manifest: whole segments of it, column by column (docs/format.md, "Index and pages"). */
 
 import { ManifestError } from "./errors";
-import { gunzip } from "./gunzip";
 import { toHex } from "./hex";
 import type { ChunkEntry, SegmentEntry, SliceEntry } from "./types";
 
@@ -78,3 +77,7 @@ function unpack(raw: ArrayBuffer): Page {
     pieces: sounds.map((time, i) => ({ id: ids[chunkCount + i], bytes: soundSizes[i], ...time })),
   };
 }
+
+/** Undoes gzip, as every browser can by itself; rejects with TypeError where the bytes are something else, or damaged. */
+export const gunzip = (bytes: Uint8Array<ArrayBuffer>): Promise<ArrayBuffer> =>
+  new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();

@@ -1,9 +1,9 @@
 /** Whether the poses, clocks and pictures of a capture fit, before it is trained (docs/checking.md). */
 
+import { element } from "../dom/element";
+import { formatDuration } from "../dom/format";
 import type { Capture } from "../protocol/api";
 import { type CaptureCheck, type Finding, getCheck, startCheck } from "../protocol/uploads";
-import { element } from "../ui/element";
-import { formatDuration } from "../ui/format";
 
 const EVERY = 1000; // milliseconds between two questions
 const WITHOUT_POSES = "videos without poses"; // a layout of docs/rest.md

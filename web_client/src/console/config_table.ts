@@ -1,7 +1,6 @@
 /** A job's config as a table. */
 
-import { element } from "../ui/element";
-import { configRows } from "./config_rows";
+import { element } from "../dom/element";
 import { spelledOut } from "./job_words";
 
 export function configTable(config: Readonly<Record<string, unknown>>): HTMLElement {
@@ -23,4 +22,41 @@ export function configTable(config: Readonly<Record<string, unknown>>): HTMLElem
     element("summary", {}, "Settings"),
     element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": "Settings" }, table),
   );
+}
+
+export interface ConfigRow {
+  /** The names on the way, such as ["learning_rates"]; empty at the top. */
+  readonly group: readonly string[];
+  readonly name: string;
+  readonly value: string;
+}
+
+const DEEPEST = 6;
+
+/** The rows in the config's order, those of a group together, fields of the top first. */
+export function configRows(config: Readonly<Record<string, unknown>>): ConfigRow[] {
+  return rowsOf(config, []);
+}
+
+function rowsOf(config: Readonly<Record<string, unknown>>, group: readonly string[]): ConfigRow[] {
+  const plain: ConfigRow[] = [];
+  const nested: ConfigRow[] = [];
+  for (const [name, value] of Object.entries(config)) {
+    if (isGroup(value) && group.length < DEEPEST) nested.push(...rowsOf(value, [...group, name]));
+    else plain.push({ group, name, value: words(value) });
+  }
+  return [...plain, ...nested];
+}
+
+const isGroup = (value: unknown): value is Record<string, unknown> =>
+  typeof value === "object" && value !== null && !Array.isArray(value) && Object.keys(value).length > 0;
+
+function words(value: unknown): string {
+  if (Array.isArray(value)) return value.length === 0 ? "none" : value.map(words).join(", ");
+  if (typeof value === "boolean") return value ? "yes" : "no";
+  if (typeof value === "number")
+    return Number.isInteger(value) ? value.toLocaleString("en") : String(Number(value.toPrecision(6)));
+  if (typeof value === "string") return value === "" ? "none" : value;
+  if (value === null || value === undefined) return "none";
+  return JSON.stringify(value);
 }

@@ -1,6 +1,6 @@
 /** Questions in a dialog over the page. */
 
-import { element, setText } from "../ui/element";
+import { element, setText } from "../dom/element";
 
 interface Question {
   readonly title: string;

@@ -1,6 +1,7 @@
 /** Fields of a form with their labels and the place where their errors stand. */
 
-import { element, setText } from "../ui/element";
+import { element, setText } from "../dom/element";
+import type { ApiError } from "../protocol/api";
 
 /** A group of controls with a legend, a hint, and a line for what is wrong. */
 export class FormField {
@@ -68,3 +69,24 @@ export function choices(name: string, all: readonly Choice[], chosen: string): H
 /** The value of the choice that is taken; "" for none. */
 export const chosenIn = (node: HTMLElement): string =>
   node.querySelector<HTMLInputElement>("input[type=radio]:checked")?.value ?? "";
+
+/** The fields of the form, by the names that docs/rest.md gives them. */
+export type Field = "capture" | "title" | "preset" | "hold_out";
+
+const FIELDS: readonly Field[] = ["capture", "title", "preset", "hold_out"];
+
+/** The form's field that an error is about, such as `hold_out` for `hold_out.3`; null where it has none for it. */
+export function fieldOf(error: Pick<ApiError, "code" | "field">): Field | null {
+  const name = error.field.split(".")[0];
+  const found = FIELDS.find((field) => field === name);
+  if (found) return found;
+  return error.code === "capture-invalid" || error.code === "capture-outside" ? "capture" : null;
+}
+
+/** The server's line without what it begins with: beside the field, neither the status nor the name is needed. */
+export function reasonOf(error: Pick<ApiError, "message" | "field">): string {
+  const detail = error.message.replace(/^The server answered \d+: /, "");
+  const prefix = `${error.field}: `;
+  const reason = error.field !== "" && detail.startsWith(prefix) ? detail.slice(prefix.length) : detail;
+  return reason.replace(/^[a-z](?=[a-z]* )/, (letter) => letter.toUpperCase()); // but no file's name
+}

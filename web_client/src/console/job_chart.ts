@@ -1,6 +1,6 @@
 /** The curve of a training: a figure over what was done. */
 
-import { element, setText } from "../ui/element";
+import { element, setText } from "../dom/element";
 import { linePath, scaleOf } from "./chart_scale";
 import type { JobCourse } from "./job_course";
 import { figureName, figureText } from "./job_words";

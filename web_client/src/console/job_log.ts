@@ -1,7 +1,7 @@
 /** The end of a job's log, while it is open. */
 
+import { element, setText } from "../dom/element";
 import { getJobLog } from "../protocol/api";
-import { element, setText } from "../ui/element";
 
 const LINES = 200;
 const AGAIN = 3000; // ms

@@ -1,5 +1,6 @@
 /** The page of one job: how far it is, how well it goes, what it does, and what came of it. */
 
+import { element, setText } from "../dom/element";
 import {
   cancelJob,
   followJob,
@@ -14,7 +15,6 @@ import {
   retryJob,
 } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, setText } from "../ui/element";
 import { configTable } from "./config_table";
 import { JobChart } from "./job_chart";
 import { JobCourse } from "./job_course";

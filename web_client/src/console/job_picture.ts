@@ -1,7 +1,7 @@
 /** The last picture of a job. */
 
+import { element } from "../dom/element";
 import { pictureUrl } from "../protocol/api";
-import { element } from "../ui/element";
 
 export class JobPicture {
   readonly #caption = element("figcaption", { class: "hint" }, "The first picture comes with the training.");

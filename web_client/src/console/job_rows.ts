@@ -1,8 +1,8 @@
 /** The jobs as rows: title, stage, progress with its figures, error, cancel. */
 
+import { element, setText } from "../dom/element";
 import { cancelJob, isFinal, isRetriable, type Job, retryJob } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, setText } from "../ui/element";
 import { JobSteps } from "./job_steps";
 import { describeFault, describeFigures, describeProgress, titleOf } from "./job_words";
 import { showNodes } from "./shell";

@@ -1,7 +1,7 @@
 /** How far a running job is: a bar of its stage, and its steps. */
 
+import { element } from "../dom/element";
 import type { Job } from "../protocol/api";
-import { element } from "../ui/element";
 import { describeProgress, STEPS, stageOf, stepOf } from "./job_words";
 
 export class JobSteps {

@@ -1,8 +1,8 @@
 /** What is shown in place of a page that needs a key: it is given once, and the browser keeps a session that scripts cannot read. */
 
+import { element, setText } from "../dom/element";
 import { beginSession } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, setText } from "../ui/element";
 import "./key_page.css";
 
 /** Take the place of whatever the page shows; once a key was given the page is loaded again. */

@@ -1,9 +1,9 @@
 /** The page that lists scenes and jobs, and keeps both up to date. */
 
+import { element, icon } from "../dom/element";
+import { PLUS } from "../dom/icons";
 import { ApiError, endSession, followJob, getSession, isFinal, type Job, listJobs, listScenes } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, icon } from "../ui/element";
-import { PLUS } from "../ui/icons";
 import { JobRows } from "./job_rows";
 import { SceneSection } from "./scene_section";
 import { showShell } from "./shell";

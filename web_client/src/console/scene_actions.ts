@@ -1,9 +1,9 @@
 /** What can be done with a scene: copy its link, rename it, delete it. */
 
+import { element, icon } from "../dom/element";
+import { MORE } from "../dom/icons";
 import { deleteScene, getSession, makeLink, renameScene, type Scene } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, icon } from "../ui/element";
-import { MORE } from "../ui/icons";
 import { ask } from "./dialog";
 import { nameOf } from "./scene_order";
 

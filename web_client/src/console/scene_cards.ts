@@ -1,13 +1,12 @@
 /** The scenes as cards: thumbnail, title, length, size, whether it still grows, and what can be done with each. */
 
+import { element, icon } from "../dom/element";
+import { formatBytes, formatDuration } from "../dom/format";
+import { PLAY } from "../dom/icons";
 import { type Scene, thumbnailUrl } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, icon } from "../ui/element";
-import { formatDuration } from "../ui/format";
-import { PLAY } from "../ui/icons";
 import { type SceneEvents, sceneActions } from "./scene_actions";
 import { nameOf } from "./scene_order";
-import { describeScene, sceneBadge } from "./scene_words";
 import { showNodes } from "./shell";
 
 function card(scene: Scene, events: SceneEvents): HTMLElement {
@@ -59,3 +58,12 @@ export class SceneCards {
     );
   }
 }
+
+/** "1.2 MB · 28% moving" */
+export function describeScene({ bytes_total, splats_static, splats_dynamic }: Scene): string {
+  const share = Math.round((100 * splats_dynamic) / (splats_static + splats_dynamic));
+  return [formatBytes(bytes_total), splats_dynamic > 0 ? `${share}% moving` : "still"].join(" · ");
+}
+
+/** What is to be known before it is opened: that there will be more of it. Empty for a scene that is complete. */
+export const sceneBadge = ({ live }: Scene): string => (live ? "Still being made" : "");

@@ -1,8 +1,8 @@
 /** The scenes of the list: cards, and where there are more than a few, a search and an order. */
 
+import { element, setText } from "../dom/element";
 import type { Scene } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, setText } from "../ui/element";
 import type { SceneEvents } from "./scene_actions";
 import { SceneCards } from "./scene_cards";
 import { arrange, isOrder, ORDERS } from "./scene_order";

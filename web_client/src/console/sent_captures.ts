@@ -1,8 +1,8 @@
 /** What was sent to the server: uploads that are not complete, and the captures that others have become. */
 
+import { element } from "../dom/element";
+import { formatBytes } from "../dom/format";
 import { deleteUpload, listUploads, type Upload } from "../protocol/uploads";
-import { element } from "../ui/element";
-import { formatBytes } from "../ui/format";
 import { ask } from "./dialog";
 
 /** The list, to be opened; it stays away while nothing was sent. `onDelete` is called after a capture is gone. */

@@ -1,8 +1,8 @@
 /** What every page of the console has: the masthead, a line for problems, and short messages that pass. */
 
+import { element, setText } from "../dom/element";
 import { ApiError } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element, setText } from "../ui/element";
 import "./console.css";
 
 const MESSAGE_SECONDS = 4;

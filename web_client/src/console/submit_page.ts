@@ -1,16 +1,15 @@
 /** The form for a new scene: a capture, how well it shall be trained, and which cameras are kept to check it. */
 
+import "./form.css";
+import { element } from "../dom/element";
+import { formatDuration } from "../dom/format";
 import { ApiError, type Capture, type CaptureList, listCaptures, submitJob } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import { element } from "../ui/element";
-import { describeCapture } from "./capture_words";
 import { CheckPanel } from "./check_panel";
-import { type Field, fieldOf, reasonOf } from "./form_errors";
-import { choices, chosenIn, FormField } from "./form_field";
+import { choices, chosenIn, type Field, FormField, fieldOf, reasonOf } from "./form_field";
 import { SentCaptures } from "./sent_captures";
 import { emptyState, type Shell, showShell } from "./shell";
 import { UploadPanel } from "./upload_panel";
-import "./form.css";
 
 const LONGEST_TITLE = 200; // characters, as docs/rest.md has it
 const LEAST_CAMERAS = 2; // that training needs
@@ -227,4 +226,16 @@ class SubmitForm {
     this.#fields[name].fault(reason);
     this.#fields[name].focus();
   }
+}
+
+const counted = (count: number, noun: string): string =>
+  `${count.toLocaleString("en")} ${noun}${count === 1 ? "" : "s"}`;
+
+/** "16 cameras · 60 frames · 2.0 s", "49 photographs of a still scene". */
+export function describeCapture({ cameras, frames, seconds }: Capture): string {
+  if (frames === 1) return `${counted(cameras.length, "photograph")} of a still scene`;
+  const parts = [counted(cameras.length, "camera")];
+  if (frames !== null) parts.push(counted(frames, "frame"));
+  if (seconds !== null) parts.push(formatDuration(seconds));
+  return parts.join(" · ");
 }

@@ -1,7 +1,7 @@
 /** A folder on its way to the server, as the page shows it: how far it is, its files, and what can be done with it. */
 
-import { element, setText } from "../ui/element";
-import { formatBytes } from "../ui/format";
+import { element, setText } from "../dom/element";
+import { formatBytes } from "../dom/format";
 import type { SentFile, Transfer, TransferState } from "../upload/transfer";
 import { describeTransfer } from "../upload/upload_words";
 

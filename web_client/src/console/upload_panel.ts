@@ -1,7 +1,7 @@
 /** Where people send a folder: choose or drop it, watch it go, pause it, and go on. */
 
+import { element, setText } from "../dom/element";
 import * as uploads from "../protocol/uploads";
-import { element, setText } from "../ui/element";
 import { type Chosen, fromDrop, fromPicker } from "../upload/chosen_files";
 import { FileHasher } from "../upload/hash_file";
 import { Speed } from "../upload/speed";

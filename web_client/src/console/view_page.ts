@@ -1,15 +1,15 @@
 /** The page that plays a scene: a player alone, its address's parameters, its title, and a handle for scripts. */
 
+import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import type { Quality } from "../renderer/qualities";
+import type { Quality } from "../renderer/quality_names";
 import type { Pixels } from "../renderer/shot";
-import { element } from "../ui/element";
 import { PlayerView } from "../ui/player_view";
 import type { WholePage } from "../ui/player_view_options";
 import { linkWithBookmarks, sharedLink } from "../ui/shared_view";
-import { parseViewParameters, type ViewParameters } from "../ui/view_parameters";
+import { parseViewParameters, type ViewParameters } from "./view_parameters";
 
 /** What the page offers to scripts, such as tests: `window.hgs`. */
 export interface ViewerHandle {

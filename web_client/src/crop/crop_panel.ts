@@ -1,8 +1,8 @@
 /** The numbers of a box, what is kept of it, and the command line for it. */
 
-import { element, icon, setText } from "../ui/element";
-import { formatTime } from "../ui/format";
-import { CLOSE } from "../ui/icons";
+import { element, icon, setText } from "../dom/element";
+import { formatTime } from "../dom/format";
+import { CLOSE } from "../dom/icons";
 import { type CropBox, type CropWish, commandFor } from "./crop_box";
 
 const SIDES = ["Width", "Height", "Depth"] as const;

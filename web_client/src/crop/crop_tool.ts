@@ -2,8 +2,8 @@
 
 import { project } from "../camera/pinhole";
 import { row } from "../camera/vector";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
-import { adoptStyle } from "../ui/player_style";
 import css from "./crop.css?inline";
 import { type CropBox, uprightBox } from "./crop_box";
 import { dragged, type Handle } from "./crop_drag";

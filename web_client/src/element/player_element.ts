@@ -3,9 +3,9 @@
  * the meaning of HTMLMediaElement where that has them.
  */
 
+import { adoptStylesAgain } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Beginning, HgsPlayerEvents } from "../player/hgs_player_events";
-import { adoptStylesAgain } from "../ui/player_style";
 import { PlayerView } from "../ui/player_view";
 
 /** The player's events, which the element repeats under the same names. */

@@ -1,16 +1,16 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
-import type { Quality } from "../renderer/qualities";
-import { checkedSplats } from "../renderer/quality";
+import { checkedSplats } from "../renderer/fineness";
+import type { Quality } from "../renderer/quality_names";
+import type { PlayerClock } from "../scene/clock";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
-import type { PlayerClock } from "./clock";
 import { claimContext, leaveContext, offerContext, Readiness, type Tenant } from "./context_places";
 import type { Beginning, HgsPlayerEvents, HgsPlayerOptions } from "./hgs_player_events";
-import { PicturedPlayer } from "./pictured_player";
-import { type Asked, asked } from "./played_scene";
+import { type Asked, asked } from "./media_api";
+import { ScreenedScene } from "./mounted_scene";
 import { PlayerCamera } from "./player_camera";
-import { ScreenedScene } from "./screened_scene";
+import { PicturedPlayer } from "./player_readings";
 
 /**
  * Plays one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
@@ -263,7 +263,7 @@ export class HgsPlayer extends PicturedPlayer {
   /** Play the scene's sound, too. */
   async #listen(scene: ScreenedScene): Promise<void> {
     try {
-      const { SceneSound } = await import("./scene_sound"); // most scenes need none of it
+      const { SceneSound } = await import("../sound/scene_sound"); // most scenes need none of it
       if (!scene.gone.aborted) new SceneSound(this, scene.player, scene.gone);
       this.tell("volumechange", null);
     } catch (error) {

@@ -4,11 +4,9 @@
  */
 
 import type { CanvasRenderer } from "../renderer/canvas_renderer";
-import { type Fineness, LADDER } from "../renderer/quality";
+import { type Fineness, LADDER } from "../renderer/fineness";
 import type { Shot } from "../renderer/shot";
-import { FrameRate } from "./frame_rate";
-import { Stillness } from "./stillness";
-import { sameView } from "./view";
+import { sameView, type View } from "../scene/view";
 
 export class Picture {
   readonly frames = new FrameRate();
@@ -81,5 +79,69 @@ export class Picture {
 
   #current(shot: Shot): boolean {
     return sameView(this.#drawn, shot) && this.#drawn?.time === shot.time;
+  }
+}
+
+const SETTLING = 150; // ms: the pauses of a dragging hand are shorter
+
+export class Stillness {
+  #view: View | null = null;
+  #since = 0;
+
+  /** Note what is seen at `now`, milliseconds; returns true if neither view nor scene have moved for a moment. */
+  update(view: View, sceneMoves: boolean, now: number): boolean {
+    const first = this.#view === null;
+    if (sceneMoves || !sameView(this.#view, view)) this.#since = first ? Number.NEGATIVE_INFINITY : now;
+    this.#view = view;
+    return !sceneMoves && now - this.#since >= SETTLING;
+  }
+}
+
+const WINDOW = 1000; // ms
+
+export class FrameRate {
+  readonly #times: number[] = []; // of the frames of the last second, or of the last two
+  #resting = false;
+  #drawn = 0;
+  #dropped = 0;
+
+  /** Frames drawn so far. */
+  get drawn(): number {
+    return this.#drawn;
+  }
+
+  /** Frames that were due while the scene played and were not drawn. */
+  get dropped(): number {
+    return this.#dropped;
+  }
+
+  /** Note a frame drawn at `now`, milliseconds. */
+  count(now: number): void {
+    const times = this.#times;
+    if (this.#resting && now - (times.at(-1) ?? now) > WINDOW) times.length = 0;
+    this.#resting = false;
+    this.#drawn++;
+    times.push(now);
+    while (times.length > 2 && times[0] < now - WINDOW) times.shift();
+  }
+
+  /** Note a frame that is due and not drawn. */
+  drop(): void {
+    this.#dropped++;
+  }
+
+  /** Note that no frame is due until the next one is counted. */
+  rest(): void {
+    this.#resting = true;
+  }
+
+  /** Frames per second at `now`; 0 after a second of rest. A frame that is late lowers the rate before it comes. */
+  rate(now: number): number {
+    const times = this.#times;
+    const since = now - (times.at(-1) ?? now);
+    if (times.length === 0 || (this.#resting && since > WINDOW)) return 0;
+    const mean = ((times.length - 1) * 1000) / (times[times.length - 1] - times[0] || 1);
+    if (since <= WINDOW) return mean;
+    return times.length > 1 ? Math.min(mean, 1000 / since) : 1000 / since;
   }
 }

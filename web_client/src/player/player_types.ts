@@ -1,9 +1,9 @@
 /** What a player is made from and what it tells of itself. */
 
 import type { Manifest } from "../codec/types";
-import type { Fineness } from "../renderer/quality";
+import type { Fineness } from "../renderer/fineness";
+import type { View } from "../scene/view";
 import type { OpenSource, SourceState } from "../source/scene_source";
-import type { View } from "./view";
 
 export interface PlayerOptions {
   readonly canvas: HTMLCanvasElement;

@@ -8,8 +8,8 @@ import { fitted, type Intrinsics, resized, unproject } from "../camera/pinhole";
 import { type StartCamera, startCamera } from "../camera/start";
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import type { Manifest } from "../codec/types";
+import type { View } from "../scene/view";
 import { observeBackingSize } from "./backing_size";
-import type { View } from "./view";
 
 export interface ViewpointOptions {
   /** Name of the capture camera to begin with; the first if null. */

@@ -2,9 +2,9 @@
 
 import { resized } from "../camera/pinhole";
 import { CanvasTarget } from "./canvas_target";
+import { LADDER, QualityControl } from "./fineness";
 import { GpuPace } from "./gpu_pace";
 import { canDraw, PictureTarget } from "./picture_target";
-import { LADDER, QualityControl } from "./quality";
 import type { Pixels, Shot } from "./shot";
 import { SplatDrawer } from "./splat_drawer";
 

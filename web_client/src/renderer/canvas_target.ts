@@ -1,8 +1,8 @@
 /** The canvas, and the pictures through which it is drawn to: half floats, or fewer pixels than the canvas has. */
 
+import type { Fineness } from "./fineness";
 import { canDraw, PictureTarget } from "./picture_target";
 import { Program } from "./program";
-import type { Fineness } from "./quality";
 import { PRESENT_FRAGMENT_SHADER, PRESENT_VERTEX_SHADER } from "./shaders";
 
 export interface DrawnSize {

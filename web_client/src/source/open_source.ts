@@ -3,7 +3,6 @@
 import { HttpSource } from "./http_source";
 import { openLate } from "./late_source";
 import type { OpenSource } from "./scene_source";
-import { streamUrl } from "./stream_url";
 
 /** A scene on a server of HGS: its page, or what the API has of it. */
 const SERVED = /^(.*)\/(?:view|v1\/scenes)\/([A-Za-z0-9_-][A-Za-z0-9._-]{0,63})(?:\/|\/stream)?$/;
@@ -52,4 +51,10 @@ function parse(src: string, base: string): URL {
   } catch {
     throw new Error(`src ${src}: not an address`);
   }
+}
+
+/** The address of a scene's stream on a server. */
+export function streamUrl(scene: string, server: { protocol: string; host: string }): string {
+  const scheme = server.protocol === "https:" ? "wss:" : "ws:";
+  return `${scheme}//${server.host}/v1/scenes/${encodeURIComponent(scene)}/stream`;
 }

@@ -1,9 +1,8 @@
 /** The manifest of a long scene: an index, and those of its pages that have come (docs/format.md, "Index and pages"). */
 
 import { ManifestError } from "../codec/errors";
-import { gunzip } from "../codec/gunzip";
 import { Field, parseManifest } from "../codec/manifest";
-import { type Page, type PieceEntry, readPage } from "../codec/page";
+import { gunzip, type Page, type PieceEntry, readPage } from "../codec/page";
 import type { Box, Manifest, SegmentEntry, SliceEntry } from "../codec/types";
 import type { SceneManifest } from "./scene_manifest";
 

@@ -23,7 +23,6 @@ import { RateReports } from "./rate_reports";
 import { ReconnectingSocket } from "./reconnecting_socket";
 import type { SceneManifest } from "./scene_manifest";
 import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
-import { streamFailure } from "./stream_failure";
 import { helloOf } from "./stream_hello";
 import { StreamedSound, soundsOf } from "./streamed_sound";
 
@@ -254,4 +253,29 @@ export class SceneStream implements SceneSource {
   #grant(): void {
     if (this.#undecoded <= UNDECODED) this.#socket.grant();
   }
+}
+
+/** The server's error codes, and the close codes of those that come without one (docs/stream.md, Closing). */
+const MEANINGS: Readonly<Record<string | number, SourceFailure>> = {
+  "scene-not-found": "no-scene",
+  4004: "no-scene",
+  "scene-changed": "scene-changed",
+  "access-ended": "access-ended",
+  4003: "access-ended",
+  "protocol-unsupported": "not-understood",
+  4001: "not-understood",
+  malformed: "not-understood",
+  4000: "not-understood",
+  "not-binary": "not-understood",
+  1003: "not-understood",
+  "message-too-large": "not-understood",
+  1009: "not-understood",
+  "credit-overflow": "not-understood",
+  4009: "not-understood",
+  flood: "ended",
+};
+
+/** @param code of an `error` message or of a close */
+export function streamFailure(code: string | number): SourceFailure {
+  return Object.hasOwn(MEANINGS, code) ? MEANINGS[code] : "ended";
 }

@@ -2,11 +2,11 @@
 
 import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } from "three";
 import type { Manifest } from "../codec/types";
-import type { Playback } from "../player/playback";
-import { type Asked, asked, played } from "../player/played_scene";
-import { ProgressEvents } from "../player/progress_events";
-import { StreamedScene } from "../player/streamed_scene";
-import { checkedSplats } from "../renderer/quality";
+import { type Asked, asked, played } from "../player/media_api";
+import { checkedSplats } from "../renderer/fineness";
+import type { Playback } from "../scene/playback";
+import { ProgressEvents } from "../scene/playback_events";
+import { StreamedScene } from "../scene/streamed_scene";
 import { openSource } from "../source/open_source";
 import { lookFrom } from "./capture_view";
 import type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions } from "./hgs_scene_events";

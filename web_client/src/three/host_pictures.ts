@@ -1,10 +1,10 @@
 /** The pictures that a host draws of a scene: in each frame one or several, from cameras and into targets of the host's. */
 
 import { type Camera, ColorManagement, LinearTransfer, type Matrix4, Vector4, type WebGLRenderer } from "three";
-import type { OrderKey } from "../player/order_requests";
-import type { StreamedScene } from "../player/streamed_scene";
-import type { View } from "../player/view";
 import type { SplatSink } from "../renderer/splat_drawer";
+import type { OrderKey } from "../scene/order_requests";
+import type { StreamedScene } from "../scene/streamed_scene";
+import type { View } from "../scene/view";
 import { hostView } from "./host_view";
 import { HostedSplats } from "./hosted_splats";
 import { fineFormat } from "./linear_light";

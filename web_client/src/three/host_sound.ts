@@ -2,8 +2,8 @@
 
 import type { Manifest } from "../codec/types";
 import type { PlayerProblem, SoundOptions } from "../player/hgs_player_events";
-import type { Heard } from "../player/scene_sound";
-import type { StreamedScene } from "../player/streamed_scene";
+import type { StreamedScene } from "../scene/streamed_scene";
+import type { Heard } from "../sound/scene_sound";
 
 export interface HostSoundEvents {
   /** It is louder, or quieter, or muted, or no more. */
@@ -52,7 +52,7 @@ export class HostSound extends EventTarget implements Heard {
   /** The scene has sound: play it, too, from now on. */
   async listen(): Promise<void> {
     try {
-      const { SceneSound } = await import("../player/scene_sound"); // most scenes need none of it
+      const { SceneSound } = await import("../sound/scene_sound"); // most scenes need none of it
       if (!this.gone.aborted) new SceneSound(this, this.scene, this.gone);
       this.events.changed();
     } catch (error) {

@@ -3,7 +3,7 @@
 import type { Camera, Matrix4 } from "three";
 import { projectedIntrinsics, type Viewport } from "../camera/projection";
 import { cross, dot, length, type Mat3, type Vec3 } from "../camera/vector";
-import type { View } from "../player/view";
+import type { View } from "../scene/view";
 import type { HostSurface } from "./host_surface";
 
 export interface HostView {

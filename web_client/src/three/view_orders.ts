@@ -5,10 +5,10 @@
 
 import { eyeOf } from "../camera/pinhole";
 import { length, subtract } from "../camera/vector";
-import type { OrderKey } from "../player/order_requests";
-import { sameSight, sightOf } from "../player/sight";
-import type { View } from "../player/view";
 import { TEXTURE_WIDTH } from "../renderer/layout";
+import type { OrderKey } from "../scene/order_requests";
+import { sameSight, sightOf } from "../scene/sight";
+import type { View } from "../scene/view";
 
 export type Views = readonly [View, ...View[]];
 

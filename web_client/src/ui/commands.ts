@@ -1,14 +1,13 @@
 /** All that keys and the settings do with a player, and what they open over its picture. */
 
 import { FlyMode } from "../camera/fly_mode";
+import { LatePart } from "../dom/late_part";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
-import { obey } from "./key_bindings";
-import { LatePart } from "./late_part";
+import { obey, playerKeys } from "./key_bindings";
 import { Message } from "./message";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";
-import { playerKeys } from "./player_keys";
 import type { PageTool, WholePage } from "./player_view_options";
 import type { SharedView } from "./shared_view";
 

@@ -1,11 +1,11 @@
 /** Buttons that show the scene in a headset or in the room; each is there only where the browser and a device offer it. */
 
+import { element, setAttribute, setText } from "../dom/element";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import { type HeadsetMode, offeredModes } from "../xr/offer";
 import { describeRefusal, requestSession } from "../xr/session_request";
-import { element, setAttribute, setText } from "./element";
 import css from "./headset_buttons.css?inline";
-import { adoptStyle } from "./player_style";
 
 const WORDS: Readonly<Record<HeadsetMode, readonly [string, string]>> = {
   "immersive-vr": ["VR", "Show in the headset"],

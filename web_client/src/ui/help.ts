@@ -1,7 +1,7 @@
 /** The help: a dialog with all keys and gestures. The browser keeps the focus inside, and Esc closes it. */
 
-import { element, icon } from "./element";
-import { CLOSE } from "./icons";
+import { element, icon } from "../dom/element";
+import { CLOSE } from "../dom/icons";
 import type { KeyGroup } from "./key_bindings";
 
 type Row = readonly [string, string];

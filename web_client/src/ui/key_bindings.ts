@@ -1,3 +1,7 @@
+import type { HgsPlayer } from "../player/hgs_player";
+import { longSeekStep, type PlayerActions, rateAfter, seekStep } from "./player_actions";
+import { stepFrames, togglePlaying } from "./playing";
+import { steering } from "./steering";
 /** Keys and what they do: one table that the player obeys and its help shows. */
 
 export interface KeyBinding {
@@ -35,4 +39,105 @@ export function obey(groups: readonly KeyGroup[]): (event: KeyboardEvent) => voi
     event.preventDefault();
     binding.action(name);
   };
+}
+
+const TURN = 0.06; // radians
+const ZOOM = 1.1;
+
+/** What keys reach beside the actions. */
+export interface KeySurroundings {
+  toggleStatistics(): void;
+  toggleFullscreen(): void;
+  toggleHelp(): void;
+}
+
+export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeySurroundings): readonly KeyGroup[] {
+  const camera = steering(player.camera, actions.surroundings.fly);
+  const turn = (yaw: number, pitch: number) => () => {
+    camera.turn(yaw, pitch);
+    camera.release();
+  };
+  const zoom = (factor: number) => () => {
+    camera.zoom(factor);
+    camera.release();
+  };
+  /** In a scene in which nothing moves there is nothing to seek, and the arrows turn the camera. */
+  const arrow = (direction: 1 | -1) => () =>
+    actions.moves ? actions.seekBy(direction * seekStep(player.duration)) : turn(-direction * TURN, 0)();
+  const playing = [
+    { keys: [" ", "k"], shown: "Space, K", does: "Play or pause", action: () => togglePlaying(player) },
+    { keys: ["ArrowLeft"], shown: "←", does: "Back 5 s, or a tenth of a short scene", action: arrow(-1) },
+    { keys: ["ArrowRight"], shown: "→", does: "Ahead 5 s, or a tenth of a short scene", action: arrow(1) },
+    {
+      keys: ["j"],
+      does: "Back 10 s, or a fifth of a short scene",
+      action: () => actions.seekBy(-longSeekStep(player.duration)),
+    },
+    {
+      keys: ["l"],
+      does: "Ahead 10 s, or a fifth of a short scene",
+      action: () => actions.seekBy(longSeekStep(player.duration)),
+    },
+    { keys: [","], does: "One frame back", action: () => stepFrames(player, -1) },
+    { keys: ["."], does: "One frame ahead", action: () => stepFrames(player, 1) },
+    {
+      keys: [..."0123456789"],
+      shown: "0 … 9",
+      does: "To that tenth of the scene",
+      action: (key: string) => actions.jump(Number(key) / 10),
+    },
+    { keys: ["Home"], does: "To the start", action: () => actions.jump(0) },
+    { keys: ["End"], does: "To the end", action: () => actions.jump(1) },
+    {
+      keys: ["<"],
+      does: "Slower",
+      action: () => {
+        actions.rate = rateAfter(player.playbackRate, -1);
+      },
+    },
+    {
+      keys: [">"],
+      does: "Faster",
+      action: () => {
+        actions.rate = rateAfter(player.playbackRate, 1);
+      },
+    },
+    { keys: ["m"], does: "Mute, or let sound be heard", action: () => actions.toggleMuted() },
+    { keys: ["Shift+l"], shown: "Shift + L", does: "Repeat the scene or not", action: () => actions.toggleLoop() },
+  ];
+  const marking = [
+    { keys: ["i"], does: "Repeat from here", action: () => actions.setLoop("from") },
+    { keys: ["o"], does: "Repeat up to here", action: () => actions.setLoop("to") },
+    { keys: ["x"], does: "Clear the repeated stretch", action: () => actions.clearLoop() },
+    { keys: ["b"], does: "Set a bookmark here, or take it away", action: () => actions.toggleBookmark() },
+    { keys: ["PageUp"], shown: "Page up", does: "To the bookmark before", action: () => actions.goToBookmark(-1) },
+    { keys: ["PageDown"], shown: "Page down", does: "To the next bookmark", action: () => actions.goToBookmark(1) },
+  ];
+  const moving = [
+    { keys: ["Shift+ArrowLeft"], shown: "Shift + ←", does: "Turn to the left", action: turn(TURN, 0) },
+    { keys: ["Shift+ArrowRight"], shown: "Shift + →", does: "Turn to the right", action: turn(-TURN, 0) },
+    { keys: ["ArrowUp", "Shift+ArrowUp"], shown: "↑", does: "Turn upwards", action: turn(0, TURN) },
+    { keys: ["ArrowDown", "Shift+ArrowDown"], shown: "↓", does: "Turn downwards", action: turn(0, -TURN) },
+    { keys: ["+", "="], shown: "+", does: "Come nearer", action: zoom(1 / ZOOM) },
+    { keys: ["-"], does: "Go away", action: zoom(ZOOM) },
+    { keys: ["r"], does: "Back to the camera", action: () => actions.resetCamera() },
+    { keys: ["g"], does: "Fly, or turn about the scene again", action: () => actions.toggleFly() },
+  ];
+  const rest = [
+    { keys: ["f"], does: "Full screen", action: () => view.toggleFullscreen() },
+    { keys: ["p"], does: "Save the picture", action: () => void actions.savePicture() },
+    { keys: ["s"], does: "Statistics", action: () => view.toggleStatistics() },
+    { keys: ["?"], does: "This help", action: () => view.toggleHelp() },
+  ];
+  if (actions.surroundings.link) {
+    rest.splice(1, 0, { keys: ["c"], does: "Copy a link to this picture", action: () => void actions.copyLink() });
+  }
+  const { toggleCrop } = actions.surroundings;
+  if (toggleCrop) rest.splice(1, 0, { keys: ["v"], does: "Crop the scene, or be done with it", action: toggleCrop });
+  return [
+    { name: "Playing", bindings: playing },
+    { name: "Repeating and bookmarks", bindings: marking },
+    { name: "Camera", bindings: moving },
+    { name: "Player", bindings: rest },
+  ];
 }

@@ -1,6 +1,6 @@
 /** A line over the picture that says what a key or a button has done, and goes by itself. */
 
-import { element } from "./element";
+import { element } from "../dom/element";
 
 /** Long enough to read a line, milliseconds. */
 const STAY = 2500;

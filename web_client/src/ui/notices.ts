@@ -1,9 +1,9 @@
 /** What a player says over the picture: in the middle while there is none to see, else in a quiet line above the controls. */
 
+import { element, icon, setText } from "../dom/element";
+import { formatBytes } from "../dom/format";
+import { CLOSE } from "../dom/icons";
 import type { PlayerStats } from "../player/player_types";
-import { element, icon, setText } from "./element";
-import { formatBytes } from "./format";
-import { CLOSE } from "./icons";
 
 /** A lost picture comes back within a moment or not at all, milliseconds. */
 const PATIENCE = 5000;

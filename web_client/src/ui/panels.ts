@@ -1,12 +1,12 @@
 /** What opens over the picture when it is asked for: settings, statistics, help. */
 
+import { element } from "../dom/element";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
-import { element } from "./element";
 import { Help } from "./help";
 import type { KeyGroup } from "./key_bindings";
 import css from "./panels.css?inline";
 import type { PlayerActions } from "./player_actions";
-import { adoptStyle } from "./player_style";
 import { SettingsMenu } from "./settings_menu";
 import { StatsPanel } from "./stats_panel";
 

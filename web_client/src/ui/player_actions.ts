@@ -1,10 +1,10 @@
 /** What keys and menu entries do with a player and its scene. What cannot be seen at once is said in a line. */
 
 import type { FlyMode } from "../camera/fly_mode";
+import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
-import { toggleMuted } from "../player/toggle_muted";
+import { toggleMuted } from "../sound/muting";
 import { type Bookmarks, neighbour, toggled } from "./bookmarks";
-import { formatTime } from "./format";
 import { moves } from "./playing";
 import { savePicture } from "./save_picture";
 import type { SharedView } from "./shared_view";

@@ -1,14 +1,14 @@
 /** The bars over a player's picture: title and buttons above, play, timeline and time below. Loaded where controls are shown. */
 
 import type { Manifest } from "../codec/types";
+import { element, icon } from "../dom/element";
+import { BACK, FULLSCREEN, SETTINGS } from "../dom/icons";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
-import { element, icon } from "./element";
 import { offerHeadset } from "./headset_offer";
-import { BACK, FULLSCREEN, SETTINGS } from "./icons";
 import { IdleHiding } from "./idle_hiding";
 import css from "./player_controls.css?inline";
-import { adoptStyle } from "./player_style";
 import { Transport } from "./transport";
 
 /** What the bars are part of. */

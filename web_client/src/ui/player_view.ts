@@ -1,18 +1,18 @@
 /** A player with its controls, inside one element of a page: nothing of it reaches the page, and nothing of the page reaches it. */
 
 import { listenForGestures } from "../camera/gestures";
+import { element } from "../dom/element";
+import { LatePart } from "../dom/late_part";
+import { adoptStyle } from "../dom/shadow_style";
 import { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
-import { element } from "./element";
 import { toggleFullscreen } from "./full_screen";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
-import { LatePart } from "./late_part";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";
 import type { PlayerControls } from "./player_controls";
-import { adoptStyle } from "./player_style";
 import type { PlayerViewOptions } from "./player_view_options";
 import { togglePlaying } from "./playing";
 import { steering } from "./steering";

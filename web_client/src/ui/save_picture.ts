@@ -1,7 +1,7 @@
 /** The picture as a file. */
 
+import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
-import { element } from "./element";
 
 /** "studio 0m01.20s.png": of a scene's title and a time, seconds; without signs that file systems do not take. */
 export function pictureName(title: string, time: number): string {

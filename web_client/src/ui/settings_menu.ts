@@ -1,10 +1,10 @@
 /** All that is seldom needed, behind one button: quality, camera, speed, repeating, bookmarks, links, pictures, help. */
 
+import { element } from "../dom/element";
+import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
-import { QUALITIES, type Quality } from "../renderer/qualities";
+import { QUALITIES, type Quality } from "../renderer/quality_names";
 import { readableCameraNames } from "./camera_names";
-import { element } from "./element";
-import { formatTime } from "./format";
 import { type PlayerActions, RATES } from "./player_actions";
 
 const QUALITY_NAMES: Readonly<Record<Quality, string>> = {

@@ -1,9 +1,9 @@
 /** Mute and volume beside the time, for scenes that have sound. */
 
+import { element, icon, setAttribute } from "../dom/element";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
-import { isSilent, toggleMuted } from "../player/toggle_muted";
-import { element, icon, setAttribute } from "./element";
-import { adoptStyle } from "./player_style";
+import { isSilent, toggleMuted } from "../sound/muting";
 import css from "./sound_controls.css?inline";
 
 const LOUD =

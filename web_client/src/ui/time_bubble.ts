@@ -1,9 +1,9 @@
 /** The time under the pointer, over the bar that shows and moves the playhead. */
 
+import { element, setText } from "../dom/element";
+import { formatTime } from "../dom/format";
+import { adoptStyle } from "../dom/shadow_style";
 import type { HgsPlayer } from "../player/hgs_player";
-import { element, setText } from "./element";
-import { formatTime } from "./format";
-import { adoptStyle } from "./player_style";
 import css from "./time_bubble.css?inline";
 
 /** Half of the knob's width, CSS pixels: so far from its ends the bar's first and last moment lie. */

@@ -1,9 +1,9 @@
 /** The bar that shows and moves the playhead: what is loaded, the repeated stretch, and bookmarks. */
 
+import { element, setAttribute } from "../dom/element";
+import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
-import { element, setAttribute } from "./element";
-import { formatTime } from "./format";
 
 /** A CSS gradient that shows the ranges on a bar from `start` to `end`. */
 export function bufferedGradient(ranges: readonly (readonly [number, number])[], start: number, end: number): string {

@@ -1,7 +1,7 @@
 /** What is marked on the bar that shows the playhead: bookmarks, and the stretch that playing repeats. */
 
-import { element } from "./element";
-import { adoptStyle } from "./player_style";
+import { element } from "../dom/element";
+import { adoptStyle } from "../dom/shadow_style";
 import type { Timeline } from "./timeline";
 import css from "./timeline_marks.css?inline";
 

@@ -1,10 +1,10 @@
 /** The bar below the picture: play, timeline, time. */
 
+import { element, icon, setText } from "../dom/element";
+import { formatTime } from "../dom/format";
+import { PAUSE, PLAY, REPLAY } from "../dom/icons";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
-import { element, icon, setText } from "./element";
-import { formatTime } from "./format";
-import { PAUSE, PLAY, REPLAY } from "./icons";
 import { moves, stepFrames, togglePlaying } from "./playing";
 import { Timeline } from "./timeline";
 

@@ -1,6 +1,6 @@
 /** Uploads in words. */
 
-import { formatBytes } from "../ui/format";
+import { formatBytes } from "../dom/format";
 import type { Transfer } from "./transfer";
 
 /** "about 3 min left"; "" while nobody can tell. */

@@ -1,7 +1,7 @@
 /** The player's playhead, as the panel shows it and as hands move it. */
 
 import type { HgsPlayer } from "../player/hgs_player";
-import { isSilent, toggleMuted } from "../player/toggle_muted";
+import { isSilent, toggleMuted } from "../sound/muting";
 import type { Commands } from "./controls";
 import type { Control } from "./panel_layout";
 import type { PanelState } from "./panel_picture";

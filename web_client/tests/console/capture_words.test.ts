@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { describeCapture } from "../../src/console/capture_words";
+import { describeCapture } from "../../src/console/submit_page";
 import type { Capture } from "../../src/protocol/api";
 
 const capture = (cameras: number, frames: number | null, seconds: number | null): Capture => ({

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { configRows } from "../../src/console/config_rows";
+import { configRows } from "../../src/console/config_table";
 
 it("shows a config of any shape, fields of a group together", () => {
   const config = {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { fieldOf, reasonOf } from "../../src/console/form_errors";
+import { fieldOf, reasonOf } from "../../src/console/form_field";
 
 describe("fieldOf", () => {
   it.each([

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { describeScene, sceneBadge } from "../../src/console/scene_words";
+import { describeScene, sceneBadge } from "../../src/console/scene_cards";
 import type { Scene } from "../../src/protocol/api";
 
 const scene = (fields: Partial<Scene>) =>

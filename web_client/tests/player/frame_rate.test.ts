@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { FrameRate } from "../../src/player/frame_rate";
+import { FrameRate } from "../../src/player/picture";
 
 function drawn(...times: number[]): FrameRate {
   const frames = new FrameRate();

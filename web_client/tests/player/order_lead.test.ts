@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { OrderLead } from "../../src/player/order_lead";
+import { OrderLead } from "../../src/scene/order_requests";
 
 it("is what most of the last few orders took", () => {
   const lead = new OrderLead();

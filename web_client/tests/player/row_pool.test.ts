@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { RowPool } from "../../src/player/row_pool";
+import { RowPool } from "../../src/scene/residency";
 
 it("gives the lowest rows that are free, wherever they are", () => {
   const pool = new RowPool(6);

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
-import { Stillness } from "../../src/player/stillness";
-import type { View } from "../../src/player/view";
+import { Stillness } from "../../src/player/picture";
+import type { View } from "../../src/scene/view";
 
 const view = (x: number): View => ({
   pose: { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [x, 0, 0] },

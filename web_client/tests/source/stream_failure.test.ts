@@ -1,9 +1,8 @@
 import { readFileSync } from "node:fs";
 import { afterEach, describe, expect, it, vi } from "vitest";
-import { SOURCE_FAILURES } from "../../src/player/source_failures";
+import { SOURCE_FAILURES } from "../../src/scene/source_failures";
 import type { SourceFailure } from "../../src/source/scene_source";
-import { SceneStream } from "../../src/source/scene_stream";
-import { streamFailure } from "../../src/source/stream_failure";
+import { SceneStream, streamFailure } from "../../src/source/scene_stream";
 import { FakeSocket } from "../socket_double";
 
 interface Closing {

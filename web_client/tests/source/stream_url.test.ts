@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { streamUrl } from "../../src/source/stream_url";
+import { streamUrl } from "../../src/source/open_source";
 
 describe("streamUrl", () => {
   it("is on the page's own server, secure if the page is", () => {

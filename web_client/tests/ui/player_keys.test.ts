@@ -2,9 +2,9 @@ import { readFileSync } from "node:fs";
 import { describe, expect, it, vi } from "vitest";
 import type { HgsPlayer } from "../../src/player/hgs_player";
 import { FLYING, GESTURES, shownKeys } from "../../src/ui/help";
+import { playerKeys } from "../../src/ui/key_bindings";
 import { mayBeObeyed } from "../../src/ui/key_listener";
 import type { PlayerActions } from "../../src/ui/player_actions";
-import { playerKeys } from "../../src/ui/player_keys";
 
 const camera = { turn: vi.fn(), lookAround: vi.fn(), zoom: vi.fn(), release: vi.fn() };
 const player = { camera, duration: 20, playbackRate: 1 } as unknown as HgsPlayer;

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
+import { parseViewParameters } from "../../src/console/view_parameters";
 import { linkWithBookmarks, type SharedView, sharedLink } from "../../src/ui/shared_view";
-import { parseViewParameters } from "../../src/ui/view_parameters";
 
 const SHARED: SharedView = {
   time: 1.23456789,

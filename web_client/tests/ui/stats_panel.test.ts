@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
-import type { Quality } from "../../src/renderer/qualities";
-import { LADDER } from "../../src/renderer/quality";
-import { figuresOf } from "../../src/ui/stats_panel";
+import { LADDER } from "../../src/renderer/fineness";
+import type { Quality } from "../../src/renderer/quality_names";
+import { figuresOf, formatBitRate, formatCount } from "../../src/ui/stats_panel";
 import { stats } from "../stats";
 
 const figure = (name: string, fields: Parameters<typeof stats>[0], quality: Quality = "auto") =>
@@ -53,4 +53,22 @@ it("tells how finely the picture is to be drawn, and how finely it was", () => {
   expect(figure("Quality", {}, "low")).toBe("always low");
   expect(figure("Drawn at", {})).toBe("640 × 480, half floats");
   expect(figure("Drawn at", { fineness: LADDER[3] })).toBe("320 × 240, 8 bits");
+});
+
+it.each([
+  [0, "0 kbit/s"],
+  [64_000, "512 kbit/s"],
+  [124_990, "1.0 Mbit/s"],
+  [237_500, "1.9 Mbit/s"],
+])("writes %s bytes per second as %s", (rate, text) => {
+  expect(formatBitRate(rate)).toBe(text);
+});
+
+it.each([
+  [950, "950"],
+  [12_400, "12.4k"],
+  [152_746, "153k"],
+  [999_600, "1.0M"],
+])("writes %s splats as %s", (count, text) => {
+  expect(formatCount(count)).toBe(text);
 });

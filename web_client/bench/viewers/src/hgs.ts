@@ -2,9 +2,9 @@
 
 import { eyeOf } from "../../../src/camera/pinhole";
 import type { Mat3, Vec3 as Vector } from "../../../src/camera/vector";
-import { ScenePlayer } from "../../../src/player/player";
+import { ScenePlayer } from "../../../src/player/scene_canvas";
 import { CanvasRenderer } from "../../../src/renderer/canvas_renderer";
-import type { Quality } from "../../../src/renderer/quality";
+import type { Quality } from "../../../src/renderer/fineness";
 import { openSource } from "../../../src/source/open_source";
 import { type BenchCamera, canvasOf, type OpenViewer } from "./viewer";
 

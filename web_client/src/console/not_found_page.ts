@@ -1,0 +1,19 @@
+/** The page of an address at which there is nothing. */
+
+import { element } from "../dom/element";
+
+/** @param home address of the server's root, with a slash at its end. */
+export function showNotFoundPage(root: HTMLElement, home: string): void {
+  document.title = "Not found · HGS";
+  root.className = "not-found-page";
+  root.replaceChildren(
+    element(
+      "main",
+      {},
+      element("img", { src: `${home}icon.svg`, alt: "", width: 56, height: 56 }),
+      element("h1", {}, "There is nothing at this address"),
+      element("p", { class: "hint" }, "The link may be mistyped, or the scene may have gone."),
+      element("a", { class: "button", href: home }, "All scenes"),
+    ),
+  );
+}

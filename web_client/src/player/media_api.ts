@@ -1,0 +1,151 @@
+/** What players and hosts' scenes have in common: playing, under the names of HTMLMediaElement. */
+
+import type { Manifest } from "../codec/types";
+import { checkedRate } from "../scene/clock";
+import type { Playback } from "../scene/playback";
+import type { Beginning, PlayingOptions } from "./hgs_player_events";
+
+/** What a scene is to do: it counts for the one that is there, and for one that is still to come. */
+export interface Asked {
+  playing: boolean;
+  rate: number;
+  loop: boolean;
+  /** Seconds; null for the scene's start. */
+  time: number | null;
+}
+
+/** @throws RangeError if `playbackRate` is not in (0, 16]. */
+export function asked(options: PlayingOptions & Pick<Beginning, "time">): Asked {
+  const { autoplay = false, playbackRate = 1, loop = false, time = null } = options;
+  return { playing: autoplay, rate: checkedRate(playbackRate), loop, time };
+}
+
+/** Times are seconds on the scene's clock, which runs from `start` to `end`. */
+export abstract class PlayedScene {
+  /** What the scene says of itself; null until it has come. */
+  abstract readonly manifest: Manifest | null;
+  protected abstract readonly asked: Asked;
+  /** Null until the scene is known. */
+  protected abstract readonly playback: Playback | null;
+
+  /** The next picture may be another one. */
+  protected abstract changed(): void;
+  /** Fulfilled when all of what is to be seen at the playhead is drawn, by false if there is no scene. */
+  protected abstract settled(): Promise<boolean>;
+  protected abstract tell(type: "ratechange" | "seeked", detail: null): void;
+
+  /** The scene is known: what was asked for before counts now. */
+  protected begin(): void {
+    const { loop, rate, time, playing } = this.asked;
+    this.loop = loop;
+    this.playback?.setRate(rate);
+    if (time !== null) this.playback?.seek(time);
+    if (playing) this.play();
+    else this.pause();
+  }
+
+  /** Begin to play or go on; from the start if the end has been reached. Told by `play`. */
+  play(): void {
+    this.asked.playing = true;
+    this.playback?.play();
+    this.changed();
+  }
+
+  pause(): void {
+    this.asked.playing = false;
+    this.playback?.pause();
+    this.changed();
+  }
+
+  /**
+   * Move the playhead, within the scene.
+   *
+   * @returns a promise that is fulfilled once all of what is to be seen then is drawn.
+   * @throws RangeError if `time` is not a finite number.
+   */
+  async seek(time: number): Promise<void> {
+    this.asked.time = checkedTime(time);
+    this.playback?.seek(time);
+    this.changed();
+    if (await this.settled()) this.tell("seeked", null);
+  }
+
+  get paused(): boolean {
+    return !(this.playback?.clock.playing ?? this.asked.playing);
+  }
+
+  /** True while the playhead waits for data. */
+  get stalled(): boolean {
+    return this.playback?.clock.stalled ?? false;
+  }
+
+  get ended(): boolean {
+    const clock = this.playback?.clock;
+    return clock ? !clock.playing && clock.time >= clock.end : false;
+  }
+
+  get currentTime(): number {
+    return this.playback?.clock.time ?? this.asked.time ?? 0;
+  }
+
+  set currentTime(time: number) {
+    this.seek(checkedTime(time)).catch(() => {}); // what fails is told by `error`
+  }
+
+  /** Of the scene, seconds; 0 until it is known. */
+  get start(): number {
+    return this.manifest?.start ?? 0;
+  }
+
+  /** Of the scene, seconds; NaN until it is known. */
+  get end(): number {
+    return this.manifest?.end ?? Number.NaN;
+  }
+
+  /** Seconds from start to end; NaN until it is known. */
+  get duration(): number {
+    return this.end - this.start;
+  }
+
+  /** The stretches of time that are loaded, as disjoint [start, end] in order. */
+  get buffered(): readonly (readonly [number, number])[] {
+    return this.playback?.buffer.ranges() ?? [];
+  }
+
+  /** Scene seconds per second, in (0, 16]; another number throws a RangeError. */
+  get playbackRate(): number {
+    return this.asked.rate;
+  }
+
+  set playbackRate(rate: number) {
+    this.asked.rate = checkedRate(rate);
+    this.playback?.setRate(rate);
+    this.tell("ratechange", null);
+  }
+
+  /** Whether to begin again at the end. */
+  get loop(): boolean {
+    return this.asked.loop;
+  }
+
+  set loop(loop: boolean) {
+    this.asked.loop = loop;
+    if (this.playback) this.playback.clock.loop = loop;
+  }
+}
+
+/** A class that is a `Base`, an event target or an object of a host, and a `PlayedScene`. */
+export function played<B extends abstract new (...args: never[]) => object>(
+  Base: B,
+  // biome-ignore lint/suspicious/noExplicitAny: so TypeScript knows a class that takes another's members
+): B & (abstract new (...args: any[]) => PlayedScene) {
+  abstract class Played extends (Base as unknown as new (...args: unknown[]) => object) {}
+  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(PlayedScene.prototype);
+  Object.defineProperties(Played.prototype, members);
+  return Played as unknown as ReturnType<typeof played<B>>;
+}
+
+function checkedTime(time: number): number {
+  if (!Number.isFinite(time)) throw new RangeError(`time ${time} is not a finite number`);
+  return time;
+}

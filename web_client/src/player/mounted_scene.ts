@@ -1,0 +1,110 @@
+/** One scene in an element of a page: its canvas, its player and its viewpoint, from loading until another is loaded. */
+
+import type { Manifest } from "../codec/types";
+import type { PlayerClock } from "../scene/clock";
+import { ProgressEvents } from "../scene/playback_events";
+import type { OpenSource } from "../source/scene_source";
+import type { HgsPlayerEvents } from "./hgs_player_events";
+import { ScenePlayer } from "./scene_canvas";
+import { Viewpoint, type ViewpointOptions } from "./viewpoint";
+
+export interface ScreenedSceneOptions {
+  readonly open: OpenSource;
+  /** Seconds; null for the start. */
+  readonly time: number | null;
+  readonly playing: boolean;
+  readonly antialiased: boolean | null;
+  readonly memoryBudget?: number;
+  readonly viewpoint: ViewpointOptions;
+}
+
+type Tell = <K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]) => void;
+
+export class ScreenedScene {
+  readonly canvas = document.createElement("canvas");
+  readonly viewpoint: Viewpoint;
+  readonly player: ScenePlayer;
+  manifest: Manifest | null = null;
+  readonly #abort = new AbortController();
+  readonly #progress = new ProgressEvents();
+  readonly #failed: Promise<never>;
+  #fail: (error: Error) => void = () => {};
+
+  /** @throws Error if the browser has no WebGL2. */
+  constructor(
+    stage: HTMLElement,
+    { open, time, playing, antialiased, memoryBudget, viewpoint }: ScreenedSceneOptions,
+    readonly tell: Tell,
+  ) {
+    this.#failed = new Promise((_, reject) => {
+      this.#fail = reject;
+    });
+    this.#failed.catch(() => {}); // for whoever waits; all others hear of it by the event
+    const { signal } = this.#abort;
+    const { canvas } = this;
+    Object.assign(canvas.style, { position: "absolute", inset: "0", width: "100%", height: "100%", display: "block" });
+    stage.append(canvas);
+    signal.addEventListener("abort", () => canvas.remove());
+    const events = {
+      changed: () => {
+        this.player?.invalidate();
+        tell("viewchange", null);
+      },
+      depthAt: (x: number, y: number) => this.player.depthAt(x, y),
+    };
+    this.viewpoint = new Viewpoint(canvas, viewpoint, events, signal);
+    try {
+      this.player = new ScenePlayer({
+        canvas,
+        source: open,
+        time,
+        playing,
+        antialiased,
+        memoryBudget,
+        view: () => this.viewpoint.view(),
+        onManifest: (manifest) => {
+          this.viewpoint.begin(manifest);
+          this.manifest = manifest;
+          tell("manifest", manifest);
+        },
+        onFrame: () => this.#frame(),
+        onError: (message, cause) => {
+          this.#fail(new Error(cause));
+          tell("error", { message, cause });
+        },
+      });
+    } catch (error) {
+      this.#abort.abort();
+      throw error;
+    }
+  }
+
+  get clock(): PlayerClock | null {
+    return this.player.playback?.clock ?? null;
+  }
+
+  /** Fulfilled when all of what is to be seen at the playhead is drawn; rejected if that cannot be. */
+  settled(): Promise<void> {
+    return Promise.race([this.player.settled(), this.#failed]);
+  }
+
+  /** Aborts when it is taken away. */
+  get gone(): AbortSignal {
+    return this.#abort.signal;
+  }
+
+  dispose(): void {
+    this.#abort.abort();
+    this.player.dispose();
+    this.#fail(new DOMException("the scene has been taken away", "AbortError"));
+  }
+
+  #frame(): void {
+    const { clock, player } = this;
+    if (clock) {
+      const pictured = player.stats.firstFrame !== null;
+      for (const type of this.#progress.since(clock, pictured, performance.now())) this.tell(type, null);
+    }
+    this.tell("frame", null);
+  }
+}

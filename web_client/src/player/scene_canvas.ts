@@ -1,0 +1,275 @@
+/**
+ * Plays one scene on a canvas of its own: a frame of the browser moves the clock, asks for an order and draws. A headset's
+ * session that draws with the canvas's context drives it instead, frame by frame.
+ */
+
+import { CanvasRenderer } from "../renderer/canvas_renderer";
+import type { Quality } from "../renderer/quality_names";
+import type { Pixels } from "../renderer/shot";
+import type { Playback } from "../scene/playback";
+import type { SceneStep } from "../scene/scene_types";
+import { StreamedScene } from "../scene/streamed_scene";
+import type { View } from "../scene/view";
+import type { SceneSource } from "../source/scene_source";
+import { Picture } from "./picture";
+import type { PlayerOptions, PlayerStats } from "./player_types";
+
+export class ScenePlayer {
+  readonly #options: PlayerOptions;
+  /** For whoever drives the player: its context, its background, and the splats to draw. */
+  readonly renderer: CanvasRenderer;
+  readonly #scene: StreamedScene;
+  readonly #abort = new AbortController();
+  readonly #picture: Picture;
+  readonly #waiting: (() => void)[] = [];
+  #splatBudget = Number.POSITIVE_INFINITY;
+  #animation = 0; // 0 while no frame is asked for
+  #kept: HTMLCanvasElement | null = null; // the picture, while there is no context to draw it
+  #setAside = false;
+  #lostAt: number | null = null; // the bytes that had come when the browser said that it is offline
+  readonly #loadStart = performance.now();
+  #driven = false;
+
+  /** @throws Error if the browser has no WebGL2. */
+  constructor(options: PlayerOptions) {
+    this.#options = options;
+    this.renderer = new CanvasRenderer(options.canvas, (lost) => this.#contextChanged(lost));
+    const { source: open, time, playing, antialiased, memoryBudget } = options;
+    this.#scene = new StreamedScene(
+      { open, time, playing, antialiased, memoryBudget, sink: this.renderer.splats },
+      {
+        manifest: (manifest) => {
+          this.renderer.background = manifest.background;
+          options.onManifest(manifest);
+        },
+        changed: () => this.invalidate(),
+        ordered: () => {
+          this.#picture.outdate();
+          this.invalidate();
+        },
+        failed: options.onError,
+      },
+    );
+    this.#picture = new Picture(this.renderer, this.#scene);
+    const { signal } = this.#abort;
+    document.addEventListener("visibilitychange", () => this.#visibility(), { signal });
+    addEventListener("online", () => this.#line(true), { signal });
+    addEventListener("offline", () => this.#line(false), { signal });
+    this.invalidate();
+  }
+
+  /** Null until the manifest has arrived. */
+  get playback(): Playback | null {
+    return this.#scene.playback;
+  }
+
+  /** Where the scene comes from. */
+  get source(): SceneSource {
+    return this.#scene.source;
+  }
+
+  get stats(): PlayerStats {
+    const { manifest, orders, state: stream, bytes, version: chunks } = this.#scene;
+    const totals = manifest?.totals;
+    const now = performance.now();
+    const { frames, first } = this.#picture;
+    return {
+      stream: bytes === this.#lostAt ? "retrying" : stream,
+      bytes,
+      bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
+      lineRate: this.#scene.lineRate(now),
+      chunks,
+      lostChunks: this.playback?.buffer.lost ?? 0,
+      complete: this.playback?.buffer.complete ?? false,
+      atEdge: this.playback?.atEdge ?? false,
+      splats: orders.count,
+      dynamicSplats: orders.dynamicSplats,
+      framesPerSecond: frames.rate(now),
+      framesDrawn: frames.drawn,
+      framesDropped: frames.dropped,
+      sortTime: orders.sortTime,
+      orderAge: orders.age,
+      orderAgeFrames: orders.ageInFrames,
+      pictureTime: this.#scene.pictureTime,
+      fineness: this.#picture.fineness,
+      contextLost: this.renderer.lost && !this.renderer.given,
+      setAside: this.#setAside,
+      firstFrame: first,
+      loadStart: this.#loadStart,
+    };
+  }
+
+  /** Something that shows has changed, such as the view: the next frame looks at it. Without news there are no frames. */
+  invalidate(): void {
+    if (this.#animation !== 0 || this.#driven || this.#abort.signal.aborted) return;
+    this.#animation = requestAnimationFrame((now) => this.#frame(now));
+  }
+
+  /**
+   * Let another loop drive: it calls `step` and draws, until `drive(false)` gives the canvas back. Meanwhile the player draws
+   * nothing and asks the browser for no frames.
+   */
+  drive(driven: boolean): void {
+    this.#driven = driven;
+    cancelAnimationFrame(this.#animation);
+    this.#animation = 0;
+    this.#picture.outdate(); // the canvas shows what was there before, or nothing
+    this.invalidate();
+  }
+
+  /**
+   * One frame of whoever drives, at `now`, milliseconds of the clock of animation frames: moves the playhead, asks for the
+   * order for the views, of at most so many splats, and tells what to draw for each. A frame is never skipped for the
+   * device's sake. Null until the manifest has arrived.
+   */
+  step(now: number, views: readonly [View, ...View[]], splats = Number.POSITIVE_INFINITY): SceneStep | null {
+    this.#scene.splatBudget = Math.min(this.#splatBudget, splats);
+    const step = this.#scene.step(now, views);
+    if (step?.shots.length) this.#picture.countFrame(now);
+    this.#finish(step?.settled ?? false);
+    return step;
+  }
+
+  /** Whether the context is needed: there is no picture yet, or somebody waits for one, or draws with it. */
+  get busy(): boolean {
+    return !this.#scene.pictured || this.#waiting.length > 0 || this.#driven;
+  }
+
+  /** Give the context back, keep the picture, and stand, until `wake`. */
+  rest(): void {
+    const view = this.#options.view();
+    if (view && this.#scene.pictured && !this.renderer.lost) {
+      this.#unkeep();
+      this.#kept = this.renderer.copy(this.#scene.shot(view));
+      this.#kept.style.cssText = `${this.#options.canvas.style.cssText}; object-fit: cover; pointer-events: none`;
+      this.#options.canvas.after(this.#kept);
+    }
+    if (this.playback?.clock.playing) {
+      this.playback.pause();
+      this.#setAside = true;
+    }
+    this.renderer.giveBack();
+    this.#scene.suspend();
+    this.invalidate();
+  }
+
+  /** Draw again, at the same time and from the same place; returns whether it played before it was made to stand. */
+  wake(): boolean {
+    const played = this.#setAside;
+    this.#setAside = false;
+    this.renderer.take();
+    this.invalidate();
+    return played;
+  }
+
+  get quality(): Quality {
+    return this.renderer.quality.quality;
+  }
+
+  /** How finely to draw; see `Quality`. */
+  set quality(quality: Quality) {
+    this.renderer.quality.quality = quality;
+    this.#picture.outdate();
+    this.invalidate();
+  }
+
+  /** So many splats are drawn of a view at most, the most useful ones, and fewer where the quality says so. */
+  get splatBudget(): number {
+    return this.#splatBudget;
+  }
+
+  set splatBudget(budget: number) {
+    this.#splatBudget = budget;
+    this.invalidate();
+  }
+
+  /** Resolves when everything that is alive at the playhead has arrived, has been sorted, and is drawn. */
+  settled(): Promise<void> {
+    return new Promise((resolve) => {
+      this.#waiting.push(resolve);
+      this.invalidate();
+    });
+  }
+
+  /**
+   * The picture as it is on the canvas, in floats without the canvas's rounding, or as finely as it can be whatever the
+   * quality is; null before there is one.
+   */
+  readPixels(as: "canvas" | "float" | "finest"): Pixels | null {
+    const view = this.#options.view();
+    if (this.#kept) return as === "float" ? null : pixelsOf(this.#kept);
+    if (!view || !this.#scene.orders.shown || this.renderer.lost) return null;
+    const shot = this.#scene.shot(view);
+    this.invalidate(); // the device's pace is taken from every picture
+    if (as === "float") return this.renderer.readFloatPixels(shot);
+    return this.renderer.readPixels(shot, as === "finest" ? 0 : undefined);
+  }
+
+  /** How far away, world units along the view axis, what is seen at a pixel of the picture is; null if nothing is. */
+  depthAt(x: number, y: number): number | null {
+    const view = this.#options.view();
+    return view && this.#scene.orders.shown ? this.renderer.depthAt(this.#scene.shot(view), x, y) : null;
+  }
+
+  /** Stop and give everything back. */
+  dispose(): void {
+    this.#abort.abort();
+    cancelAnimationFrame(this.#animation);
+    this.#unkeep();
+    this.#scene.dispose();
+    this.renderer.dispose();
+  }
+
+  /** The browser has a line again, or none: it knows so long before a connection does. */
+  #line(there: boolean): void {
+    this.#lostAt = there ? null : this.#scene.bytes;
+    if (there) this.#scene.wake();
+    this.invalidate();
+  }
+
+  /** While the page was hidden the connection may have died. */
+  #visibility(): void {
+    if (!document.hidden) this.#scene.wake();
+    this.#scene.playback?.pageHidden(document.hidden);
+  }
+
+  #unkeep(): void {
+    this.#kept?.remove();
+    this.#kept = null;
+  }
+
+  #contextChanged(lost: boolean): void {
+    if (lost) this.#scene.suspend();
+    else this.#scene.restore();
+    this.#picture.outdate();
+    this.invalidate();
+  }
+
+  #frame(now: number): void {
+    this.#animation = 0;
+    const view = this.#options.view();
+    const budget = () => Math.min(this.#splatBudget, this.#picture.splats);
+    this.#scene.splatBudget = budget();
+    const step = view && this.#scene.step(now, [view]);
+    const shot = step?.shots[0];
+    const playing = this.playback?.clock.playing ?? false;
+    const unfinished = shot ? this.#picture.update(shot, step.moving, now) : false;
+    const outgrown = this.#scene.splatBudget !== budget(); // it has come to rest, or begun to move
+    if (unfinished || outgrown || (step && playing)) this.invalidate();
+    else this.#picture.frames.rest();
+    this.#finish(shot && !outgrown && this.#picture.shows(shot, playing) ? step.settled : false);
+  }
+
+  /** A frame is over; `settled`: everything that is alive at the playhead is drawn. */
+  #finish(settled: boolean): void {
+    if (this.#kept && this.#scene.pictured && !this.renderer.lost) this.#unkeep();
+    if (settled) for (const resolve of this.#waiting.splice(0)) resolve();
+    this.#options.onFrame();
+  }
+}
+
+function pixelsOf(picture: HTMLCanvasElement): Pixels | null {
+  const { width, height } = picture;
+  const read = picture.getContext("2d")?.getImageData(0, 0, width, height);
+  return read ? { width, height, data: new Uint8Array(read.data.buffer) } : null;
+}

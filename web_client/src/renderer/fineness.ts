@@ -1,0 +1,88 @@
+/**
+ * How finely pictures are drawn: in which share of the canvas's resolution, and blended in half floats or in 8 bits. Half
+ * floats round hundreds of faint splats once and not each (measured on a trained scene: 6 to 10 dB nearer to the exact
+ * picture), and cost about a quarter more.
+ */
+
+import type { Quality } from "./quality_names";
+
+export interface Fineness {
+  /** Of the canvas's width and height. */
+  readonly scale: number;
+  readonly float: boolean;
+  /** So many splats are drawn at most, the most useful ones. */
+  readonly splats: number;
+  /** Of the time that the finest takes, about: pixels count, half floats, and how many of the splats there are. */
+  readonly cost: number;
+}
+
+/** A budget of splats for slow devices. */
+const FEW = 100_000;
+
+const fineness = (scale: number, float: boolean, splats = Number.POSITIVE_INFINITY): Fineness => ({
+  scale,
+  float,
+  splats,
+  cost: scale * scale * (float ? 1 : 0.75) * (splats === FEW ? 0.6 : 1), // as of a scene of twice as many
+});
+
+/** From the finest on. */
+export const LADDER: readonly Fineness[] = [
+  fineness(1, true),
+  fineness(1, false),
+  fineness(0.71, false),
+  fineness(0.5, false),
+  fineness(0.35, false),
+  fineness(0.35, false, FEW),
+];
+
+const FIXED: Readonly<Record<Exclude<Quality, "auto">, number>> = { high: 0, medium: 1, low: 3 };
+
+/** A picture of a moving scene may take so long, milliseconds. */
+const BUDGET = 1000 / 30;
+/** So many pictures are looked at, because the first ones wait for shaders and uploads. */
+const MEMORY = 4;
+/** A finer picture must be expected to take no more than this share of the budget, or the choice would swing. */
+const CAUTION = 0.7;
+
+export class QualityControl {
+  quality: Quality = "auto";
+  readonly #finest: number[] = []; // what the finest picture would have taken, of the last ones, ms
+  #step = 0;
+
+  /** The rung of the ladder for pictures while something moves. */
+  get moving(): number {
+    return this.quality === "auto" ? this.#step : FIXED[this.quality];
+  }
+
+  /** The rung for pictures at rest. */
+  get resting(): number {
+    return this.quality === "auto" ? 0 : FIXED[this.quality];
+  }
+
+  /** So many splats a picture of a rung has at most, the most useful ones; `Infinity` for all. */
+  splats(rung: number): number {
+    return this.quality === "low" ? FEW : LADDER[rung].splats;
+  }
+
+  /** Note how long a picture of a rung took, milliseconds. */
+  measured(duration: number, rung: number): void {
+    const recent = this.#finest;
+    recent.push(duration / LADDER[rung].cost);
+    if (recent.length > MEMORY) recent.shift();
+    if (recent.length < MEMORY) return;
+    const finest = [...recent].sort((a, b) => a - b)[MEMORY >> 1];
+    const fits = LADDER.findIndex(({ cost }, step) => finest * cost <= (step < this.#step ? CAUTION : 1) * BUDGET);
+    this.#step = fits < 0 ? LADDER.length - 1 : fits;
+  }
+}
+
+/**
+ * What a page may set as its budget of splats.
+ *
+ * @throws RangeError if it is not at least 1.
+ */
+export function checkedSplats(budget: number): number {
+  if (!(budget >= 1)) throw new RangeError(`a budget of ${budget} splats is not at least 1; Infinity is for all`);
+  return budget;
+}

@@ -1,0 +1,237 @@
+/**
+ * A scene while it arrives and plays: the only owner of its source, its worker, its buffer and its order of splats. What
+ * has been decoded goes to a sink, such as the renderer of a page, of a headset or of a host.
+ */
+
+import type { Manifest } from "../codec/types";
+import type { Shot } from "../renderer/shot";
+import type { SceneSource, SourceState } from "../source/scene_source";
+import { Throughput } from "../source/throughput";
+import { SceneWorker } from "../worker/scene_worker";
+import { SceneBuffer } from "./buffer";
+import { PlayerClock } from "./clock";
+import { DECODER_STOPPED, describeFailure } from "./failure_words";
+import { drawnTime, nextMoment, normalised } from "./moment";
+import { type OrderKey, OrderRequests } from "./order_requests";
+import { Playback } from "./playback";
+import { SceneChunks } from "./scene_chunks";
+import type { SceneEvents, SceneOptions, SceneStep } from "./scene_types";
+import { type Sight, sameSight, sightOf } from "./sight";
+import type { View } from "./view";
+
+export class StreamedScene {
+  readonly orders: OrderRequests;
+  /** So many splats are drawn of a view at most, the most useful ones; from the next step on. */
+  splatBudget = Number.POSITIVE_INFINITY;
+  readonly #options: SceneOptions;
+  readonly #events: SceneEvents;
+  readonly #worker: SceneWorker;
+  readonly source: SceneSource;
+  readonly #chunks: SceneChunks;
+  readonly #line = new Throughput();
+  #manifest: Manifest | null = null;
+  #playback: Playback | null = null; // from the manifest on
+  #state: SourceState = "connecting";
+  #bytes = 0;
+  #pictureTime = 0;
+  #pictured = false;
+  #suspended = false; // there is nothing to draw into
+  #lastSight: Sight | null = null;
+
+  constructor(options: SceneOptions, events: SceneEvents) {
+    this.#options = options;
+    this.#events = events;
+    this.#worker = new SceneWorker({
+      decoded: (splats) => this.#chunks.decoded(splats),
+      damaged: (id, message) => this.#chunks.damaged(id, message),
+      packed: (splats) => this.#chunks.packed(splats),
+      repacked: () => this.#chunks.repacked(),
+      ordered: (order) => {
+        this.orders.receive(order);
+        events.ordered();
+      },
+      stopped: (cause) => events.failed(DECODER_STOPPED, cause),
+    });
+    this.orders = new OrderRequests(this.#worker, options.sink);
+    this.#chunks = new SceneChunks({
+      worker: this.#worker,
+      sink: options.sink,
+      source: () => this.source,
+      changed: () => {
+        this.#reside();
+        events.changed();
+      },
+    });
+    this.source = options.open(
+      {
+        manifest: (manifest) => this.#begin(manifest),
+        grown: (later) => this.#grow(later),
+        chunk: (id, bytes) => this.#chunks.arrived(id, bytes),
+        missing: (id) => this.#chunks.missing(id),
+        progress: (bytes) => {
+          this.#bytes += bytes;
+          this.#line.count(bytes, performance.now());
+          events.changed();
+        },
+        state: (state) => {
+          this.#state = state;
+          events.changed();
+        },
+        failed: async (failure, detail) => events.failed(await describeFailure(failure), detail),
+      },
+      { time: options.time, rate: options.playing ? 1 : 0 },
+    );
+  }
+
+  /** Null until it has arrived. */
+  get manifest(): Manifest | null {
+    return this.#manifest;
+  }
+
+  /** Null until the manifest has arrived. */
+  get playback(): Playback | null {
+    return this.#playback;
+  }
+
+  /** Counts the chunks that the worker has decoded. */
+  get version(): number {
+    return this.#chunks.version;
+  }
+
+  get state(): SourceState {
+    return this.#state;
+  }
+
+  /** Chunk bytes that have arrived. */
+  get bytes(): number {
+    return this.#bytes;
+  }
+
+  /** The scene's time, seconds, of the last shot. */
+  get pictureTime(): number {
+    return this.#pictureTime;
+  }
+
+  /** Whether a step has told what to draw, something or all that there is, since there is a sink that can. */
+  get pictured(): boolean {
+    return this.#pictured;
+  }
+
+  /** Bytes per second at `now`, milliseconds. */
+  lineRate(now: number): number {
+    return this.#line.rate(now);
+  }
+
+  /**
+   * One frame: move the clock to `now`, milliseconds of any steady clock, ask for the order of what the views see, and tell
+   * what to draw. Whoever draws calls it: a page's loop, a headset's session, a host. Null until the manifest has arrived.
+   */
+  step(now: number, views: readonly [View, ...View[]]): SceneStep | null {
+    const playback = this.#playback;
+    if (!playback) return null;
+    this.orders.frame(now);
+    playback.tick(now / 1000, this.#pictured);
+    this.#reside();
+    const sight = sightOf(views);
+    const exact = this.#lastSight === null || sameSight(this.#lastSight, sight);
+    this.#lastSight = sight;
+    const { splatBudget: budget } = this;
+    const moment = nextMoment(playback, this.orders.shown, this.orders.lead / 1000);
+    if (!moment || this.#suspended) return { shots: [], moving: false, settled: false };
+    const wanted = { ...sight, exact, budget, ...moment, version: this.#chunks.version };
+    this.orders.want(wanted);
+    const shots = this.orders.shown ? views.map((view) => this.shot(view)) : [];
+    const settled = this.#settled(wanted);
+    this.#pictured ||= !this.#chunks.restoring && shots.length > 0 && (this.orders.count > 0 || settled);
+    return { shots, moving: playback.moving, settled };
+  }
+
+  /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
+  shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
+    const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
+    if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased };
+    this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
+    return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
+  }
+
+  /** The sink takes nothing until `restore`: nothing is ordered, and the playhead stands. */
+  suspend(): void {
+    this.#suspended = true;
+    this.#pictured = false;
+  }
+
+  /** The sink has lost all that it was given, and takes it again. */
+  restore(): void {
+    this.#suspended = this.#pictured = false;
+    this.orders.forget();
+    this.#chunks.restore();
+  }
+
+  /** The network or the page is back. */
+  wake(): void {
+    this.source.wake();
+  }
+
+  /** Stop and give everything back but the sink. */
+  dispose(): void {
+    this.source.close();
+    this.#chunks.dispose();
+    this.#worker.dispose();
+  }
+
+  /** Whether all that is alive at the time of the shown order, or of `wanted` if the scene stands, is in that order. */
+  #settled(wanted: OrderKey): boolean {
+    const { shown } = this.orders;
+    const playback = this.#playback;
+    if (
+      this.#chunks.restoring ||
+      !shown?.exact ||
+      !playback?.buffer.staticComplete ||
+      !playback.buffer.ready(shown.time) ||
+      !playback.buffer.playable(playback.clock.time)
+    )
+      return false;
+    return playback.clock.playing
+      ? shown.version === wanted.version && shown.budget === wanted.budget
+      : this.orders.shows(wanted);
+  }
+
+  #begin(manifest: Manifest): void {
+    try {
+      const buffer = new SceneBuffer(manifest);
+      this.#chunks.begin(manifest, buffer, this.#options.memoryBudget);
+      this.#worker.begin(manifest);
+      const clock = new PlayerClock(manifest.start, manifest.end);
+      clock.grows = manifest.live !== null;
+      clock.seek(this.#options.time ?? manifest.start);
+      this.#manifest = manifest;
+      this.#playback = new Playback(clock, buffer, this.source, () => this.#line.rate(performance.now()));
+      if (this.#options.playing) this.#playback.play();
+      this.#events.manifest(manifest); // whoever hears it may pause
+      this.#events.changed();
+    } catch (error) {
+      this.source.close();
+      const { message } = error as Error;
+      this.#events.failed(message, message);
+    }
+  }
+
+  /** All who have the manifest see what it has become. */
+  #grow(later: Manifest): void {
+    const clock = this.#playback?.clock;
+    if (!clock || !this.#manifest) return;
+    const manifest = Object.assign(this.#manifest, later);
+    clock.end = manifest.end;
+    clock.grows = manifest.live !== null;
+    this.#chunks.grow();
+    this.#worker.begin(manifest);
+    this.#events.grown?.(manifest);
+    this.#events.changed();
+  }
+
+  /** Keep in memory what the playhead needs. */
+  #reside(): void {
+    const clock = this.#playback?.clock;
+    if (clock) this.#chunks.reside(clock.time, () => this.orders.moments);
+  }
+}

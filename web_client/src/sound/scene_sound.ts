@@ -1,0 +1,263 @@
+/**
+ * Plays the sound of a scene in step with its picture, by Web Audio. It follows the picture, which never waits for it. Nothing
+ * is fetched while it is muted, and nothing sounds before the visitor has touched the page: browsers would not let it.
+ */
+
+import { type AudioEntry, readAudio, type SoundPiece } from "../codec/audio_entry";
+import type { Manifest } from "../codec/types";
+import type { StreamedScene } from "../scene/streamed_scene";
+import { newContext, outputTime, toSample } from "./device";
+import { stretched } from "./stretch";
+import { Alignment, type Line, partToHear, pieceAt } from "./timing";
+
+/** Pieces for so many seconds of playing are fetched, and those of so many handed to the device. */
+const AHEAD = 3;
+const SOON = 0.6;
+/** At greater rates there is no sound: it could not be understood. */
+const FASTEST = 4;
+/** Decoded pieces that are kept, about 0.4 MB each. */
+const KEPT = 24;
+/** Sound begins and ends within so many seconds, without a click. */
+const FADE = 0.01;
+/** From a frame's time until its picture is seen, seconds: about the next refresh of the screen. */
+const DISPLAY = 1 / 60;
+/** What the device needs to begin something, seconds. */
+const LATEST = 0.005;
+/** A browser that does not begin within so many milliseconds wants the visitor to touch the page first. */
+const PATIENCE = 1000;
+/** Milliseconds of silence after which the device may rest. */
+const REST = 500;
+/** Milliseconds after which a piece that could not be had is asked for again. */
+const RETRY = 3000;
+
+/** Whose sound it is: tells by events that a frame has passed and that it is to be louder, quieter or muted; hears of `error`. */
+export interface Heard extends Pick<EventTarget, "dispatchEvent"> {
+  readonly manifest: Manifest | null;
+  muted: boolean;
+  /** From 0 to 1. */
+  readonly volume: number;
+  addEventListener(type: "frame" | "volumechange", listener: () => void, options: { signal: AbortSignal }): void;
+}
+
+/** What sounds together, by one line: ended as one when the line changes. */
+interface Run {
+  readonly line: Line;
+  /** The line moved by less than a sample, so that each piece begins at one, right after the one before. */
+  readonly exact: Line;
+  readonly fade: GainNode;
+  /** By their start. */
+  readonly pieces: Map<number, AudioBufferSourceNode>;
+}
+
+export class SceneSound {
+  #audio: AudioEntry;
+  #listed: unknown; // what of the manifest has been read
+  readonly #alignment = new Alignment();
+  /** By the start of their pieces; null: on its way, or not to be had now. */
+  readonly #buffers = new Map<number, AudioBuffer | null>();
+  #context: AudioContext | null = null;
+  #volume: GainNode | null = null;
+  #run: Run | null = null;
+  #rest: ReturnType<typeof setTimeout> | undefined; // while the device is to rest soon, or rests
+  #waking: ReturnType<typeof setTimeout> | undefined; // while it is asked to begin
+  #deaf = false; // the browser cannot decode such sound, and this has been said
+
+  /**
+   * @param scene whose manifest has come; `gone` aborts when it is shown no more.
+   * @throws ManifestError if what the manifest says of sound is wrong.
+   */
+  constructor(
+    readonly player: Heard,
+    readonly scene: Pick<StreamedScene, "playback" | "source">,
+    readonly gone: AbortSignal,
+  ) {
+    this.#audio = this.#list();
+    const listen = { signal: gone };
+    player.addEventListener("frame", () => this.#update(), listen);
+    player.addEventListener("volumechange", () => this.#update(), listen);
+    document.addEventListener("visibilitychange", () => this.#update(), listen);
+    gone.addEventListener("abort", () => this.#dispose());
+    this.#update();
+  }
+
+  /** Look at the player, and do as it does. */
+  #update(): void {
+    const { playback } = this.scene;
+    const { muted, volume } = this.player;
+    if (!playback || this.gone.aborted) return;
+    this.#audio = this.#list();
+    const { clock, moving } = playback;
+    if (muted || !moving || document.hidden || clock.rate > FASTEST) {
+      this.#hush();
+      return;
+    }
+    const context = this.#wake();
+    if (!context || !this.#volume) return;
+    const loud = Math.min(1, Math.max(0, volume || 0)) ** 2; // as loudness is heard
+    this.#volume.gain.setTargetAtTime(loud, context.currentTime, FADE);
+    const wanted = new Set<SoundPiece>();
+    for (let ahead = 0; ahead <= AHEAD; ahead += 0.4 / clock.rate) {
+      const piece = this.#audio.pieces[pieceAt(this.#audio.pieces, clock.after(ahead))];
+      if (piece) wanted.add(piece);
+    }
+    this.#fetch(context, wanted);
+    if (context.state !== "running" || clock.ticked === null) return;
+    const { performanceTime: heard, contextTime } = outputTime(context);
+    const shown = clock.ticked + DISPLAY - heard / 1000; // when the picture at the playhead is seen, after what is heard now
+    const line = this.#alignment.follow({ zero: contextTime + shown - clock.time / clock.rate, rate: clock.rate });
+    const [first] = wanted;
+    if (line !== this.#run?.line && first !== undefined) this.#begin(context, this.#volume, line, first);
+    for (const piece of wanted) this.#hear(context, piece);
+  }
+
+  /** What the manifest lists; more of it may have come since, with more sound. */
+  #list(): AudioEntry {
+    const { audio, room } = this.player.manifest ?? {};
+    if (audio === this.#listed) return this.#audio;
+    this.#listed = audio;
+    return readAudio(audio, room !== undefined);
+  }
+
+  /** The device, running or about to; null while the browser would not let it. */
+  #wake(): AudioContext | null {
+    clearTimeout(this.#rest);
+    this.#rest = undefined;
+    if (!this.#context) {
+      if (navigator.userActivation?.hasBeenActive === false) {
+        this.player.muted = true; // until the visitor asks for sound
+        return null;
+      }
+      const context = newContext(this.#audio.sampleRate);
+      this.#volume = context.createGain();
+      this.#volume.gain.value = 0; // until the first look at how loud it should be
+      this.#volume.connect(context.destination);
+      this.#context = context;
+    }
+    if (this.#context.state !== "running" && this.#waking === undefined) this.#resume(this.#context);
+    return this.#context;
+  }
+
+  #resume(context: AudioContext): void {
+    this.#waking = setTimeout(() => {
+      this.#waking = undefined;
+      const wanted = this.#rest === undefined && this.scene.playback?.moving;
+      if (wanted && context.state !== "running" && !this.gone.aborted) this.player.muted = true;
+    }, PATIENCE);
+    const woken = () => {
+      clearTimeout(this.#waking);
+      this.#waking = undefined;
+    };
+    context.resume().then(woken, () => {});
+  }
+
+  /** Be silent; the device may rest soon. */
+  #hush(): void {
+    this.#end();
+    this.#alignment.forget();
+    if (this.#context?.state !== "running" || this.#rest !== undefined) return;
+    this.#rest = setTimeout(() => void this.#context?.suspend().catch(() => {}), REST);
+  }
+
+  #begin(context: AudioContext, volume: GainNode, line: Line, first: SoundPiece): void {
+    this.#end();
+    const into = first.start / line.rate;
+    const exact = { zero: toSample(line.zero + into, context) - into, rate: line.rate };
+    const fade = context.createGain();
+    fade.gain.setValueAtTime(0, context.currentTime);
+    fade.gain.linearRampToValueAtTime(1, context.currentTime + FADE);
+    fade.connect(volume);
+    this.#run = { line, exact, fade, pieces: new Map() };
+  }
+
+  #end(): void {
+    const [run, context] = [this.#run, this.#context];
+    this.#run = null;
+    if (!run || !context) return;
+    const { currentTime } = context;
+    run.fade.gain.cancelScheduledValues(currentTime);
+    run.fade.gain.setValueAtTime(run.fade.gain.value, currentTime);
+    run.fade.gain.linearRampToValueAtTime(0, currentTime + FADE);
+    for (const node of run.pieces.values()) node.stop(currentTime + FADE);
+  }
+
+  /** Hand a piece to the device, if it is decoded, soon to be heard, and not there yet. */
+  #hear(context: AudioContext, piece: SoundPiece): void {
+    const { start, end } = piece;
+    const [run, buffer] = [this.#run, this.#buffers.get(start)];
+    if (!run || !buffer || run.pieces.has(start)) return;
+    const now = context.currentTime + LATEST;
+    const { pieces } = this.#audio;
+    const part = partToHear(pieces, pieces.indexOf(piece), run.exact, now);
+    if (!part || part.when > now + SOON) return;
+    const { rate } = run.line;
+    const node = new AudioBufferSourceNode(context, { buffer: atRate(context, buffer, end - start, rate) });
+    node.connect(run.fade);
+    const from = Math.max(0, node.buffer!.duration - (end - part.from) / rate);
+    node.start(toSample(part.when, context), toSample(from, context), (part.until - part.from) / rate);
+    run.pieces.set(start, node);
+  }
+
+  /** Bring and decode pieces, and let go of those that have long been heard. */
+  #fetch(context: AudioContext, wanted: ReadonlySet<SoundPiece>): void {
+    const starts = new Set<number>();
+    for (const piece of wanted) {
+      starts.add(piece.start);
+      if (this.#buffers.has(piece.start)) continue;
+      this.#buffers.set(piece.start, null);
+      void this.#bring(context, piece);
+    }
+    for (const start of this.#buffers.keys()) {
+      if (this.#buffers.size <= KEPT) break;
+      if (!starts.has(start)) this.#buffers.delete(start);
+    }
+  }
+
+  async #bring(context: AudioContext, { id, start }: SoundPiece): Promise<void> {
+    let bytes: Uint8Array;
+    try {
+      bytes = await this.scene.source.fetchAgain(id, this.gone, "default");
+    } catch (error) {
+      if (this.gone.aborted) return;
+      // biome-ignore lint/suspicious/noConsole: the scene goes on, without sound for a second
+      console.warn(`sound ${id}: ${error instanceof Error ? error.message : error}`);
+      setTimeout(() => this.#buffers.delete(start), RETRY);
+      return;
+    }
+    try {
+      const buffer = await context.decodeAudioData(bytes.slice().buffer as ArrayBuffer);
+      if (this.#buffers.has(start)) this.#buffers.set(start, buffer);
+      this.#update();
+    } catch (error) {
+      if (!this.gone.aborted && !this.#deaf) this.#complain(`${this.#audio.codec}, ${id}: ${error}`);
+      this.#deaf = true;
+    }
+  }
+
+  #complain(cause: string): void {
+    const message = "This browser cannot play the scene's sound.";
+    this.player.dispatchEvent(new CustomEvent("error", { detail: { message, cause } }));
+  }
+
+  #dispose(): void {
+    clearTimeout(this.#rest);
+    clearTimeout(this.#waking);
+    this.#end();
+    const context = this.#context;
+    this.#context = null;
+    setTimeout(() => void context?.close().catch(() => {}), 100); // it fades out
+  }
+}
+
+/**
+ * A piece of so many seconds as it sounds at a rate, at the pitch that it has. What is decoded ends with the piece; before it there
+ * is what the decoder needed to begin.
+ */
+function atRate(context: AudioContext, decoded: AudioBuffer, seconds: number, rate: number): AudioBuffer {
+  if (rate === 1) return decoded;
+  const channels = Array.from({ length: Math.min(2, decoded.numberOfChannels) }, (_, i) => decoded.getChannelData(i));
+  const begin = Math.max(0, decoded.length - Math.round(seconds * decoded.sampleRate));
+  const made = stretched(channels, begin, rate, decoded.sampleRate);
+  const buffer = context.createBuffer(made.length, Math.max(1, made[0].length), decoded.sampleRate);
+  for (const [i, samples] of made.entries()) buffer.copyToChannel(samples, i);
+  return buffer;
+}

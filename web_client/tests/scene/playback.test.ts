@@ -1,0 +1,106 @@
+import { beforeEach, expect, it, vi } from "vitest";
+import { SceneBuffer } from "../../src/scene/buffer";
+import { PlayerClock } from "../../src/scene/clock";
+import { Playback } from "../../src/scene/playback";
+import type { SceneSource } from "../../src/source/scene_source";
+import { manifest, slice } from "../scene";
+
+const told = vi.fn();
+const stream = {
+  playheadAt: () => {},
+  play: (time: number, rate: number) => told("play", time, rate),
+  pause: (time: number) => told("pause", time),
+  seek: (time: number) => told("seek", time),
+} as unknown as SceneSource;
+let playback: Playback;
+
+/** A scene of two seconds, of which the first is here. */
+beforeEach(() => {
+  const buffer = new SceneBuffer(manifest({ slices: [slice(0, 1, ["a"]), slice(1, 2, ["b"])] }));
+  buffer.arrived("a");
+  playback = new Playback(new PlayerClock(0, 2), buffer, stream);
+  told.mockClear();
+});
+
+it("asks the server for what is missing at a new time, and else tells only where the playhead is", () => {
+  playback.seek(1.5);
+  playback.seek(0.5);
+  playback.play();
+  playback.seek(0.25);
+  expect(told.mock.calls).toEqual([
+    ["seek", 1.5],
+    ["pause", 0.5],
+    ["play", 0.5, 1],
+    ["play", 0.25, 1],
+  ]);
+});
+
+it("tells the server once when it waits, and once when it goes on", () => {
+  playback.seek(0.95);
+  playback.play();
+  playback.tick(0);
+  told.mockClear();
+  for (const now of [0.1, 0.2, 0.3]) expect(playback.tick(now)).toBe(0.95);
+  expect(playback.moving).toBe(false);
+  playback.buffer.arrived("b");
+  playback.tick(0.4);
+  playback.tick(0.5);
+  expect(playback.moving).toBe(true);
+  expect(told.mock.calls.map(([kind]) => kind)).toEqual(["pause", "play"]);
+});
+
+it("does not go on for a moment after it has waited", () => {
+  const slices = Array.from({ length: 4 }, (_, k) => slice(k, k + 1, [`${k}`]));
+  const buffer = new SceneBuffer(manifest({ end: 4, slices }));
+  let line = 0;
+  playback = new Playback(new PlayerClock(0, 4), buffer, stream, () => line);
+  playback.play();
+  playback.tick(0);
+  buffer.arrived("0");
+  playback.tick(0.1);
+  expect(playback.moving).toBe(false);
+  line = 1000; // the rest will come in time
+  playback.tick(0.2);
+  expect(playback.moving).toBe(true);
+  line = 0; // once it moves it goes on as long as it can
+  for (let now = 0.3; now < 1; now += 0.1) playback.tick(now);
+  expect(playback.clock.time).toBeGreaterThan(0.5);
+});
+
+it("gathers more after it has waited than to begin with", () => {
+  const slices = Array.from({ length: 20 }, (_, k) => slice(k / 2, (k + 1) / 2, [`${k}`]));
+  const buffer = new SceneBuffer(manifest({ end: 10, slices }));
+  playback = new Playback(new PlayerClock(0, 10), buffer, stream);
+  playback.play();
+  playback.tick(0);
+  for (const k of [0, 1, 2]) buffer.arrived(`${k}`);
+  let now = 0;
+  const run = (seconds: number) => {
+    for (const until = now + seconds; now < until; now += 0.1) playback.tick(now);
+  };
+  run(1);
+  expect(playback.moving).toBe(true);
+  run(2);
+  for (const k of [3, 4, 5, 6]) buffer.arrived(`${k}`);
+  run(1);
+  expect(playback.moving).toBe(false);
+  for (const k of [7, 8, 9, 10, 11]) buffer.arrived(`${k}`);
+  run(1);
+  expect(playback.moving).toBe(true);
+});
+
+it("stands while the page is hidden, if it played", () => {
+  playback.pageHidden(true);
+  expect(told).not.toHaveBeenCalled();
+  playback.play();
+  playback.pageHidden(true);
+  playback.pageHidden(false);
+  expect(told.mock.calls.map(([kind]) => kind)).toEqual(["play", "pause", "play"]);
+});
+
+it("tells a new rate only while it plays", () => {
+  playback.setRate(2);
+  expect(told).not.toHaveBeenCalled();
+  playback.play();
+  expect(told).toHaveBeenLastCalledWith("play", 0, 2);
+});
