@@ -75,7 +75,7 @@ class SceneFiles:
         """Return a chunk's bytes; None if the server says that it has none.
 
         Raises:
-            StreamRefusedError: the key or link holds no more.
+            StreamRefusedError: the key or link is no longer valid.
             AwayError: it has not come.
         """
         try:

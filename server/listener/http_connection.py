@@ -19,6 +19,7 @@ from server.listener.websocket_protocol import WebSocketProtocol
 __all__ = ["BODY_BYTES", "HttpConnection", "WebSocketConnection"]
 
 BODY_BYTES = 64 << 10  # least progress of a body within `body_seconds`
+LINGER_SECONDS = 1.0  # reading on after a refusal
 
 
 class HttpConnection(H11Protocol):
@@ -44,6 +45,7 @@ class HttpConnection(H11Protocol):
         self._received = 0  # bytes, in all
         self._received_before = 0  # value when the timer of a body was set
         self._drain_timer: asyncio.TimerHandle | None = None
+        self._lingers = False
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Wait for a request, or refuse the connection."""
@@ -55,7 +57,9 @@ class HttpConnection(H11Protocol):
             self._refuse(ProblemError(503, "too-many-connections", "too many connections; try again later"))
 
     def data_received(self, data: bytes) -> None:
-        """Receive bytes of a request."""
+        """Receive bytes of a request, and discard those of a refused one."""
+        if self._lingers:
+            return
         self._received += len(data)
         super().data_received(data)
         if self.transport.get_protocol() is self:
@@ -169,6 +173,7 @@ class HttpConnection(H11Protocol):
         if self.conn.our_state is h11.SEND_RESPONSE and self.cycle is not None:
             path = self.scope["path"]
             self.cycle.disconnected = True  # its response has nowhere to go
+        sending = self.conn.their_state is h11.SEND_BODY
         document = problem_document(problem, path)
         headers = {"Content-Type": PROBLEM_JSON, "Content-Length": str(len(document)), "Connection": "close"}
         events = (
@@ -183,8 +188,16 @@ class HttpConnection(H11Protocol):
         self.transport.write(b"".join(self.conn.send(event) or b"" for event in events))
         if self.transport.get_write_buffer_size():
             self.drop()
+        elif sending and self.transport.can_write_eof():
+            self._linger()
         else:
             self.transport.close()
+
+    def _linger(self) -> None:
+        """Read on for a moment: closing on unread bytes resets the connection and loses the answer (RFC 9112, 9.6)."""
+        self._lingers = True
+        self.transport.write_eof()
+        self.loop.call_later(LINGER_SECONDS, self.transport.close)
 
     def _watch_drain(self) -> None:
         """Check later whether the client has read any pending data; nothing is added until then."""

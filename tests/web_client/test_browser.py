@@ -259,7 +259,7 @@ FLOOD = {"type": "error", "code": "flood", "detail": "900 messages"}
 @pytest.mark.parametrize(
     ("answer", "words", "cause"),
     [
-        (b"\xc1", "This page and the server are of different versions.", "not msgpack"),
+        (b"\xc1", "This page and the server have different versions.", "not msgpack"),
         (msgpack.packb(FLOOD), "The server has ended the stream.", "900 messages"),
         (msgpack.packb(WELCOME | {"manifest": b"{}"}), "This page cannot read the scene.", "is missing"),
     ],

@@ -305,7 +305,7 @@ def test_a_part_that_cannot_be_loaded_is_told_and_the_scene_plays_on(browser: Br
         wait_for_picture(page)
         page.locator(".stage").focus()
         page.keyboard.press("k")
-        page.get_by_text("A part of the player could not be loaded. Loading the page again may help.").wait_for()
+        page.get_by_text("A part of the player could not be loaded. Reloading the page may help.").wait_for()
         page.get_by_role("button", name="Play").click()
         page.wait_for_function("() => !one.paused")
 
@@ -530,7 +530,7 @@ def test_a_lost_line_is_told_at_once_and_until_something_comes(browser: Browser,
         page.reload()
         page.get_by_text("Loading 0 B").wait_for()
         page.evaluate("() => dispatchEvent(new Event('offline'))")
-        page.get_by_text("The connection is lost; trying again…").wait_for(timeout=4000)  # a request fails after 10 s
+        page.get_by_text("Connection lost. Trying again…").wait_for(timeout=4000)  # a request fails after 10 s
         page.unroute_all()
         page.evaluate("() => dispatchEvent(new Event('online'))")
         wait_for_picture(page)

@@ -96,7 +96,7 @@ def test_of_more_in_sight_than_there_are_contexts_one_that_stands_aside_can_be_p
         page.wait_for_function(f"() => ({aside})().length === 6")
         before = page.evaluate(f"() => ({aside})().map(({{ id }}) => id)")  # scenes arrive in any order
         pressed = before[0]
-        said = page.locator(f"#{pressed}").get_by_text("Press to play: many others do.").bounding_box()
+        said = page.locator(f"#{pressed}").get_by_text("Press to play this one instead.").bounding_box()
         assert said
         page.mouse.click(said["x"] + 5, said["y"] + 5)
         playing = f"!{pressed}.paused && !{pressed}.player.statistics.setAside && {pressed}.currentTime > 0"

@@ -93,7 +93,7 @@ def test_a_folder_is_sent_checked_and_trained(context: BrowserContext, receiver:
     begun: list[str] = []
     page.on("request", lambda request: begun.append(request.headers.get("upload-offset", "")))
     choose(page, folder)
-    page.get_by_text("It would not come out right:").wait_for()
+    page.get_by_text("This capture would not train well:").wait_for()
     assert "0" not in begun  # nothing was sent twice
     (upload,) = receiver.uploads()
     capture = Path(str(upload["capture"]))
@@ -107,7 +107,7 @@ def test_a_folder_is_sent_checked_and_trained(context: BrowserContext, receiver:
     assert violations(page) == []
     assert small_controls(page) == []
     assert page.get_by_text("is nothing but the level").first.is_visible()
-    page.get_by_role("checkbox", name="Train it all the same").check()
+    page.get_by_role("checkbox", name="Train it anyway").check()
     page.get_by_role("button", name="Start").click()
     page.wait_for_url("**/job/studio-*")
     job = httpx.get(f"{receiver.address}/v1/jobs/{page.url.rpartition('/')[2]}").json()

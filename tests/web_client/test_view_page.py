@@ -171,9 +171,9 @@ def test_a_context_that_never_comes_back_offers_to_load_again(browser: Browser, 
         lose = "(canvas) => canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext()"
         page.locator("canvas").evaluate(lose)
         notice(page).wait_for()
-        assert page.get_by_role("button", name="Load again").count() == 0
+        assert page.get_by_role("button", name="Reload").count() == 0
         page.clock.fast_forward(10_000)
-        page.get_by_role("button", name="Load again").click()
+        page.get_by_role("button", name="Reload").click()
         page.wait_for_function("() => window.hgs?.ready.then(() => true)")
         assert notice(page).count() == 0
 
@@ -239,7 +239,7 @@ def test_a_lost_connection_is_a_quiet_line_over_a_picture(browser: Browser, site
     })()"""
     with viewing(browser, site, prepare=lambda page: page.add_init_script(cut), ready=False) as page:
         page.wait_for_function("() => window.connections > 1 && window.hgs.state.firstFrame !== null")
-        page.get_by_role("status").filter(has_text="connection is lost").wait_for()
+        page.get_by_role("status").filter(has_text="Connection lost").wait_for()
         assert_quiet_line(page)
 
 

@@ -59,7 +59,7 @@ def test_both_kinds_are_offered_where_the_headset_has_them(browser: Browser, sit
 @pytest.mark.parametrize(
     ("refusal", "words"),
     [
-        ("NotAllowedError", "did not let this page use the headset"),
+        ("NotAllowedError", "did not allow this page to use the headset"),
         ("NotSupportedError", "cannot show the scene"),
         ("InvalidStateError", "is in use"),
         ("AbortError", "could not be started"),

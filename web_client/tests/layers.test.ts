@@ -30,21 +30,38 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
 
 const SRC = join(import.meta.dirname, "../src");
 
+/** The files of src that each file imports, types and parts loaded later included. */
+function imports(): Map<string, string[]> {
+  const files = readdirSync(SRC, { recursive: true, encoding: "utf-8" }).filter((name) => /(?<!\.d)\.ts$/.test(name));
+  return new Map(
+    files.map((file) => {
+      const text = readFileSync(join(SRC, file), "utf-8");
+      const names = [...text.matchAll(/\b(?:from|import)\s*\(?\s*"(\.[^"]+)"/g)].map(([, name]) => name);
+      return [file, names.map((name) => relative(SRC, join(SRC, dirname(file), name)))];
+    }),
+  );
+}
+
 /** The rooms that each room imports. */
 function imported(): Map<string, Set<string>> {
   const found = new Map<string, Set<string>>();
-  const files = readdirSync(SRC, { recursive: true, encoding: "utf-8" }).filter((name) => /\.ts$/.test(name));
-  for (const file of files) {
-    if (file.endsWith(".d.ts")) continue;
+  for (const [file, others] of imports()) {
     const [room] = file.split("/");
     const rooms = found.get(room) ?? new Set();
     found.set(room, rooms);
-    for (const [, name] of readFileSync(join(SRC, file), "utf-8").matchAll(/\b(?:from|import)\s*\(?\s*"(\.[^"]+)"/g)) {
-      const [other] = relative(SRC, join(SRC, dirname(file), name)).split("/");
-      if (other !== room) rooms.add(other);
-    }
+    for (const other of others.map((name) => name.split("/")[0])) if (other !== room) rooms.add(other);
   }
   return found;
+}
+
+/** Files in circles, and the files above them. */
+function inCircles(): string[] {
+  const left = new Map([...imports()].map(([file, others]) => [file, others.map((name) => `${name}.ts`)]));
+  for (let before = -1; before !== left.size; ) {
+    before = left.size;
+    for (const [file, others] of left) if (!others.some((other) => left.has(other))) left.delete(file);
+  }
+  return [...left.keys()].sort();
 }
 
 describe("the rooms of src", () => {
@@ -64,5 +81,9 @@ describe("the rooms of src", () => {
       for (const other of allowed)
         expect(order.indexOf(other), `${room} imports ${other}`).toBeLessThan(order.indexOf(room));
     }
+  });
+
+  it("contain no circle of files", () => {
+    expect(inCircles()).toEqual([]);
   });
 });

@@ -26,13 +26,13 @@ export class CheckPanel {
     this.node.replaceChildren();
     if (!capture || capture.problem !== null) return;
     if (capture.layout === WITHOUT_POSES) {
-      this.#say("Nothing says where the cameras stood. The job finds that out from the videos first.");
+      this.#say("It has no camera poses. The job first finds them from the videos.");
       return;
     }
     const button = element("button", { type: "button", class: "button" }, "Check it");
     button.addEventListener("click", () => void this.#run(capture));
     this.node.replaceChildren(
-      element("p", { class: "hint" }, "Look for wrong poses, clocks and pictures now. The job does that first, too."),
+      element("p", { class: "hint" }, "Check poses, clocks and pictures now. Every job starts with this check, too."),
       button,
     );
     if (atOnce) void this.#run(capture);
@@ -66,10 +66,10 @@ export class CheckPanel {
       return;
     }
     const head = found.stops
-      ? "It would not come out right:"
+      ? "This capture would not train well:"
       : found.findings.length > 0
-        ? "It can be trained; mind this:"
-        : "Nothing stands out: poses, clocks and pictures fit.";
+        ? "It can be trained, with these warnings:"
+        : "No problems found: poses, clocks and pictures agree.";
     this.node.replaceChildren(
       element("p", { class: found.stops ? "check-head wrong" : "check-head", role: "status" }, head),
       ...(found.findings.length > 0 ? [element("ul", { class: "findings" }, ...found.findings.map(findingItem))] : []),
@@ -80,7 +80,7 @@ export class CheckPanel {
         element("div", { class: "check-table", tabindex: 0, role: "region", "aria-label": "Figures" }, table(found)),
       ),
       ...(found.stops
-        ? [element("label", { class: "camera" }, this.#trust, "Train it all the same; the job does not stop then")]
+        ? [element("label", { class: "camera" }, this.#trust, "Train it anyway: the job then ignores these problems")]
         : []),
     );
   }

@@ -4,7 +4,7 @@ import { element } from "../dom/element";
 import { pictureUrl } from "../protocol/api";
 
 export class JobPicture {
-  readonly #caption = element("figcaption", { class: "hint" }, "The first picture comes with the training.");
+  readonly #caption = element("figcaption", { class: "hint" }, "The first picture appears once training starts.");
   readonly node = element("figure", { class: "job-picture" }, this.#caption);
   #version: string | null = null;
   #shown: HTMLImageElement | null = null;

@@ -91,7 +91,7 @@ export function describeFigures(job: Job): string {
 /** Where a queued job stands, if that is known. */
 export function describeQueue(ahead: number | null): string {
   if (ahead === null) return "";
-  if (ahead === 0) return "Next in line: it begins as soon as a worker is free.";
+  if (ahead === 0) return "Next in line: it starts as soon as a worker is free.";
   return ahead === 1
     ? "One other job is ahead of it."
     : `About ${ahead.toLocaleString("en")} other jobs are ahead of it.`;

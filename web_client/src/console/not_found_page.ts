@@ -12,7 +12,7 @@ export function showNotFoundPage(root: HTMLElement, home: string): void {
       {},
       element("img", { src: `${home}icon.svg`, alt: "", width: 56, height: 56 }),
       element("h1", {}, "There is nothing at this address"),
-      element("p", { class: "hint" }, "The link may be mistyped, or the scene may have gone."),
+      element("p", { class: "hint" }, "The link may be mistyped, or the scene may have been deleted."),
       element("a", { class: "button", href: home }, "All scenes"),
     ),
   );

@@ -86,7 +86,7 @@ async function share(scene: Scene, events: SceneEvents): Promise<void> {
   } catch {
     const field = element("input", { class: "input", value: address, readonly: true, "aria-label": "Link" });
     field.addEventListener("focus", () => field.select());
-    const body = [element("p", { class: "hint" }, "Whoever can reach this server can watch it there."), field];
+    const body = [element("p", { class: "hint" }, "Anyone who can reach this server can watch it there."), field];
     await ask({ title: `Link to ${nameOf(scene)}`, body, action: "Done", dismiss: "Close", run: async () => {} });
   }
 }

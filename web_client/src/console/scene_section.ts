@@ -34,9 +34,9 @@ export class SceneSection {
       element(
         "p",
         { class: "hint" },
-        "Turn videos of one moment, filmed from several sides, into a scene to walk around in.",
+        "Turn videos of one moment, filmed from several sides, into a scene you can walk around in.",
       ),
-      element("a", { class: "button primary", href: siteUrl("new") }, "Make the first one"),
+      element("a", { class: "button primary", href: siteUrl("new") }, "Make the first scene"),
     );
     this.#none.hidden = true;
     this.node = element(

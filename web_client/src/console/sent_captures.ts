@@ -43,8 +43,8 @@ export class SentCaptures {
           "p",
           {},
           upload.capture
-            ? "Its files are deleted on the server. Scenes that were made of it stay."
-            : "What was sent of it is lost.",
+            ? "Its files are deleted from the server. Scenes made from it stay."
+            : "The part already sent is lost.",
         ),
       ],
       action: "Delete",
@@ -57,10 +57,10 @@ export class SentCaptures {
   }
 }
 
-/** "2.0 GB", "40 % of 2.0 GB is there; choose the same folder to go on, within 47 h". */
+/** "2.0 GB", "40 % of 2.0 GB has arrived; choose the same folder within 47 h". */
 export function describeUpload({ capture, bytes, received, expires }: Upload, now: number): string {
   if (capture !== null) return formatBytes(bytes);
   const share = bytes > 0 ? Math.floor((100 * received) / bytes) : 100;
   const hours = Math.max(1, Math.floor(((expires ?? now) - now) / 3600));
-  return `${share} % of ${formatBytes(bytes)} is there; choose the same folder to go on, within ${hours} h`;
+  return `${share} % of ${formatBytes(bytes)} has arrived; choose the same folder within ${hours} h`;
 }

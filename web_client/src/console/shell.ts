@@ -33,7 +33,7 @@ export function showShell(root: HTMLElement, name: string, ...actions: HTMLEleme
     ...actions,
   );
   root.className = `console ${name}`;
-  root.replaceChildren(element("a", { class: "skip", href: "#main" }, "Skip to the content"), masthead, main, message);
+  root.replaceChildren(element("a", { class: "skip", href: "#main" }, "Skip to content"), masthead, main, message);
   let timer: ReturnType<typeof setTimeout> | undefined;
   return {
     main,

@@ -16,16 +16,16 @@ const LEAST_CAMERAS = 2; // that training needs
 const LOOK_AGAIN_MS = 2000; // at captures that the server is still looking at
 
 const PRESETS = [
-  { value: "preview", title: "Preview", note: "A first look, soonest" },
+  { value: "preview", title: "Preview", note: "A quick first look" },
   { value: "standard", title: "Standard", note: "A finished scene" },
-  { value: "best", title: "Best", note: "The finest picture, for two to three times the wait" },
+  { value: "best", title: "Best", note: "The best picture; takes two to three times as long" },
 ];
 
 export function showSubmitPage(root: HTMLElement): void {
   document.title = "New scene · HGS";
   const shell = showShell(root, "submit-page");
   shell.main.append(element("h1", {}, "New scene"));
-  const body = element("div", {}, element("p", { class: "hint", role: "status" }, "Looking for captures …"));
+  const body = element("div", {}, element("p", { class: "hint", role: "status" }, "Loading captures …"));
   shell.main.append(body);
   const abort = new AbortController();
   addEventListener("pagehide", () => abort.abort(), { once: true });
@@ -60,14 +60,14 @@ export function showSubmitPage(root: HTMLElement): void {
 function noCaptures({ folders }: CaptureList, ...sending: HTMLElement[]): HTMLElement {
   const there = folders.filter(({ exists }) => exists);
   const paths = (there.length > 0 ? there : folders).map(({ path }) => element("li", {}, element("code", {}, path)));
-  const retry = element("a", { class: "button primary", href: siteUrl("new") }, "Look again");
+  const retry = element("a", { class: "button primary", href: siteUrl("new") }, "Refresh");
   if (folders.length === 0)
     return emptyState(
       "This server reads no captures",
       element(
         "p",
         { class: "hint" },
-        "Whoever runs it can name their folder with hgs serve --captures, and start it again. Or send one:",
+        "The person who runs it can restart it with hgs serve --captures FOLDER. Or send one:",
       ),
       ...sending,
     );
@@ -123,19 +123,19 @@ class SubmitForm {
     const first = arrived?.problem === null ? arrived.capture : usable.length === 1 ? usable[0].capture : "";
     this.#capture = new FormField(
       "capture",
-      "What was filmed",
+      "Capture",
       [choices("capture", offered, first), this.#check.node, sending, sent],
-      list.complete ? "" : "There are more captures on the server than can be listed.",
+      list.complete ? "" : "The server has more captures than this list can show.",
     );
     this.#fields = {
       capture: this.#capture,
       title: new FormField("title", "Name of the scene", [this.#title]),
-      preset: new FormField("preset", "How well", [choices("preset", PRESETS, "standard")]),
+      preset: new FormField("preset", "Quality", [choices("preset", PRESETS, "standard")]),
       hold_out: new FormField(
         "hold_out",
         "Cameras to check the scene with",
         [this.#cameras],
-        "Their pictures are left out of the training, so that they show how good the scene is from where no camera stood. Choose none, and of six cameras or more the one in the middle is taken.",
+        "Training does not use their pictures, so they measure the scene from viewpoints it has not seen. If you choose none, the middle camera of six or more is used.",
       ),
     };
     const { capture, title, preset, hold_out } = this.#fields;
@@ -163,7 +163,7 @@ class SubmitForm {
     this.#choose(arrived !== undefined);
     if (arrived && arrived.problem !== null && !arrived.looking)
       this.#capture.fault(
-        `What was sent is no capture yet: ${arrived.problem}. Add what is missing, and send the folder again.`,
+        `The upload is not a complete capture: ${arrived.problem}. Add the missing files and send the folder again.`,
       );
     if (uploaded !== "")
       queueMicrotask(() => this.#capture.node.querySelector(":checked")?.scrollIntoView({ block: "nearest" }));
@@ -210,7 +210,7 @@ class SubmitForm {
           ...this.#heldOut(),
           ...(this.#check.trusted ? { config: { "capture.trust_poses": true } } : {}),
         },
-        () => this.#submit.replaceChildren("Looking at the capture …"),
+        () => this.#submit.replaceChildren("Checking the capture …"),
       );
       location.assign(siteUrl(`job/${encodeURIComponent(job.id)}`));
     } catch (error) {

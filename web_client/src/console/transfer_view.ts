@@ -19,7 +19,7 @@ const SAID: Readonly<Record<TransferState, string>> = {
   sending: "Sending",
   paused: "Paused",
   waiting: "Waiting for the server",
-  finishing: "All is sent",
+  finishing: "Everything is sent",
   done: "Sent",
   failed: "",
 };
@@ -42,7 +42,11 @@ export class TransferView {
       this.#bar,
       this.#words,
       this.#told,
-      element("p", { class: "hint" }, "If this page is closed, choose the same folder again: it goes on where it was."),
+      element(
+        "p",
+        { class: "hint" },
+        "If you close this page, choose the same folder again: the upload continues where it stopped.",
+      ),
       element("div", { class: "actions" }, this.pause, this.cancel),
       element("details", {}, this.#summary, this.#rows),
     );
@@ -55,7 +59,7 @@ export class TransferView {
     setText(this.#words, words);
     setText(this.#told, SAID[state] || words);
     this.#words.classList.toggle("wrong", state === "failed");
-    setText(this.pause, state === "failed" ? "Try again" : state === "paused" ? "Go on" : "Pause");
+    setText(this.pause, state === "failed" ? "Try again" : state === "paused" ? "Continue" : "Pause");
     this.pause.disabled = state === "finishing" || state === "done";
     const there = files.filter((file) => file.state === "there").length;
     setText(this.#summary, `${there.toLocaleString("en")} of ${files.length.toLocaleString("en")} files`);

@@ -59,7 +59,7 @@ export function parseViewParameters(search: string): ViewParameters {
     const values = text.split(",").map((part) => (part.trim() === "" ? Number.NaN : Number(part)));
     if (!values.every(Number.isFinite) || (count !== null && values.length !== count)) {
       const wanted = count === null ? "a list of numbers" : `${count} numbers`;
-      throw new Error(`${name}=${text} in the address is not ${wanted}, parted by commas`);
+      throw new Error(`${name}=${text} in the address is not ${wanted}, separated by commas`);
     }
     return values;
   };

@@ -99,7 +99,7 @@ export class CropPanel {
     this.#trim.hidden = wish.trim === null;
     if (wish.trim) {
       const [from, to] = wish.trim.map((time) => formatTime(time - start));
-      setText(this.#trim, `Trimmed to the repeated stretch, ${from} to ${to}`);
+      setText(this.#trim, `Trimmed to the repeated part, ${from} to ${to}`);
     }
     const command = commandFor(wish);
     if (this.#command.textContent !== command) setText(this.#copy, "Copy the command");

@@ -1,6 +1,6 @@
 /** A part of the player that is loaded when it is first used. */
 
-const FAILED = "A part of the player could not be loaded. Loading the page again may help.";
+const FAILED = "A part of the player could not be loaded. Reloading the page may help.";
 
 export class LatePart<T> {
   #part: T | null = null;

@@ -122,7 +122,7 @@ export class HgsPlayer extends PicturedPlayer {
 
   /** Empty the stage. */
   unload(): void {
-    this.#waiting?.reject(new DOMException("the scene has been taken away", "AbortError"));
+    this.#waiting?.reject(new DOMException("the scene has been removed", "AbortError"));
     this.#scene?.dispose();
     leaveContext(this.#tenant);
     if (!this.#scene) return;

@@ -96,7 +96,7 @@ export class ScreenedScene {
   dispose(): void {
     this.#abort.abort();
     this.player.dispose();
-    this.#fail(new DOMException("the scene has been taken away", "AbortError"));
+    this.#fail(new DOMException("the scene has been removed", "AbortError"));
   }
 
   #frame(): void {

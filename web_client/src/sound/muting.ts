@@ -12,7 +12,7 @@ const AUDIBLE = 0.5;
 /** Whether nothing is to be heard. */
 export const isSilent = ({ muted, volume }: Loudness): boolean => muted || volume === 0;
 
-/** Mute, or let sound be heard. */
+/** Mute or unmute. */
 export function toggleMuted(player: Loudness): void {
   const silent = isSilent(player);
   if (player.volume === 0) player.volume = AUDIBLE;

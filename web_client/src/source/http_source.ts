@@ -4,12 +4,12 @@
  */
 
 import { ManifestError } from "../codec/errors";
+import { parseManifest } from "../codec/manifest";
 import type { ChunkEntry } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
 import { download, StatusError } from "./download";
 import { retryDelay } from "./retry_delay";
-import { readManifest, type SceneManifest } from "./scene_manifest";
-import type { Playhead, SceneSource, SourceEvents } from "./scene_source";
+import type { Playhead, SceneManifest, SceneSource, SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 
 /** Downloads at once: enough to fill a long line, and few enough to be of use after a seek. */
@@ -18,6 +18,8 @@ const PARALLEL = 4;
 const UNDECODED = 16 << 20;
 /** How often a server may answer something else in place of a chunk before it is shown without. */
 const MOST_REFUSALS = 3;
+
+const GZIP = 0x1f; // the first byte of an index
 
 export class HttpSource implements SceneSource {
   readonly #abort = new AbortController();
@@ -229,4 +231,14 @@ export class HttpSource implements SceneSource {
   #chunkUrl(id: string): string {
     return new URL(`chunks/${id}${this.query}`, this.#url).href;
   }
+}
+
+/**
+ * Read a manifest, at once, or an index, for which there is a module of its own.
+ *
+ * @throws SyntaxError or ManifestError, or rejects with one or with another error, if it cannot be read
+ */
+function readManifest(bytes: Uint8Array<ArrayBuffer>): SceneManifest | Promise<SceneManifest> {
+  if (bytes[0] === GZIP) return import("./paged_manifest").then(({ readIndex }) => readIndex(bytes));
+  return { manifest: parseManifest(JSON.parse(new TextDecoder().decode(bytes))) };
 }

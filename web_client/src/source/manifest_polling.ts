@@ -1,21 +1,28 @@
 /** Follows a scene that grows in a folder of a web server: asks for its index or manifest again and again. */
 
 import { download } from "./download";
-import type { HttpSource } from "./http_source";
 import { continues, readIndex } from "./paged_manifest";
-import type { SceneManifest } from "./scene_manifest";
+import type { SceneManifest } from "./scene_source";
 
 /** Between two looks, ms; doubled after every one that fails. */
 const PAUSE = 2000;
 const LONGEST_PAUSE = 30_000;
 
+/** A source of a scene that grows. */
+interface Follower {
+  /** Take a later version of the manifest. */
+  become(found: SceneManifest): void;
+  /** Whether nobody sees the page. */
+  hidden(): boolean;
+}
+
 /**
- * Tell a source of every later version of its manifest, until the scene is complete; not while nobody sees the page.
+ * Give a source every later version of its manifest, until the scene is complete; not while nobody sees the page.
  *
  * @param url of the index or manifest.
  */
 export async function followManifest(
-  source: Pick<HttpSource, "become" | "hidden">,
+  source: Follower,
   url: string,
   first: SceneManifest,
   signal: AbortSignal,

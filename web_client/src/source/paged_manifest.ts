@@ -4,7 +4,7 @@ import { ManifestError } from "../codec/errors";
 import { Field, parseManifest } from "../codec/manifest";
 import { gunzip, type Page, type PieceEntry, readPage } from "../codec/page";
 import type { Box, Manifest, SegmentEntry, SliceEntry } from "../codec/types";
-import type { SceneManifest } from "./scene_manifest";
+import type { SceneManifest } from "./scene_source";
 
 const VERSION = 1;
 const GZIP = 0x1f; // the first byte

@@ -3,7 +3,7 @@
 import type { Manifest } from "../codec/types";
 
 /**
- * The scene is not there; a key or link is needed; the one that was given holds no more; the scene is another one than before;
+ * The scene is not there; a key or link is needed; the one given is no longer valid; the scene is another one than before;
  * it cannot be read; page and server are of different versions; the source's own script cannot be had; anything else.
  */
 export type SourceFailure =
@@ -67,3 +67,17 @@ export interface SceneSource {
 
 /** Opens a source, which begins to bring the scene at once. */
 export type OpenSource = (events: SourceEvents, playhead: Playhead) => SceneSource;
+
+/** A scene's manifest: all of a short one, and of a long one the pages that have come. */
+export interface SceneManifest {
+  /** As far as it is here. In place of a page that is not there is a slice with one chunk, which is the page. */
+  readonly manifest: Manifest;
+  /** Of a manifest in pages: where they begin, and how many segments each has. */
+  readonly places?: readonly (readonly [number, number])[];
+  /** Whether there is such a page, and it has not come. */
+  lacks?(id: string): boolean;
+  /** Take a page that is lacking; resolves to false if it is none. Rejects with ManifestError if it is damaged. */
+  add?(id: string, bytes: Uint8Array<ArrayBuffer>): Promise<boolean>;
+  /** The pages that have come and will not change, with the ids of the chunks and of the sound that they list. */
+  listed?(): [string, string[]][];
+}

@@ -21,8 +21,7 @@ import { MessageOrder } from "./message_order";
 import { continues, readIndex } from "./paged_manifest";
 import { RateReports } from "./rate_reports";
 import { ReconnectingSocket } from "./reconnecting_socket";
-import type { SceneManifest } from "./scene_manifest";
-import type { Playhead, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
+import type { Playhead, SceneManifest, SceneSource, SourceEvents, SourceFailure } from "./scene_source";
 import { helloOf } from "./stream_hello";
 import { StreamedSound, soundsOf } from "./streamed_sound";
 

@@ -16,12 +16,12 @@ export async function toggleFullscreen(host: HTMLElement): Promise<void> {
     throw new Error(
       framed
         ? 'The page around this frame does not let it fill the screen: its <iframe> needs allow="fullscreen".'
-        : "This browser does not let pages fill the screen.",
+        : "This browser does not support full screen.",
     );
   }
   try {
     await host.requestFullscreen();
   } catch {
-    throw new Error("The browser did not fill the screen. It does so only right after a click or a key.");
+    throw new Error("The browser refused full screen. It allows it only right after a click or a key press.");
   }
 }

@@ -8,8 +8,8 @@ type Row = readonly [string, string];
 
 /** While flying: keys by where they lie, see `FlyMode`. */
 export const FLYING: readonly Row[] = [
-  ["W, S", "Ahead and back"],
-  ["A, D", "To the left and to the right"],
+  ["W, S", "Forward and back"],
+  ["A, D", "Left and right"],
   ["E, Q", "Up and down"],
   ["Shift", "Three times as fast"],
   ["Drag", "Look around"],
@@ -18,10 +18,10 @@ export const FLYING: readonly Row[] = [
 export const GESTURES: readonly Row[] = [
   ["Click or tap", "Play or pause"],
   ["Double click or tap", "Look at this point"],
-  ["Drag", "Turn about what is in the middle"],
+  ["Drag", "Turn around the middle of the picture"],
   ["Shift + drag, right drag", "Move across the picture"],
-  ["Two fingers", "Come nearer, go away, move"],
-  ["Wheel", "Come nearer, go away"],
+  ["Two fingers", "Move closer, away or across"],
+  ["Wheel", "Move closer or away"],
 ];
 
 /** How a key is written: "K", "Space, K". */

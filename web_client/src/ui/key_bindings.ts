@@ -67,7 +67,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
   const playing = [
     { keys: [" ", "k"], shown: "Space, K", does: "Play or pause", action: () => togglePlaying(player) },
     { keys: ["ArrowLeft"], shown: "←", does: "Back 5 s, or a tenth of a short scene", action: arrow(-1) },
-    { keys: ["ArrowRight"], shown: "→", does: "Ahead 5 s, or a tenth of a short scene", action: arrow(1) },
+    { keys: ["ArrowRight"], shown: "→", does: "Forward 5 s, or a tenth of a short scene", action: arrow(1) },
     {
       keys: ["j"],
       does: "Back 10 s, or a fifth of a short scene",
@@ -75,11 +75,11 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
     },
     {
       keys: ["l"],
-      does: "Ahead 10 s, or a fifth of a short scene",
+      does: "Forward 10 s, or a fifth of a short scene",
       action: () => actions.seekBy(longSeekStep(player.duration)),
     },
     { keys: [","], does: "One frame back", action: () => stepFrames(player, -1) },
-    { keys: ["."], does: "One frame ahead", action: () => stepFrames(player, 1) },
+    { keys: ["."], does: "One frame forward", action: () => stepFrames(player, 1) },
     {
       keys: [..."0123456789"],
       shown: "0 … 9",
@@ -102,15 +102,15 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
         actions.rate = rateAfter(player.playbackRate, 1);
       },
     },
-    { keys: ["m"], does: "Mute, or let sound be heard", action: () => actions.toggleMuted() },
-    { keys: ["Shift+l"], shown: "Shift + L", does: "Repeat the scene or not", action: () => actions.toggleLoop() },
+    { keys: ["m"], does: "Mute or unmute", action: () => actions.toggleMuted() },
+    { keys: ["Shift+l"], shown: "Shift + L", does: "Repeat on or off", action: () => actions.toggleLoop() },
   ];
   const marking = [
     { keys: ["i"], does: "Repeat from here", action: () => actions.setLoop("from") },
-    { keys: ["o"], does: "Repeat up to here", action: () => actions.setLoop("to") },
-    { keys: ["x"], does: "Clear the repeated stretch", action: () => actions.clearLoop() },
-    { keys: ["b"], does: "Set a bookmark here, or take it away", action: () => actions.toggleBookmark() },
-    { keys: ["PageUp"], shown: "Page up", does: "To the bookmark before", action: () => actions.goToBookmark(-1) },
+    { keys: ["o"], does: "Repeat until here", action: () => actions.setLoop("to") },
+    { keys: ["x"], does: "Clear the repeated part", action: () => actions.clearLoop() },
+    { keys: ["b"], does: "Set or remove a bookmark here", action: () => actions.toggleBookmark() },
+    { keys: ["PageUp"], shown: "Page up", does: "To the previous bookmark", action: () => actions.goToBookmark(-1) },
     { keys: ["PageDown"], shown: "Page down", does: "To the next bookmark", action: () => actions.goToBookmark(1) },
   ];
   const moving = [
@@ -118,10 +118,10 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
     { keys: ["Shift+ArrowRight"], shown: "Shift + →", does: "Turn to the right", action: turn(-TURN, 0) },
     { keys: ["ArrowUp", "Shift+ArrowUp"], shown: "↑", does: "Turn upwards", action: turn(0, TURN) },
     { keys: ["ArrowDown", "Shift+ArrowDown"], shown: "↓", does: "Turn downwards", action: turn(0, -TURN) },
-    { keys: ["+", "="], shown: "+", does: "Come nearer", action: zoom(1 / ZOOM) },
-    { keys: ["-"], does: "Go away", action: zoom(ZOOM) },
+    { keys: ["+", "="], shown: "+", does: "Move closer", action: zoom(1 / ZOOM) },
+    { keys: ["-"], does: "Move away", action: zoom(ZOOM) },
     { keys: ["r"], does: "Back to the camera", action: () => actions.resetCamera() },
-    { keys: ["g"], does: "Fly, or turn about the scene again", action: () => actions.toggleFly() },
+    { keys: ["g"], does: "Fly, or turn around the scene", action: () => actions.toggleFly() },
   ];
   const rest = [
     { keys: ["f"], does: "Full screen", action: () => view.toggleFullscreen() },
@@ -133,7 +133,7 @@ export function playerKeys(player: HgsPlayer, actions: PlayerActions, view: KeyS
     rest.splice(1, 0, { keys: ["c"], does: "Copy a link to this picture", action: () => void actions.copyLink() });
   }
   const { toggleCrop } = actions.surroundings;
-  if (toggleCrop) rest.splice(1, 0, { keys: ["v"], does: "Crop the scene, or be done with it", action: toggleCrop });
+  if (toggleCrop) rest.splice(1, 0, { keys: ["v"], does: "Start or finish cropping", action: toggleCrop });
   return [
     { name: "Playing", bindings: playing },
     { name: "Repeating and bookmarks", bindings: marking },

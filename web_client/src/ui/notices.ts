@@ -24,7 +24,7 @@ export function noticeKind(stats: PlayerStats, stalled: boolean): NoticeKind {
 /** The words for it. */
 export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
   const share = `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`;
-  const retrying = "The connection is lost; trying again…";
+  const retrying = "Connection lost. Trying again…";
   switch (kind) {
     case "loading":
       if (stats.stream === "retrying") return retrying;
@@ -32,7 +32,7 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
     case "lost":
       return "The graphics card was reset. One moment…";
     case "aside":
-      return "Press to play: many others do.";
+      return "Press to play this one instead.";
     case "retrying":
       return retrying;
     case "stalled":
@@ -43,7 +43,7 @@ export function describeNotice(kind: NoticeKind, stats: PlayerStats): string {
 }
 
 const DAMAGED = "A part of this scene is damaged and cannot be shown.";
-const LOST_FOR_LONG = "The picture has not come back. Loading the page again should help.";
+const LOST_FOR_LONG = "The picture has not come back. Reloading the page should help.";
 
 /** The ways out of a failure. */
 export interface WaysOut {
@@ -53,8 +53,7 @@ export interface WaysOut {
   readonly home: string | null;
 }
 
-const reloadButton = (onclick: () => void) =>
-  element("button", { type: "button", class: "button", onclick }, "Load again");
+const reloadButton = (onclick: () => void) => element("button", { type: "button", class: "button", onclick }, "Reload");
 
 export class Notices {
   readonly #bar = element("progress", { max: 1, "aria-label": "Loading" });

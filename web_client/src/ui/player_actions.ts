@@ -89,7 +89,7 @@ export class PlayerActions {
         ? ([now, to > now ? to : player.end] as const)
         : ([from < now ? from : player.start, now] as const);
     if (!(range[0] < range[1])) {
-      this.surroundings.say("A stretch to repeat needs a beginning before its end");
+      this.surroundings.say("The repeated part must start before it ends");
       return;
     }
     player.loopRange = range;
@@ -99,7 +99,7 @@ export class PlayerActions {
 
   clearLoop(): void {
     this.player.loopRange = null;
-    this.#done("No repeated stretch");
+    this.#done("Nothing is repeated");
   }
 
   toggleBookmark(): void {
@@ -128,7 +128,7 @@ export class PlayerActions {
   toggleFly(): void {
     const { fly } = this.surroundings;
     fly.toggle();
-    this.#done(fly.active ? "Flying: W A S D, Q and E; drag to look around" : "Turning about the scene");
+    this.#done(fly.active ? "Flying: W A S D, Q and E; drag to look around" : "Turning around the scene");
   }
 
   resetCamera(): void {
@@ -153,7 +153,7 @@ export class PlayerActions {
       await navigator.clipboard.writeText(address);
       say("Link copied");
     } catch {
-      fail(`This browser does not let the page copy. The link: ${address}`); // as on http without a certificate
+      fail(`This browser does not allow copying. The link: ${address}`); // as on http without a certificate
     }
   }
 

@@ -57,7 +57,7 @@ export class SettingsMenu {
     this.#loop = toggle("Repeat (Shift + L)", () => actions.toggleLoop());
     this.#fly = toggle("Fly (G)", () => actions.toggleFly());
     this.#statistics = toggle("Statistics (S)", () => view.toggleStatistics());
-    this.#clear = command("Clear the repeated stretch (X)", () => actions.clearLoop());
+    this.#clear = command("Clear the repeated part (X)", () => actions.clearLoop());
     const { moves } = actions;
     const link = actions.surroundings.link !== null;
     const { toggleCrop } = actions.surroundings;
@@ -75,7 +75,7 @@ export class SettingsMenu {
         ? [
             group(
               command("Repeat from here (I)", () => actions.setLoop("from")),
-              command("Repeat up to here (O)", () => actions.setLoop("to")),
+              command("Repeat until here (O)", () => actions.setLoop("to")),
               this.#clear,
               command("Bookmark here (B)", () => actions.toggleBookmark()),
             ),

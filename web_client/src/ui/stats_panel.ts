@@ -35,7 +35,7 @@ export function figuresOf(stats: PlayerStats, { width, height, quality }: ShownP
     "Order age": rate > 0 ? `${stats.orderAge.toFixed(0)} ms` : NOTHING,
     "Sort time": stats.splats > 0 ? `${stats.sortTime.toFixed(1)} ms` : NOTHING,
     "Splats drawn": formatCount(stats.splats),
-    "of them moving": formatCount(stats.dynamicSplats),
+    "Moving splats": formatCount(stats.dynamicSplats),
     Received: `${formatBytes(stats.bytes)} of ${formatBytes(stats.bytesTotal)}`,
     "Line rate": stats.lineRate > 0 ? formatBitRate(stats.lineRate) : NOTHING,
     "First picture": first === null ? NOTHING : `${(first / 1000).toFixed(2)} s`,

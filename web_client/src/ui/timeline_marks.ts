@@ -2,11 +2,19 @@
 
 import { element } from "../dom/element";
 import { adoptStyle } from "../dom/shadow_style";
-import type { Timeline } from "./timeline";
+import type { HgsPlayer } from "../player/hgs_player";
+import type { Bookmarks } from "./bookmarks";
 import css from "./timeline_marks.css?inline";
 
+/** The bar below its marks. */
+interface MarkedBar {
+  readonly node: HTMLElement;
+  readonly player: HgsPlayer;
+  readonly bookmarks: Bookmarks;
+}
+
 /** Show the marks as they are now in place of what was shown. */
-export function showMarks({ node, player, bookmarks }: Timeline): void {
+export function showMarks({ node, player, bookmarks }: MarkedBar): void {
   const { start, duration, loopRange } = player;
   const place = (mark: HTMLElement, places: Record<string, number>): HTMLElement => {
     for (const [name, time] of Object.entries(places))

@@ -28,9 +28,9 @@ export function describeTransfer(
     case "paused":
       return `Paused · ${amount}`;
     case "waiting":
-      return `Waiting, and trying again: ${problem} · ${amount}`;
+      return `Waiting to try again: ${problem} · ${amount}`;
     case "finishing":
-      return "All is sent; the server looks it through …";
+      return "Everything is sent. The server is checking it …";
     case "done":
       return `Sent · ${formatBytes(total)}`;
     case "failed":

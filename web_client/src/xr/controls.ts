@@ -11,7 +11,7 @@ import { type Control, type Ray, rayOf, shareAt } from "./panel_layout";
 /** What controls act on. */
 export interface Commands {
   togglePlay(): void;
-  /** Mute, or let sound be heard; nothing without sound in the scene. */
+  /** Mute or unmute; nothing without sound in the scene. */
   toggleMuted(): void;
   /** Move the playhead by a share of the scene's duration. */
   scrub(share: number): void;

@@ -16,7 +16,7 @@ export interface PanelState {
   readonly pointed: Control | null;
 }
 
-const HINT = ["Grip or pinch: move the scene", "Both hands: its size", "A or X: play · B or Y: leave"];
+const HINT = ["Grip or pinch: move the scene", "Both hands: resize it", "A or X: play · B or Y: leave"];
 
 export class PanelPicture {
   readonly canvas = document.createElement("canvas");

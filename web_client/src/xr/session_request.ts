@@ -16,11 +16,11 @@ export function describeRefusal(error: unknown): string {
   switch (error instanceof DOMException ? error.name : "") {
     case "NotAllowedError":
     case "SecurityError":
-      return "The browser did not let this page use the headset. Allow it in the settings for this site, then try again.";
+      return "The browser did not allow this page to use the headset. Allow it in the site settings, then try again.";
     case "NotSupportedError":
       return "This headset cannot show the scene.";
     case "InvalidStateError":
-      return "The headset is in use. Leave what it shows now, then try again.";
+      return "The headset is in use. Close what it shows now, then try again.";
     default:
       return "The headset could not be started.";
   }

@@ -108,7 +108,7 @@ describe("titleOf", () => {
 describe("describeQueue", () => {
   it.each<[string, number | null]>([
     ["", null],
-    ["Next in line: it begins as soon as a worker is free.", 0],
+    ["Next in line: it starts as soon as a worker is free.", 0],
     ["One other job is ahead of it.", 1],
     ["About 1,200 other jobs are ahead of it.", 1200],
   ])("says %j", (text, ahead) => {

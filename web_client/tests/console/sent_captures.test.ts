@@ -13,6 +13,6 @@ const upload = {
 } as const;
 
 it("says how far an upload is, and how long it is kept", () => {
-  expect(describeUpload(upload, 27_000)).toBe("40 % of 2.0 GB is there; choose the same folder to go on, within 48 h");
+  expect(describeUpload(upload, 27_000)).toBe("40 % of 2.0 GB has arrived; choose the same folder within 48 h");
   expect(describeUpload({ ...upload, state: "finished", capture: "/a" }, 0)).toBe("2.0 GB");
 });

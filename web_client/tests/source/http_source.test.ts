@@ -393,7 +393,7 @@ describe("a chunk that does not come", () => {
     expect(events.missing).toHaveBeenCalledExactlyOnceWith(id("a"));
   });
 
-  it("because the key holds no more ends the scene", async () => {
+  it("because the key is no longer valid ends the scene", async () => {
     await begun();
     await request("a").answer("", 401);
     expect(events.failed).toHaveBeenCalledExactlyOnceWith("access-ended", expect.stringContaining("401"));

@@ -64,8 +64,8 @@ describe("every way in which a server closes a stream", () => {
     expect(streamFailure(code)).toBe("ended");
   });
 
-  it("tells nobody whose access has ended to load the page again", () => {
-    expect(SOURCE_FAILURES["access-ended"]).toMatch(/key or link .* no more/);
-    expect(SOURCE_FAILURES["access-ended"]).not.toMatch(/again/);
+  it("tells nobody whose access has ended to reload the page", () => {
+    expect(SOURCE_FAILURES["access-ended"]).toMatch(/key or link .* no longer valid/);
+    expect(SOURCE_FAILURES["access-ended"]).not.toMatch(/reload/i);
   });
 });

@@ -31,7 +31,7 @@ it("says that the frame around the page does not allow it, or that the browser d
   const window = {} as { parent: unknown };
   window.parent = window;
   vi.stubGlobal("window", window);
-  await expect(toggleFullscreen(host)).rejects.toThrow("This browser does not let pages fill the screen.");
+  await expect(toggleFullscreen(host)).rejects.toThrow("This browser does not support full screen.");
 });
 
 it("says what the browser waits for", async () => {

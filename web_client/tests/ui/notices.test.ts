@@ -31,7 +31,7 @@ describe("describeNotice", () => {
 
   it("tells a connection that is lost from one that is being made", () => {
     expect(describeNotice("loading", stats({ bytesTotal: 0, stream: "connecting" }))).toBe("Connecting…");
-    expect(describeNotice("loading", stats({ stream: "retrying" }))).toContain("connection is lost");
-    expect(describeNotice("retrying", stats())).toContain("connection is lost");
+    expect(describeNotice("loading", stats({ stream: "retrying" }))).toContain("Connection lost");
+    expect(describeNotice("retrying", stats())).toContain("Connection lost");
   });
 });

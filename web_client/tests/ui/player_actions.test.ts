@@ -68,7 +68,7 @@ describe("a scene from 1 to 11 seconds", () => {
     player.currentTime = 1;
     actions.setLoop("to");
     expect(player.loopRange).toBeNull();
-    expect(say).toHaveBeenCalledWith(expect.stringContaining("beginning"));
+    expect(say).toHaveBeenCalledWith(expect.stringContaining("must start before"));
   });
 
   it("goes from bookmark to bookmark", () => {

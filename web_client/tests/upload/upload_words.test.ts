@@ -20,7 +20,7 @@ it.each([
   [
     { ...transfer, state: "waiting", problem: "The server cannot be reached." } as const,
     null,
-    "Waiting, and trying again: The server cannot be reached. · 500 MB of 2.0 GB",
+    "Waiting to try again: The server cannot be reached. · 500 MB of 2.0 GB",
   ],
   [
     {
