@@ -16,7 +16,7 @@ from server.listener.connection_limits import OpenConnections
 from server.listener.strict_http import StrictConnection
 from server.listener.websocket_protocol import WebSocketProtocol
 
-__all__ = ["BODY_BYTES", "HttpConnection", "WebSocketConnection"]
+__all__ = ["BODY_BYTES", "LINGER_SECONDS", "HttpConnection", "WebSocketConnection"]
 
 BODY_BYTES = 64 << 10  # least progress of a body within `body_seconds`
 LINGER_SECONDS = 1.0  # reading on after a refusal
@@ -173,7 +173,6 @@ class HttpConnection(H11Protocol):
         if self.conn.our_state is h11.SEND_RESPONSE and self.cycle is not None:
             path = self.scope["path"]
             self.cycle.disconnected = True  # its response has nowhere to go
-        sending = self.conn.their_state is h11.SEND_BODY
         document = problem_document(problem, path)
         headers = {"Content-Type": PROBLEM_JSON, "Content-Length": str(len(document)), "Connection": "close"}
         events = (
@@ -188,7 +187,7 @@ class HttpConnection(H11Protocol):
         self.transport.write(b"".join(self.conn.send(event) or b"" for event in events))
         if self.transport.get_write_buffer_size():
             self.drop()
-        elif sending and self.transport.can_write_eof():
+        elif self._received:
             self._linger()
         else:
             self.transport.close()

@@ -200,6 +200,33 @@ def test_a_long_body_has_time_as_long_as_it_comes_fast_enough(
         server.app.state.service.uploads.close()
 
 
+@pytest.mark.parametrize(
+    ("sent", "status"),
+    [
+        (POST + "{", 408),
+        (f"{POST[:-2]}Transfer-Encoding: chunked\r\n\r\n", 400),
+        (f"GET /{'x' * 10_000}", 414),
+    ],
+)
+def test_a_refusal_resets_no_client_that_is_still_sending(
+    server: Any, sent: str, status: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A reset may reach a client before it has read the answer (RFC 9112, 9.6)."""
+    monkeypatch.setattr(http_connection, "LINGER_SECONDS", 60.0)
+
+    async def scenario() -> None:
+        async with connections(server, body_seconds=0.1) as (_, connect):
+            client = await connect()
+            await client.send(sent)
+            assert (await client.answer())[0] == status
+            for _ in range(3):
+                await client.send("x" * 1000)
+                await asyncio.sleep(0.02)
+            assert await client.reader.read() == b""
+
+    asyncio.run(scenario())
+
+
 def test_rest_of_a_body_that_was_refused_is_not_waited_for(server: Any) -> None:
     async def scenario() -> None:
         async with connections(server, body_seconds=0.1) as (_, connect):
