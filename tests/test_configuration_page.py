@@ -11,6 +11,7 @@ from tests.conftest import REPOSITORY
 
 PAGE = (REPOSITORY / "docs" / "configuration.md").read_text()
 PACKAGES = ("hgs_core", "jobs", "server")
+COMPOSE = "docker-compose.yml"
 VARIABLE = re.compile(r"HGS_[A-Z0-9_]*[A-Z0-9]")
 
 
@@ -21,10 +22,15 @@ def first_cells(heading: str) -> list[str]:
     return re.findall(r"^\| (`.+?) \|", text, re.MULTILINE)
 
 
-def names_on_page(*, compose: bool) -> list[str]:
-    own = "docker-compose.yml"
-    headings = [own] if compose else [name for name in re.findall(r"^## (.+)$", PAGE, re.MULTILINE) if name != own]
+def variables(*headings: str) -> list[str]:
+    """Return the names of the variables in the tables of some sections."""
     return [name for heading in headings for cell in first_cells(heading) for name in VARIABLE.findall(cell)]
+
+
+def command_names() -> list[str]:
+    """Return the names of the commands of `hgs`, in the order of its help."""
+    [commands] = [action for action in command_line()._actions if isinstance(action, argparse._SubParsersAction)]
+    return list(commands.choices)
 
 
 def names_in_code() -> set[str]:
@@ -39,14 +45,14 @@ def names_in_code() -> set[str]:
 
 
 def test_each_variable_of_the_code_is_on_the_page_once_and_the_reverse() -> None:
-    assert sorted(names_on_page(compose=False)) == sorted(names_in_code())
+    headings = [name for name in re.findall(r"^## (.+)$", PAGE, re.MULTILINE) if name != COMPOSE]
+    assert sorted(variables(*headings)) == sorted(names_in_code())
 
 
 def test_variables_of_compose_are_those_that_the_code_does_not_read() -> None:
-    used = set(re.findall(r"\$\{(HGS_[A-Z0-9_]+)", (REPOSITORY / "docker-compose.yml").read_text()))
-    assert sorted(names_on_page(compose=True)) == sorted(used - names_in_code())
+    used = set(re.findall(r"\$\{(HGS_[A-Z0-9_]+)", (REPOSITORY / COMPOSE).read_text()))
+    assert sorted(variables(COMPOSE)) == sorted(used - names_in_code())
 
 
 def test_commands_are_those_of_the_program() -> None:
-    [commands] = [action for action in command_line()._actions if isinstance(action, argparse._SubParsersAction)]
-    assert [cell.strip("`") for cell in first_cells("Commands")] == list(commands.choices)
+    assert [cell.strip("`") for cell in first_cells("Commands")] == command_names()

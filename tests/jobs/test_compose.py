@@ -19,6 +19,7 @@ from s3_server import running_s3_server
 
 from jobs.home import home
 from jobs.process.process_tree import THREADS_EACH
+from tests.test_configuration_page import variables
 
 Poll = Callable[[Callable[[], bool], str], None]
 
@@ -133,11 +134,7 @@ def test_torch_for_the_cpu_comes_from_its_own_index() -> None:
 
 
 def test_every_setting_of_jobs_can_be_given() -> None:
-    sections = re.split(r"^## ", (FILE.parent / "docs" / "configuration.md").read_text(), flags=re.MULTILINE)
-    of_jobs = [text for text in sections if text.startswith(("Home\n", "Stages\n", "Webhooks and tidying\n"))]
-    assert len(of_jobs) == 3
-    rows = re.findall(r"^\| ((?:`HGS_[A-Z_]+`,? ?)+)\|", "".join(of_jobs), re.MULTILINE)
-    settings = {name for row in rows for name in re.findall("HGS_[A-Z_]+", row)} - {"HGS_PIPELINE"}
+    settings = set(variables("Home", "Stages", "Webhooks and tidying")) - {"HGS_PIPELINE"}
     assert settings - services()["worker"]["environment"].keys() == set()
     given = services(HGS_STAGE_MEMORY="8G,train=24G")["worker"]["environment"]
     assert given["HGS_STAGE_MEMORY"] == "8G,train=24G"

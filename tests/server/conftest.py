@@ -31,9 +31,9 @@ from server.app import create_app
 from server.captures.capture_folders import CaptureFolders
 from server.listener.http_server import HttpServer, bind
 from server.scenes.scene_index import Chunk, SceneIndex, Slice
-from tests.studio_scene import chunk_bytes, chunks, manifest, scene_folder, small_manifest
+from tests.studio_scene import chunk_bytes, chunks, manifest, scene_folder
 
-__all__ = ["chunk_bytes", "chunks", "manifest", "scene_folder", "small_manifest"]
+__all__ = ["chunks", "manifest", "scene_folder"]
 
 SliceSpec = tuple[float, float, Sequence[int]]  # start, end, sizes of the chunks
 

@@ -30,22 +30,21 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
 
 const SRC = join(import.meta.dirname, "../src");
 
+const FILES = readdirSync(SRC, { recursive: true, encoding: "utf-8" }).filter((name) => /(?<!\.d)\.ts$/.test(name));
+
 /** The files of src that each file imports, types and parts loaded later included. */
-function imports(): Map<string, string[]> {
-  const files = readdirSync(SRC, { recursive: true, encoding: "utf-8" }).filter((name) => /(?<!\.d)\.ts$/.test(name));
-  return new Map(
-    files.map((file) => {
-      const text = readFileSync(join(SRC, file), "utf-8");
-      const names = [...text.matchAll(/\b(?:from|import)\s*\(?\s*"(\.[^"]+)"/g)].map(([, name]) => name);
-      return [file, names.map((name) => relative(SRC, join(SRC, dirname(file), name)))];
-    }),
-  );
-}
+const IMPORTS: ReadonlyMap<string, readonly string[]> = new Map(
+  FILES.map((file) => {
+    const text = readFileSync(join(SRC, file), "utf-8");
+    const names = [...text.matchAll(/\b(?:from|import)\s*\(?\s*"(\.[^"]+)"/g)].map(([, name]) => name);
+    return [file, names.map((name) => relative(SRC, join(SRC, dirname(file), name)))];
+  }),
+);
 
 /** The rooms that each room imports. */
 function imported(): Map<string, Set<string>> {
   const found = new Map<string, Set<string>>();
-  for (const [file, others] of imports()) {
+  for (const [file, others] of IMPORTS) {
     const [room] = file.split("/");
     const rooms = found.get(room) ?? new Set();
     found.set(room, rooms);
@@ -56,7 +55,7 @@ function imported(): Map<string, Set<string>> {
 
 /** Files in circles, and the files above them. */
 function inCircles(): string[] {
-  const left = new Map([...imports()].map(([file, others]) => [file, others.map((name) => `${name}.ts`)]));
+  const left = new Map([...IMPORTS].map(([file, others]) => [file, others.map((name) => `${name}.ts`)]));
   for (let before = -1; before !== left.size; ) {
     before = left.size;
     for (const [file, others] of left) if (!others.some((other) => left.has(other))) left.delete(file);

@@ -23,8 +23,8 @@ from server.scenes.chunk_cache import ChunkCache
 from server.scenes.scene_index import Chunk
 from server.stream.stream_session import StreamSession
 from tests.chunks import static_chunk
-from tests.server.conftest import small_manifest
 from tests.server.listener.test_http_server import receive, receive_all, with_stream
+from tests.studio_scene import small_manifest
 
 PATH = "/v1/scenes/studio/stream"
 
