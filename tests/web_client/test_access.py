@@ -71,6 +71,8 @@ def test_a_scene_asks_for_a_key_and_plays_when_it_is_given(browser: Browser, gua
     context = browser.new_context(**PHONE)
     page = context.new_page()
     page.goto(f"{address}/view/clouds?paused=1")
+    page.get_by_label("Key", exact=True).wait_for()
+    assert page.evaluate("() => window.hgs === undefined")  # no player goes on behind the page that asks
     give(page, key)
     page.wait_for_function("() => window.hgs?.ready.then(() => true)")
     assert page.url == f"{address}/view/clouds?paused=1"

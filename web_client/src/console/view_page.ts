@@ -3,6 +3,7 @@
 import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
+import { KEY_NEEDED } from "../protocol/http";
 import { siteUrl } from "../protocol/site";
 import type { Quality } from "../renderer/quality_names";
 import type { Pixels } from "../renderer/shot";
@@ -80,14 +81,13 @@ function play(host: HTMLElement, scene: string, parameters: ViewParameters, page
   const ready = player.load(siteUrl(`view/${scene}${query}`));
   ready.catch(() => {}); // shown on the page already
   window.hgs = handle(player, ready);
-  addEventListener(
-    "pagehide",
-    () => {
-      view.dispose();
-      delete window.hgs;
-    },
-    { once: true },
-  );
+  const end = () => {
+    view.dispose();
+    delete window.hgs;
+  };
+  addEventListener("pagehide", end, { once: true });
+  // The page that asks for the key takes the place of the player, which would go on connecting behind it.
+  addEventListener(KEY_NEEDED, end, { once: true });
 }
 
 function handle(player: HgsPlayer, ready: Promise<void>): ViewerHandle {
