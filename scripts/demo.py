@@ -232,6 +232,7 @@ def check(scene_folder: Path, page: str, seconds: float | None) -> int:
             background=scene.background,
             gradients="none",
             antialiased=scene.antialiased,
+            rig=manifest.rig,
         ).rgb
         expected = np.rint(picture.clamp(0, 1).permute(1, 2, 0).numpy() * 255).astype(np.uint8)
         url = f"{page}?t={moment}&camera={camera.name}&paused=1&width={camera.width}&height={camera.height}&exact=1"

@@ -1,4 +1,5 @@
-"""Write tests/vectors/pictures: a small scene, and how it looks from some cameras at some times, for other players.
+"""Write tests/vectors/pictures: a small scene, and how it looks from some cameras at some times, for other players; and
+tests/vectors/magnification.json: views with the four numbers of their magnification.
 
 The pictures are the float64 reference backend's of the decoded scene. Run it after a change of the format or of
 docs/numerics.md:
@@ -20,14 +21,17 @@ from PIL import Image
 
 from hgs_core.codec import decode_scene, encode_scene
 from hgs_core.render import rasterize
+from hgs_core.render.magnification import magnification
 from hgs_core.scene import HybridScene, Segment
-from hgs_core.scene.camera import Camera
+from hgs_core.scene.camera import Camera, looking_at
 from tests.chirality import letters, views
 
-OUT = Path(__file__).resolve().parent.parent / "tests" / "vectors" / "pictures"
+VECTORS = Path(__file__).resolve().parent.parent / "tests" / "vectors"
+OUT = VECTORS / "pictures"
 BACKGROUND = (0.1, 0.15, 0.2)
 WIDTH, HEIGHT = 160, 120
 DURATION = 2.0  # seconds
+PLACES = ((-2.0, -3.0, 0.1), (0.5, -4.0, -0.2), (3.0, -2.0, 0.0))  # x and z, world units, and roll, radians
 
 
 def scene() -> HybridScene[np.ndarray]:
@@ -43,20 +47,28 @@ def scene() -> HybridScene[np.ndarray]:
     return HybridScene(still.static, (Segment(0.0, DURATION, moved),), BACKGROUND)
 
 
-def cases() -> list[tuple[str, Camera, float, bool]]:
-    """Return name, camera, seconds and whether antialiased of each picture."""
+def cases() -> list[tuple[str, Camera, float, bool, bool]]:
+    """Return name, camera, seconds, whether antialiased and whether by the rig's pixels of each picture."""
     front, above = views(WIDTH, HEIGHT)
     # As an eye of a headset: its middle is not where it looks.
     eye = dataclasses.replace(above, name="eye", fx=120.0, fy=110.0, cx=100.5, cy=50.25)
+    close = dataclasses.replace(front, name="close", fx=5 * front.fx, fy=5 * front.fy)
     return [
-        ("front", front, 1.0, False),
-        ("front-earlier", front, 0.25, False),
-        ("above", above, 1.5, False),
-        ("eye-antialiased", eye, 1.0, True),
+        ("front", front, 1.0, False, False),
+        ("front-earlier", front, 0.25, False, False),
+        ("above", above, 1.5, False, False),
+        ("eye-antialiased", eye, 1.0, True, False),
+        ("close-magnified", close, 1.0, False, True),
+        ("close-magnified-antialiased", close, 1.0, True, True),
     ]
 
 
-def picture(camera: Camera, seconds: float, *, antialiased: bool) -> np.ndarray:
+def rig() -> list[Camera]:
+    """Return the cameras of the scene's manifest."""
+    return list(views(WIDTH, HEIGHT))
+
+
+def picture(camera: Camera, seconds: float, *, antialiased: bool, magnified: bool) -> np.ndarray:
     """Return the reference's picture of the scene that lies in OUT, [H, W, 3] from 0 to 1."""
     decoded = decode_scene(OUT).map(lambda array: torch.tensor(array, dtype=torch.float64))
     segment = decoded.segment_at(seconds)
@@ -69,6 +81,7 @@ def picture(camera: Camera, seconds: float, *, antialiased: bool) -> np.ndarray:
         backend="reference",
         gradients="none",
         antialiased=antialiased,
+        rig=rig() if magnified else (),
     )
     rgb: np.ndarray = render.rgb.permute(1, 2, 0).numpy()
     return rgb
@@ -81,20 +94,39 @@ def document() -> list[dict[str, Any]]:
             "picture": f"{name}.png",
             "time": seconds,
             "antialiased": antialiased,
+            "magnified": magnified,
             "camera": camera.to_json(),
         }
-        for name, camera, seconds, antialiased in cases()
+        for name, camera, seconds, antialiased, magnified in cases()
     ]
+
+
+def magnifications() -> dict[str, Any]:
+    """Return the content of magnification.json: a rig, and views of it with their numbers."""
+    cameras = [looking_at((x, 0.3 * x * x, z), (0.0, 0.1, 0.2), roll) for x, z, roll in PLACES]
+    of_rig = [
+        Camera(f"camera {i}", 640, 480, 500.0 + 50 * i, 480.0, 320.0, 240.0, pose) for i, pose in enumerate(cameras)
+    ]
+    middle = Camera("between", 1280, 960, 1000.0, 1000.0, 640.0, 480.0, looking_at((0.2, 0.1, -2.0), (0.0, 0.0, 0.0)))
+    away = dataclasses.replace(middle, name="turned away", world_to_camera=looking_at((0.2, 0.1, -2.0), (3.0, 0.0, -4.0)))
+    return {
+        "rig": [camera.to_json() for camera in of_rig],
+        "views": [
+            {"camera": view.to_json(), "magnification": magnification(view, of_rig).tolist()}
+            for view in (of_rig[0], of_rig[1].scaled(2), middle, away)
+        ],
+    }
 
 
 def main() -> None:
     shutil.rmtree(OUT, ignore_errors=True)
-    cameras = [camera for _, camera, _, _ in cases()[::2]]
-    encode_scene(scene(), OUT, cameras=cameras, times=np.linspace(0, DURATION, 9), title="Letters")
-    for name, camera, seconds, antialiased in cases():
-        rounded = np.rint(np.clip(picture(camera, seconds, antialiased=antialiased), 0, 1) * 255).astype(np.uint8)
+    encode_scene(scene(), OUT, cameras=rig(), times=np.linspace(0, DURATION, 9), title="Letters")
+    for name, camera, seconds, antialiased, magnified in cases():
+        shown = picture(camera, seconds, antialiased=antialiased, magnified=magnified)
+        rounded = np.rint(np.clip(shown, 0, 1) * 255).astype(np.uint8)
         Image.fromarray(rounded).save(OUT / f"{name}.png", optimize=True)
     (OUT / "pictures.json").write_text(json.dumps(document(), indent=1) + "\n")
+    (VECTORS / "magnification.json").write_text(json.dumps(magnifications(), indent=1) + "\n")
 
 
 if __name__ == "__main__":

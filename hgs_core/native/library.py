@@ -24,7 +24,7 @@ from hgs_core.base.errors import InputError
 
 __all__ = ["available", "check", "instruction_set", "load", "supported", "thread_count"]
 
-ABI_VERSION = 10  # HGS_ABI_VERSION of src/hgs_native.h
+ABI_VERSION = 11  # HGS_ABI_VERSION of src/hgs_native.h
 LEVELS = ("v2", "v3", "v4")
 SUFFIX = ".dylib" if sys.platform == "darwin" else ".so"
 

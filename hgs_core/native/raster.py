@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -89,6 +89,7 @@ class Raster:
         keep_statics: bool = False,
         draw: bool = True,
         threads: int | None = None,
+        magnification: Iterable[float] = (0.0, 0.0, 0.0, 0.0),
     ) -> None:
         """Draw both sets at normalised `time`.
 
@@ -104,6 +105,7 @@ class Raster:
             keep_statics: whether `redraw` will be called.
             draw: whether there will be pictures; without, `contributions` are all that there is.
             threads: default `thread_count()`.
+            magnification: [4] of the view against the pictures that made the splats (`hgs_core.render.magnification`).
 
         Raises:
             ValueError: an array of another shape or type, or a picture that is too large.
@@ -116,7 +118,8 @@ class Raster:
         self._static = statics_struct(static)
         self._shape = (camera.height, camera.width)
         mask = self._mask(tile_mask)
-        self._view = CView(c_camera(camera), time, background, antialiased, mask, _KEEP if keep_statics else _ANEW)
+        use = _KEEP if keep_statics else _ANEW
+        self._view = CView(c_camera(camera), time, background, antialiased, mask, use, tuple(magnification))
         self._static_arrays = static  # the structs point into them
         self._workspace = _take_workspace()
         self._rasterize(dynamic, draw, depth)

@@ -84,6 +84,7 @@ class CView(ctypes.Structure):
         ("antialiased", ctypes.c_int32),
         ("tile_mask", ctypes.c_void_p),
         ("statics_use", ctypes.c_int32),
+        ("magnification", ctypes.c_double * 4),
     )
 
 

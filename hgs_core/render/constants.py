@@ -10,6 +10,7 @@ __all__ = [
     "ENTRIES_MAX",
     "FRUSTUM_MARGIN",
     "LOW_PASS",
+    "MAGNIFICATION_SLACK",
     "QUATERNION_MIN",
     "TILE",
     "TIME_LOG_PRECISION_MAX",
@@ -18,6 +19,7 @@ __all__ = [
 
 TILE = 16  # pixels; side of a tile
 LOW_PASS = 0.3  # pixels^2; added to the screen covariance so that no splat is thinner than about a pixel
+MAGNIFICATION_SLACK = 1 - 2**-12  # factor below 1: rounding magnifies nothing in a picture that made the scene
 ALPHA_MIN = 1 / 255  # less cannot change an 8-bit pixel
 ALPHA_MAX = 0.99  # keeps 1 - alpha away from zero in the backward pass
 TRANSMITTANCE_MIN = 1e-4  # a pixel is finished before the splat that would take it to this or below

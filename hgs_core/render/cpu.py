@@ -15,6 +15,7 @@ from torch import Tensor
 from hgs_core.native.kernel_arrays import Floats
 from hgs_core.native.raster import Raster
 from hgs_core.render.finite import refuse_non_finite
+from hgs_core.render.magnification import magnification
 from hgs_core.render.types import Contributions, Render, ScreenStatistics, View
 from hgs_core.scene.splats import DynamicSplats, StaticSplats
 
@@ -140,6 +141,7 @@ def _raster(
         depth=view.depth,
         keep_statics=keep_statics,
         draw=draw,
+        magnification=magnification(view.camera, view.rig),
     )
 
 

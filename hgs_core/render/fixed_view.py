@@ -34,6 +34,7 @@ class FixedView:
         background: Sequence[float] = (0.0, 0.0, 0.0),
         antialiased: bool = False,
         backend: str = "auto",
+        rig: Sequence[Camera] = (),
     ) -> None:
         """Keep the state common to all frames; the arguments are those of `rasterize`.
 
@@ -41,7 +42,7 @@ class FixedView:
             InputError: an unknown backend, or one that cannot run here.
         """
         red, green, blue = background
-        view = View(camera, background=(red, green, blue), antialiased=antialiased, gradients="none")
+        view = View(camera, background=(red, green, blue), antialiased=antialiased, gradients="none", rig=tuple(rig))
         chosen = choose_backend(backend, static)
         self._frames = FixedViewCpu(static, view) if chosen == "cpu" else _DrawnAnew(static, view, chosen)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import torch
@@ -17,6 +18,7 @@ from hgs_core.render.constants import (
     LOW_PASS,
     QUATERNION_MIN,
 )
+from hgs_core.render.magnification import magnification
 from hgs_core.render.moment import Moment
 from hgs_core.scene.camera import Camera
 
@@ -67,23 +69,25 @@ def rotation_matrices(quats: Tensor) -> Tensor:
     return torch.stack(rows, 1).view(-1, 3, 3)
 
 
-def project(moment: Moment, camera: Camera, antialiased: bool = False) -> Ellipses:
+def project(moment: Moment, camera: Camera, antialiased: bool = False, rig: Sequence[Camera] = ()) -> Ellipses:
     """Project the splats in front of the near plane that are opaque enough and touch the image."""
     with torch.no_grad():
         pose = torch.as_tensor(camera.world_to_camera, device=moment.means.device)
         z = moment.means @ pose[2, :3] + pose[2, 3]
         in_depth = (z >= camera.near) & (z <= DEPTH_MAX)
         candidates = torch.nonzero(in_depth & (moment.opacities >= ALPHA_MIN))[:, 0]
-        ellipses, drawn = _projected(moment, candidates, camera, antialiased)
+        ellipses, drawn = _projected(moment, candidates, camera, antialiased, rig)
         kept = torch.nonzero(drawn)[:, 0]
     if not (torch.is_grad_enabled() and any(getattr(moment, f.name).requires_grad for f in dataclasses.fields(moment))):
         return ellipses.take(kept)
     # Once more for gradients, without the splats that are not drawn: what overflows in one of those would turn its
     # zero gradient into a NaN.
-    return _projected(moment, candidates[kept], camera, antialiased)[0]
+    return _projected(moment, candidates[kept], camera, antialiased, rig)[0]
 
 
-def _projected(moment: Moment, index: Tensor, camera: Camera, antialiased: bool) -> tuple[Ellipses, Tensor]:
+def _projected(
+    moment: Moment, index: Tensor, camera: Camera, antialiased: bool, rig: Sequence[Camera]
+) -> tuple[Ellipses, Tensor]:
     """Return the ellipses of the rows `index`, and which of them are to be drawn."""
     pose = torch.as_tensor(camera.world_to_camera, device=index.device)
     R, shift = pose[:3, :3], pose[:3, 3]
@@ -98,12 +102,13 @@ def _projected(moment: Moment, index: Tensor, camera: Camera, antialiased: bool)
         [camera.fx / z, zero, -camera.fx * u_clamped / z, zero, camera.fy / z, -camera.fy * v_clamped / z], 1
     ).view(-1, 2, 3)
     axes = rotation_matrices(moment.quats[index]) * torch.exp(moment.log_scales[index])[:, None, :]
-    across, down = (J @ R @ axes).unbind(1)  # [V, 3] each; rows of M, the covariance is M M^T + LOW_PASS I
+    across, down = (J @ R @ axes).unbind(1)  # [V, 3] each; rows of M, the covariance is M M^T + low_pass I
     xx, xy, yy = (across * across).sum(1), (across * down).sum(1), (down * down).sum(1)
     # |across x down|^2 = xx yy - xy^2, without the difference in which a needle loses all its digits.
     sharp_det = torch.linalg.cross(across, down).square().sum(1)
-    det = sharp_det + LOW_PASS * (xx + yy) + LOW_PASS**2
-    xx, yy = xx + LOW_PASS, yy + LOW_PASS
+    low_pass = _low_pass(torch.stack([u, v, torch.ones_like(u), 1 / z], 1).detach(), camera, rig)
+    det = sharp_det + low_pass * (xx + yy) + low_pass**2
+    xx, yy = xx + low_pass, yy + low_pass
     opacities = moment.opacities[index]
     if antialiased:
         opacities = opacities * (sharp_det / det).clamp_min(COMPENSATION_MIN**2).sqrt()
@@ -117,3 +122,9 @@ def _projected(moment: Moment, index: Tensor, camera: Camera, antialiased: bool)
         drawn = (xx <= COVARIANCE_MAX) & (yy <= COVARIANCE_MAX) & (opacities >= ALPHA_MIN)
         drawn &= (means + half_sizes > 0).all(1) & (means - half_sizes < size).all(1)
     return Ellipses(index, means, factors, half_sizes, z, opacities, moment.rgb[index]), drawn
+
+
+def _low_pass(places: Tensor, camera: Camera, rig: Sequence[Camera]) -> Tensor:
+    """Return the variances [K] that are added to splats at `places` [K, 4], (x, y, z, 1) / z; without a gradient."""
+    larger = (places @ torch.as_tensor(magnification(camera, rig), device=places.device)).clamp_min(0)
+    return LOW_PASS * larger.square().clamp_min(1)

@@ -31,6 +31,7 @@ def rasterize(
     statistics: ScreenStatistics | None = None,
     antialiased: bool = False,
     depth: bool = False,
+    rig: Sequence[Camera] = (),
 ) -> Render:
     """Draw static and dynamic splats as `camera` sees them at one moment.
 
@@ -48,6 +49,8 @@ def rasterize(
         antialiased: fade splats thinner than the low-pass by as much as it widens them (docs/numerics.md,
             "Antialiasing").
         depth: also return the depth, weighted like the colour and without a background.
+        rig: cameras of the pictures that made the splats, at their size: where this picture is larger, splats are as
+            soft as there (docs/numerics.md, "Magnification"). Without it they may be as thin as a pixel of this one.
 
     Returns:
         The picture and its coverage, differentiable towards the parameters that require gradients.
@@ -61,18 +64,19 @@ def rasterize(
         >>> import hgs_core as hgs
         >>> import torch
         >>> from pathlib import Path
-        >>> camera = hgs.load_manifest(Path("run/scene")).cameras[0]
+        >>> rig = hgs.load_manifest(Path("run/scene")).cameras
         >>> scene = hgs.decode_scene(Path("run/scene")).map(torch.from_numpy)
         >>> segment = scene.segment_at(scene.start)
         >>> picture = hgs.rasterize(
-        ...     scene.static, segment.dynamic, camera, segment.normalised(scene.start),
-        ...     background=scene.background, antialiased=scene.antialiased,
+        ...     scene.static, segment.dynamic, rig[0], segment.normalised(scene.start),
+        ...     background=scene.background, antialiased=scene.antialiased, rig=rig,
         ... )
         >>> picture.rgb.shape  # sRGB, not clamped: channels, height, width
         torch.Size([3, 48, 64])
     """
     red, green, blue = background
-    view = View(camera, time, (red, green, blue), tile_mask, antialiased, depth, gradients, statistics)
+    behind = (red, green, blue)
+    view = View(camera, time, behind, tile_mask, antialiased, depth, gradients, statistics, tuple(rig))
     return rasterizer(choose_backend(backend, static, dynamic))(static, dynamic, view)
 
 

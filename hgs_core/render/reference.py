@@ -101,7 +101,7 @@ def _seen(
         dtype = torch.promote_types(dtype, dynamic.rgb.dtype)
     names = [field.name for field in dataclasses.fields(Moment)]
     moment = Moment(*(torch.cat([getattr(m, name) for m in moments]) for name in names))
-    ellipses = project(moment, view.camera, view.antialiased)
+    ellipses = project(moment, view.camera, view.antialiased, view.rig)
     return ellipses, torch.cat(rows)[ellipses.index.cpu()], dtype
 
 

@@ -81,6 +81,7 @@ class View:
     depth: bool = False
     gradients: Gradients = "all"
     statistics: ScreenStatistics | None = None
+    rig: tuple[Camera, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse arguments that no backend can draw.

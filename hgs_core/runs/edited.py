@@ -78,7 +78,7 @@ def _as_encoded(manifest: Manifest, scene: Any) -> ViewedScene:
     """Return a scene with its manifest's cameras, unless those were made up, and its clock."""
     frames = int(np.floor((manifest.end - manifest.start) * manifest.frame_rate + 1e-3)) + 1
     times = manifest.start + np.arange(frames) / manifest.frame_rate
-    made_up = manifest.captured_space is None and "imported" in manifest.training
+    made_up = not manifest.photographed and "imported" in manifest.training
     return ViewedScene(scene, () if made_up else manifest.cameras, times, None if made_up else manifest.up)
 
 

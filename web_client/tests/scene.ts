@@ -35,6 +35,7 @@ export const manifest = (fields: Partial<Manifest> = {}): Manifest => ({
   antialiased: false,
   metresPerUnit: null,
   live: null,
+  photographed: false,
   capturedSpace: null,
   ...fields,
 });

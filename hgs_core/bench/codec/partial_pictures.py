@@ -59,4 +59,5 @@ def _picture(
             (time - segment.start) / length if length > 0 else 0.0,
             background=manifest.background,
             antialiased=manifest.antialiased,
+            rig=manifest.rig,
         ).rgb

@@ -65,7 +65,7 @@ def encode_scene(
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
-    names the former. `trained` are the cameras whose pictures made the scene: they tell the manifest's captured space,
+    names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured space,
     which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known.
     `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the
     scene's sound, on the clock of `times`.
@@ -120,6 +120,7 @@ def encode_scene(
         thumbnail=thumbnail is not None,
         training=dict(training or {}),
         antialiased=scene.antialiased,
+        photographed=bool(trained),
         captured_space=find_captured_space(trained, view.center, up) if trained else None,
         metres_per_unit=metres_per_unit,
         audio=None if audio is None else audio.entry,

@@ -79,6 +79,7 @@ class Manifest:
     thumbnail: bool  # thumbnail.jpg lies beside the manifest
     training: Mapping[str, Any]  # free form
     antialiased: bool = False  # the splats were trained to be drawn so
+    photographed: bool = False  # `cameras` took the pictures that made the splats, at these sizes
     captured_space: CapturedSpace | None = None  # viewpoints that can be trusted; None: unknown
     metres_per_unit: float | None = None  # length of a world unit, above 0; None: not known
     audio: AudioEntry | None = None  # sound; None: none
@@ -89,6 +90,11 @@ class Manifest:
     def chunks(self) -> tuple[ChunkEntry, ...]:
         """All chunks: the static ones, then those of the slices in order."""
         return self.static + tuple(chunk for piece in self.slices for chunk in piece.chunks)
+
+    @property
+    def rig(self) -> tuple[Camera, ...]:
+        """The cameras of the pictures that made the splats, none if the cameras were made up."""
+        return self.cameras if self.photographed else ()
 
     @property
     def bytes_audio(self) -> int:
@@ -137,6 +143,8 @@ class Manifest:
             "training": dict(self.training),
             "antialiased": self.antialiased,
         }
+        if self.photographed != (self.captured_space is not None):
+            document["photographed"] = self.photographed
         if self.captured_space is not None:
             document["captured_space"] = self.captured_space.to_json()
         if self.metres_per_unit is not None:

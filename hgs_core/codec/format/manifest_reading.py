@@ -47,6 +47,10 @@ def read_manifest(value: Any, where: object = "manifest") -> Manifest:
         thumbnail=root["thumbnail"].flag(),
         training=root["training"].mapping(),
         antialiased="antialiased" in root.mapping() and root["antialiased"].flag(),
+        # Earlier manifests lack the field; only photographs give a captured space.
+        photographed=(
+            root["photographed"].flag() if "photographed" in root.mapping() else "captured_space" in root.mapping()
+        ),
         captured_space=CapturedSpace.read(root["captured_space"]) if "captured_space" in root.mapping() else None,
         metres_per_unit=root["metres_per_unit"].number(above=0) if "metres_per_unit" in root.mapping() else None,
         audio=AudioEntry.read(root["audio"]) if "audio" in root.mapping() else None,

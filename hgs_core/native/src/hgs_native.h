@@ -11,7 +11,7 @@
 #define HGS_STATICS_ANEW 0
 #define HGS_STATICS_KEEP 1
 #define HGS_STATICS_REUSE 2
-#define HGS_ABI_VERSION 10
+#define HGS_ABI_VERSION 11
 #define HGS_API __attribute__((visibility("default")))
 
 #ifdef __cplusplus
@@ -46,10 +46,13 @@ typedef struct hgs_view {
   int32_t antialiased; /* 1: opacities are multiplied by what the low-pass filter spreads them over; 0: they are not */
   /* [ceil(height / 16)][ceil(width / 16)] bytes; tiles that are 0 show the background. NULL = draw all. */
   const uint8_t *tile_mask;
-  /* HGS_STATICS_KEEP: the statics are listed in all tiles, whatever the mask. HGS_STATICS_REUSE: camera, antialiasing and
-   * static splats are those of the workspace's last rendering with HGS_STATICS_KEEP, which succeeded: the statics are
+  /* HGS_STATICS_KEEP: the statics are listed in all tiles, whatever the mask. HGS_STATICS_REUSE: camera, magnification,
+   * antialiasing and static splats are those of the last rendering with HGS_STATICS_KEEP, which succeeded: the statics are
    * neither projected nor listed again. The mask may be another each time. */
   int32_t statics_use;
+  /* What is at (x, y, z) in the camera shows max(0, (a x + b y + c z + d) / z) times as large as in the pictures that
+   * made it, with a, b, c, d in this order; all 0 = never larger. */
+  double magnification[4];
 } hgs_view;
 
 /* A picture, or the gradient of one. */

@@ -12,6 +12,7 @@ struct CameraModel {
   float R[9], fx, fy;
   double u_min, u_max, v_min, v_max;
   bool antialiased;
+  double magnification[4];
 
   explicit CameraModel(const hgs_view &view)
       : exact(view.camera),
@@ -19,6 +20,7 @@ struct CameraModel {
         fy(static_cast<float>(exact.fy)),
         antialiased(view.antialiased != 0) {
     for (int i = 0; i < 9; ++i) R[i] = static_cast<float>(exact.rotation[i]);
+    for (int i = 0; i < 4; ++i) magnification[i] = view.magnification[i];
     const double margin_x = kFrustumMargin * 0.5 * exact.width / exact.fx;
     const double margin_y = kFrustumMargin * 0.5 * exact.height / exact.fy;
     u_min = -exact.cx / exact.fx - margin_x;
@@ -49,7 +51,7 @@ struct ScreenGradient {
 // A projected splat and the intermediate values that its derivative needs.
 //
 // With e_j the screen projection of the splat's unit axis j and s_j its scale, the screen covariance is
-// C = sum_j s_j^2 e_j e_j^T + kLowPass I. It is never inverted by the textbook formula, which cancels for long thin
+// C = sum_j s_j^2 e_j e_j^T + low_pass I. It is never inverted by the textbook formula, which cancels for long thin
 // splats: its determinant and the products C^-1 e_j are expanded in the cross products e_i x e_j instead.
 struct Projection {
   Vec variance[3];                 // s_j^2
@@ -59,6 +61,7 @@ struct Projection {
   Vec axes[9];         // camera rotation x splat rotation: columns are the splat's unit axes in the camera
   Vec e_x[3], e_y[3];  // Jacobian x axes
   Vec cross[3];        // e_1 x e_2, e_2 x e_0, e_0 x e_1
+  Vec low_pass;        // pixels^2, at least kLowPass
   Vec area;            // determinant of C without the low-pass filter
   Vec cov_xx, cov_xy, cov_yy;
   Vec conic_xx, conic_xy, conic_yy, conic_determinant;
@@ -146,10 +149,16 @@ inline Projection project(const CameraModel &camera, const Shape &shape) {
     area += p.variance[k] * p.variance[l] * p.cross[j] * p.cross[j];
   }
   p.area = area;
-  p.cov_xx = xx + kLowPass;
+  // In two steps: the first changes no bit of what is not magnified.
+  const double *const larger = camera.magnification;
+  const Vec times = max(narrow(larger[0] * u + larger[1] * v + larger[3] * inverse_z + broadcast_wide(larger[2])), Vec{});
+  const Vec wider = max(kLowPass * (times * times) - kLowPass, Vec{});
+  const Vec wide_area = area + wider * (xx + yy) + wider * wider, wide_xx = xx + wider, wide_yy = yy + wider;
+  p.low_pass = kLowPass + wider;
+  p.cov_xx = wide_xx + kLowPass;
   p.cov_xy = xy;
-  p.cov_yy = yy + kLowPass;
-  p.conic_determinant = 1.0f / (area + kLowPass * (xx + yy) + kLowPass * kLowPass);
+  p.cov_yy = wide_yy + kLowPass;
+  p.conic_determinant = 1.0f / (wide_area + kLowPass * (wide_xx + wide_yy) + kLowPass * kLowPass);
   p.conic_xx = p.cov_yy * p.conic_determinant;
   p.conic_xy = -p.cov_xy * p.conic_determinant;
   p.conic_yy = p.cov_xx * p.conic_determinant;
@@ -178,7 +187,7 @@ inline Wide exact_slope(const CameraModel &camera, const Shape &shape, const Pro
     down[i] = broadcast_wide(c.fy * c.rotation[3 + i]) - (c.fy * c.rotation[6 + i]) * p.exact_v_clamped;
   }
   const Wide length = p.exact_z * (ww + xx + yy + zz);
-  Wide cov_xy = broadcast_wide(0.0), cov_yy = static_cast<double>(kLowPass) * (length * length);
+  Wide cov_xy = broadcast_wide(0.0), cov_yy = widen(p.low_pass) * (length * length);
   for (int j = 0; j < 3; ++j) {
     const Wide e_x = across[0] * Q[j] + across[1] * Q[3 + j] + across[2] * Q[6 + j];
     const Wide e_y = down[0] * Q[j] + down[1] * Q[3 + j] + down[2] * Q[6 + j];
@@ -204,7 +213,7 @@ struct Round {
     for (int j = 0; j < 3; ++j) {
       const int k = (j + 1) % 3, l = (j + 2) % 3;
       const Vec with_k = p.variance[k] * p.cross[l], with_l = p.variance[l] * p.cross[k];
-      e_t[j] = scale * (kLowPass * p.e_x[j] + with_k * p.e_y[k] - with_l * p.e_y[l]);
+      e_t[j] = scale * (p.low_pass * p.e_x[j] + with_k * p.e_y[k] - with_l * p.e_y[l]);
       e_e[j] = e_by_y * p.e_y[j];
     }
   }
@@ -222,15 +231,15 @@ inline ShapeGradient project_backward(const CameraModel &camera, const Projectio
   }
 
   // With antialiasing, ln opacity has the term ln(det C0 / det C) / 2, C0 being C without the filter. Its gradient by C is
-  // H = (C0^-1 - C^-1) / 2 = c adj C0 - kLowPass / (2 det C) I with c > 0. With adj C0 expanded in the cross products,
+  // H = (C0^-1 - C^-1) / 2 = c adj C0 - low_pass / (2 det C) I with c > 0. With adj C0 expanded in the cross products,
   // a_j = H e_j, straight_j = e_j H e_j and across_j = e_k H e_l lose no digits to long thin splats.
   Vec a_x[3] = {}, a_y[3] = {}, straight[3] = {}, across[3] = {};
   if (camera.antialiased) {
     const Mask free = greater(compensation2(p), broadcast(kCompensationMin2));
     const Vec weight = keep(free, 0.5f * g.log_opacity);
-    const Vec filtered = kLowPass * (p.cov_xx + p.cov_yy - kLowPass);  // det C - det C0
+    const Vec filtered = p.low_pass * (p.cov_xx + p.cov_yy - p.low_pass);  // det C - det C0
     const Vec share = weight * filtered * p.conic_determinant * keep(free, 1.0f / p.area);
-    const Vec low = weight * kLowPass * p.conic_determinant;
+    const Vec low = weight * p.low_pass * p.conic_determinant;
     for (int j = 0; j < 3; ++j) {
       const int k = (j + 1) % 3, l = (j + 2) % 3;
       const Vec with_k = p.variance[k] * p.cross[l], with_l = p.variance[l] * p.cross[k];

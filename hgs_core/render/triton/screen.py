@@ -11,6 +11,7 @@ import triton
 from torch import Tensor
 
 from hgs_core.render.constants import FRUSTUM_MARGIN
+from hgs_core.render.magnification import magnification
 from hgs_core.render.triton.kernels import constants
 from hgs_core.render.triton.kernels.projection_forward import project_dynamics, project_statics
 from hgs_core.render.types import View
@@ -26,7 +27,7 @@ class Screen:
     """K = N + M splats, statics first; only the rows with a finite depth are in use, but for `depths`."""
 
     statics: int  # N
-    camera: Tensor  # [24] float64, as `kernels.constants` lists them
+    camera: Tensor  # [28] float64, as `kernels.constants` lists them
     splats: Tensor  # [K, 8] float32, what compositing reads
     places: Tensor  # [K, 4] float64
     ellipses: Tensor  # [K, 8] float32
@@ -93,6 +94,7 @@ def _camera_tensor(view: View, device: torch.device) -> Tensor:
         c.width,
         c.height,
         view.time,
+        *magnification(c, view.rig),
     ]
     assert len(values) == constants.CAMERA_LENGTH
     return torch.tensor(values, dtype=torch.float64, device=device)

@@ -54,6 +54,11 @@ def view(over: Camera | None = None, time: float = 0.4, antialiased: bool = Fals
     return View(over or camera(48, 32), time, antialiased=antialiased, depth=True)
 
 
+def magnified(seen: View, times: int) -> View:
+    """Return a view of splats that were trained on pictures so many times smaller."""
+    return dataclasses.replace(seen, rig=(seen.camera.scaled(1 / times),))
+
+
 def front(width: int = 48, height: int = 32, focal: float = 40.0, near: float = 0.01) -> Camera:
     """A camera at the origin that looks along z."""
     return Camera("front", width, height, focal, focal, width / 2, height / 2, np.eye(4), near)
@@ -97,6 +102,22 @@ def needles_antialiased() -> HardCase:
     # Most needles are far thinner than a pixel and fade to a few 1/255: opaque ones are left.
     splats = dataclasses.replace(needle_splats(), opacity_logits=uniform(2, 6, 60))
     return HardCase(splats, None, view(antialiased=True), image=1e-5)
+
+
+@case
+def needles_magnified() -> HardCase:
+    return HardCase(needle_splats(), None, magnified(view(), 8))
+
+
+@case
+def needles_magnified_antialiased() -> HardCase:
+    splats = dataclasses.replace(needle_splats(), opacity_logits=uniform(2, 6, 60))
+    return HardCase(splats, None, magnified(view(antialiased=True), 4))
+
+
+@case
+def movers_magnified() -> HardCase:
+    return HardCase(stills(), movers(log_scales=sized(60, 0.3, 1e-3, 1e-3)), magnified(view(), 4))
 
 
 @case

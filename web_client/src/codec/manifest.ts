@@ -129,6 +129,7 @@ export function parseManifest(json: unknown): Manifest {
     live: root.given("live")?.whole(1) ?? null,
     metresPerUnit: root.given("metres_per_unit")?.positive() ?? null,
     audio: root.object().audio,
+    photographed: root.given("photographed")?.flag() ?? root.has("captured_space"),
     capturedSpace: readCapturedSpace(root.given("captured_space")),
   };
   checkReferences(manifest, root);

@@ -162,6 +162,8 @@ export interface Manifest {
   readonly audio?: unknown;
   /** Of a manifest in pages: all that moves, and the most of two slices that follow each other; else the slices say so. */
   readonly room?: { readonly all: Room; readonly most: Room };
+  /** Whether `cameras` took the pictures that made the splats, at these sizes. */
+  readonly photographed: boolean;
   /** From where the pictures were taken; null where the document does not say. */
   readonly capturedSpace: CapturedSpace | null;
 }

@@ -39,6 +39,7 @@ uniform vec2 origin;          // its lower left corner in the framebuffer, pixel
 uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
+uniform vec4 magnification;   // (a, b, c, d): (a x + b y + c z + d) / z times as large as in the pictures of the scene
 uniform vec2 closeUp;         // depth from which on nothing fades, world units; deviation from which on all does, pixels
 uniform bool depths;          // colours are depths, world units
 ${declarations}
@@ -124,14 +125,16 @@ void main() {
   vec3 rowZ = vec3(m[0].z, m[1].z, m[2].z);
   vec3 jx = (focal.x / p.z) * (vec3(m[0].x, m[1].x, m[2].x) - w.x * rowZ);
   vec3 jy = (focal.y / p.z) * (vec3(m[0].y, m[1].y, m[2].y) - w.y * rowZ);
-  float xx = dot(jx, jx) + LOW_PASS;
+  float larger = max(1.0, (dot(magnification.xyz, p) + magnification.w) / p.z);
+  float lowPass = LOW_PASS * larger * larger;
+  float xx = dot(jx, jx) + lowPass;
   float xy = dot(jx, jy);
-  float yy = dot(jy, jy) + LOW_PASS;
+  float yy = dot(jy, jy) + lowPass;
   if (!(xx <= LARGEST && yy <= LARGEST)) return;
   // The determinants without and with the low-pass, expanded: xx * yy - xy * xy cancels for long thin splats.
   vec3 area = cross(jx, jy);
   float sharp = dot(area, area);
-  float determinant = sharp + LOW_PASS * (dot(jx, jx) + dot(jy, jy)) + LOW_PASS * LOW_PASS;
+  float determinant = sharp + lowPass * (dot(jx, jx) + dot(jy, jy)) + lowPass * lowPass;
   if (antialiased) paint.a *= sqrt(max(FAINTEST, sharp / determinant));
   float half_ = 0.5 * (xx - yy);
   float radius = length(vec2(half_, xy));

@@ -1,5 +1,6 @@
 /** What one picture shows, and what a picture that was read back holds. */
 
+import type { Rig } from "../camera/magnification";
 import type { Intrinsics, Pose } from "../camera/pinhole";
 
 /** What becomes of splats that an eye comes close to; for eyes that go anywhere, such as in a headset. */
@@ -21,6 +22,8 @@ export interface Shot {
    * shimmer as the head moves. A scene that was trained without it looks fainter so.
    */
   readonly antialiased: boolean;
+  /** Where this picture is larger than theirs, splats are as soft as in theirs. */
+  readonly rig: Rig;
   /** Left out, nothing fades: the picture of docs/numerics.md. */
   readonly closeUp?: CloseUp;
 }

@@ -3,6 +3,7 @@
  * whatever framebuffer is bound. It knows no canvas, so that a page's own context, a host's or a headset's will do.
  */
 
+import { magnification } from "../camera/magnification";
 import { FIFTH_WIDTH, STATICS_PER_ROW, TEXTURE_WIDTH, TRIANGLES_PER_INSTANCE } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
@@ -25,6 +26,7 @@ const UNIFORMS = [
   "time",
   "near",
   "antialiased",
+  "magnification",
   "closeUp",
   "depths",
 ] as const;
@@ -142,7 +144,7 @@ export class SplatDrawer implements SplatSink {
    * "depth" a splat's colour is how far away its centre is, in each channel.
    */
   draw(
-    { pose, camera, time, antialiased, closeUp }: Shot,
+    { pose, camera, time, antialiased, rig, closeUp }: Shot,
     origin: readonly [number, number] = [0, 0],
     paint: "colour" | "depth" = "colour",
   ): void {
@@ -176,6 +178,7 @@ export class SplatDrawer implements SplatSink {
     gl.uniform1f(u.time, time);
     gl.uniform1f(u.near, camera.near);
     gl.uniform1i(u.antialiased, antialiased ? 1 : 0);
+    gl.uniform4f(u.magnification, ...magnification(rig, pose, camera));
     gl.uniform2f(u.closeUp, closeUp?.clear ?? 0, closeUp?.widest ?? LARGEST);
     gl.uniform1i(u.depths, paint === "depth" ? 1 : 0);
     this.surroundings?.prepare(gl);

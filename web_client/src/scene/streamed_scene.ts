@@ -3,6 +3,7 @@
  * has been decoded goes to a sink, such as the renderer of a page, of a headset or of a host.
  */
 
+import { type Rig, rigOf } from "../camera/magnification";
 import type { Manifest } from "../codec/types";
 import type { Shot } from "../renderer/shot";
 import type { SceneSource, SourceState } from "../source/scene_source";
@@ -30,6 +31,7 @@ export class StreamedScene {
   readonly #chunks: SceneChunks;
   readonly #line = new Throughput();
   #manifest: Manifest | null = null;
+  #rig: Rig = [];
   #playback: Playback | null = null; // from the manifest on
   #state: SourceState = "connecting";
   #bytes = 0;
@@ -149,9 +151,10 @@ export class StreamedScene {
   /** What a view shows now: at the playhead, or as near to it as the order allows that is `shown`. */
   shot(view: View, shown: OrderKey | null = this.orders.shown): Shot {
     const antialiased = this.#options.antialiased ?? this.#manifest?.antialiased ?? false;
-    if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased };
+    const rig = this.#rig;
+    if (!shown || !this.#manifest || !this.#playback) return { ...view, time: 0, antialiased, rig };
     this.#pictureTime = drawnTime(shown, this.#playback.clock.time);
-    return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased };
+    return { ...view, time: normalised(this.#manifest, shown, this.#pictureTime), antialiased, rig };
   }
 
   /** The sink takes nothing until `restore`: nothing is ordered, and the playhead stands. */
@@ -205,6 +208,7 @@ export class StreamedScene {
       clock.grows = manifest.live !== null;
       clock.seek(this.#options.time ?? manifest.start);
       this.#manifest = manifest;
+      this.#rig = rigOf(manifest);
       this.#playback = new Playback(clock, buffer, this.source, () => this.#line.rate(performance.now()));
       if (this.#options.playing) this.#playback.play();
       this.#events.manifest(manifest); // whoever hears it may pause

@@ -8,6 +8,7 @@ const shot = (x: number, time = 0): Shot => ({
   camera: { width: 8, height: 8, fx: 8, fy: 8, cx: 4, cy: 4, near: 0.01 },
   time,
   antialiased: false,
+  rig: [],
 });
 
 let device: { busy: boolean; moving: number; lost: boolean };

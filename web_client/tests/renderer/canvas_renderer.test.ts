@@ -9,7 +9,20 @@ describe("CanvasRenderer", () => {
     renderer.splats.setOrder(new Uint32Array(2048), 1);
     const pose = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] } as const;
     const camera = { width: 4, height: 4, fx: 4, fy: 4, cx: 2, cy: 2, near: 0.1 };
-    renderer.draw({ pose, camera, time: 0, antialiased }, 0);
+    renderer.draw({ pose, camera, time: 0, antialiased, rig: [] }, 0);
     expect(uniform1i).toHaveBeenCalledWith("antialiased", antialiased ? 1 : 0);
+  });
+
+  it("tells the shader how much larger it shows things than the scene's pictures did", () => {
+    const uniform4f = vi.fn();
+    const renderer = new CanvasRenderer(fakeCanvas({ uniform4f }), () => {});
+    renderer.splats.setOrder(new Uint32Array(2048), 1);
+    const pose = { rotation: [1, 0, 0, 0, 1, 0, 0, 0, 1], translation: [0, 0, 0] } as const;
+    const camera = { width: 4, height: 4, fx: 4, fy: 4, cx: 2, cy: 2, near: 0.1 };
+    const rig = [{ ...pose, focal: 2 }];
+    renderer.draw({ pose, camera, time: 0, antialiased: true, rig }, 0);
+    const told = uniform4f.mock.lastCall as [string, number, number, number, number];
+    expect(told[0]).toBe("magnification");
+    expect(told[3]).toBeCloseTo(2, 2);
   });
 });

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { rigOf } from "../../src/camera/magnification";
 import { parseManifest } from "../../src/codec/manifest";
 import type { SplatSink } from "../../src/renderer/splat_drawer";
 import { StreamedScene } from "../../src/scene/streamed_scene";
@@ -64,7 +65,7 @@ describe("StreamedScene.step", () => {
     expect(scene.step(16, [view(0)])?.shots).toEqual([]);
     answer();
     expect(scene.step(32, [view(0)])).toEqual({
-      shots: [{ ...view(0), time: 0.5, antialiased: true }],
+      shots: [{ ...view(0), time: 0.5, antialiased: true, rig: rigOf(twoSegments()) }],
       moving: false,
       settled: true,
     });

@@ -46,7 +46,8 @@ EXPONENT_SCALE = tl.constexpr(0.5 * math.log2(math.e))  # exponent of squares in
 EXPONENT_ROOT = tl.constexpr(math.sqrt(0.5 * math.log2(math.e)))
 
 # Lengths of rows. `kernels.projection_forward` writes the first three, `kernels.compositing_backward` the last.
-CAMERA_LENGTH = 24  # float64: rotation 9, translation 3, fx, fy, cx, cy, near, u and v from and to, W, H, time
+# float64: rotation 9, translation 3, fx, fy, cx, cy, near, u and v from and to, W, H, time, magnification 4
+CAMERA_LENGTH = 28
 SPLAT = tl.constexpr(8)  # float32: t by x, t by y, e by y, log2 opacity, red, green, blue, z
 PLACE = tl.constexpr(4)  # float64: mean x, mean y, slope -C_xy / C_yy, nothing
 ELLIPSE = tl.constexpr(8)  # float32, pixels: see `kernels.tile_lists.covered_tiles`

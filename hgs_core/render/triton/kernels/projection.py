@@ -16,6 +16,7 @@ __all__ = [
     "fade",
     "load3",
     "load4",
+    "low_pass_at",
     "moved",
     "screen_axes",
     "sigmoid",
@@ -137,7 +138,15 @@ def screen_axes(camera, u, v, jx, jy, w, x, y, z):
 
 
 @triton.jit
-def covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2):
+def low_pass_at(camera, u, v, z):
+    """The variance that is added to splats in the direction (u, v) at depth z, pixels squared, LOW_PASS at least."""
+    larger = tl.load(camera + 24) * u + tl.load(camera + 25) * v + tl.load(camera + 26) + tl.load(camera + 27) / z
+    larger = tl.maximum(larger, 1.0)
+    return larger * larger * LOW_PASS
+
+
+@triton.jit
+def covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2, low_pass):
     """Screen covariance C of variances v_j along e_j = (x_j, y_j), without a difference in which needles lose digits.
 
     Returns the cross products e_1 x e_2, e_2 x e_0 and e_0 x e_1, det C0, C_xx, C_xy, C_yy and det C, the latter four
@@ -150,5 +159,5 @@ def covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2):
     xx = v0 * x0 * x0 + v1 * x1 * x1 + v2 * x2 * x2
     xy = v0 * x0 * y0 + v1 * x1 * y1 + v2 * x2 * y2
     yy = v0 * y0 * y0 + v1 * y1 * y1 + v2 * y2 * y2
-    det = area + (xx + yy) * LOW_PASS + LOW_PASS * LOW_PASS
-    return c0, c1, c2, area, xx + LOW_PASS, xy, yy + LOW_PASS, det
+    det = area + (xx + yy) * low_pass + low_pass * low_pass
+    return c0, c1, c2, area, xx + low_pass, xy, yy + low_pass, det

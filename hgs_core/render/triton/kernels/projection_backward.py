@@ -7,7 +7,6 @@ from hgs_core.render.triton.kernels.constants import (
     COMPENSATION_MIN_2,
     EXPONENT_ROOT,
     EXPONENT_SCALE,
-    LOW_PASS,
     TERMS,
     TIME_LOG_PRECISION_MAX,
 )
@@ -18,6 +17,7 @@ from hgs_core.render.triton.kernels.projection import (
     fade,
     load3,
     load4,
+    low_pass_at,
     moved,
     screen_axes,
     sigmoid,
@@ -89,16 +89,17 @@ def shape_gradient(
     jx, jy = fx / z, fy / z
     x0, x1, x2, y0, y1, y2, z0, z1, z2 = screen_axes(camera, uc, vc, jx, jy, w, x, y, zq)
     v0, v1, v2 = tl.exp(2.0 * s0), tl.exp(2.0 * s1), tl.exp(2.0 * s2)
-    c0, c1, c2, area, cov_xx, cov_xy, cov_yy, det = covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2)
+    low_pass = low_pass_at(camera, u, v, z)  # without a gradient
+    c0, c1, c2, area, cov_xx, cov_xy, cov_yy, det = covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2, low_pass)
 
     # U = [t_by_x, t_by_y; 0, e_by_y], and U e_j expanded in the cross products.
     e_by_y = 1.0 / tl.sqrt(cov_yy)
     t_by_x = tl.sqrt(cov_yy / det)
     t_by_y = -cov_xy * e_by_y / tl.sqrt(det)
     scale = e_by_y / tl.sqrt(det)
-    t0 = scale * (x0 * LOW_PASS + v1 * c2 * y1 - v2 * c1 * y2)
-    t1 = scale * (x1 * LOW_PASS + v2 * c0 * y2 - v0 * c2 * y0)
-    t2 = scale * (x2 * LOW_PASS + v0 * c1 * y0 - v1 * c0 * y1)
+    t0 = scale * (x0 * low_pass + v1 * c2 * y1 - v2 * c1 * y2)
+    t1 = scale * (x1 * low_pass + v2 * c0 * y2 - v0 * c2 * y0)
+    t2 = scale * (x2 * low_pass + v0 * c1 * y0 - v1 * c0 * y1)
     e0, e1, e2 = e_by_y * y0, e_by_y * y1, e_by_y * y2
     vt0, ve0 = g_tt * t0 + g_te * e0, g_te * t0 + g_ee * e0
     vt1, ve1 = g_tt * t1 + g_te * e1, g_te * t1 + g_ee * e1
@@ -109,12 +110,12 @@ def shape_gradient(
     by0, by1, by2 = t_by_y * vt0 + e_by_y * ve0, t_by_y * vt1 + e_by_y * ve1, t_by_y * vt2 + e_by_y * ve2
 
     if ANTIALIASED:
-        # ln opacity has the term ln(det C0 / det C) / 2; its gradient by C is c adj C0 - LOW_PASS / (2 det C) I, c > 0.
+        # ln opacity has the term ln(det C0 / det C) / 2; its gradient by C is c adj C0 - low_pass / (2 det C) I, c > 0.
         free = area > det * COMPENSATION_MIN_2
         weight = tl.where(free, 0.5 * g_log_opacity, 0.0)
-        filtered = (cov_xx + cov_yy - LOW_PASS) * LOW_PASS  # det C - det C0
+        filtered = (cov_xx + cov_yy - low_pass) * low_pass  # det C - det C0
         share = weight * filtered / (det * tl.where(free, area, 1.0))
-        low = weight * LOW_PASS / det
+        low = weight * low_pass / det
         ax0, ay0, straight0, mixed0 = by_axis(v1 * c2, v2 * c1, x1, x2, y1, y2, share, low, x0, y0, c1, c2, v0)
         ax1, ay1, straight1, mixed1 = by_axis(v2 * c0, v0 * c2, x2, x0, y2, y0, share, low, x1, y1, c2, c0, v1)
         ax2, ay2, straight2, mixed2 = by_axis(v0 * c1, v1 * c0, x0, x1, y0, y1, share, low, x2, y2, c0, c1, v2)

@@ -21,6 +21,7 @@ from hgs_core.render.triton.kernels.projection import (
     fade,
     load3,
     load4,
+    low_pass_at,
     moved,
     screen_axes,
     sigmoid,
@@ -73,7 +74,9 @@ def project_and_store(
     w, x, y, zq, _ = unit_quaternion(qw, qx, qy, qz)
     x0, x1, x2, y0, y1, y2, _, _, _ = screen_axes(camera, u_clamped, v_clamped, fx / z, fy / z, w, x, y, zq)
     v0, v1, v2 = tl.exp(2.0 * log_scale_0), tl.exp(2.0 * log_scale_1), tl.exp(2.0 * log_scale_2)
-    _, _, _, area, cov_xx, cov_xy, cov_yy, det = covariance(v0, v1, v2, x0, x1, x2, y0, y1, y2)
+    _, _, _, area, cov_xx, cov_xy, cov_yy, det = covariance(
+        v0, v1, v2, x0, x1, x2, y0, y1, y2, low_pass_at(camera, u, v, z)
+    )
     if ANTIALIASED:
         opacity = opacity * tl.sqrt(tl.maximum(area / det, COMPENSATION_MIN_2))
     reach = tl.maximum(2.0 * tl.log(255.0 * tl.maximum(opacity, 1e-30)), 0.0)
