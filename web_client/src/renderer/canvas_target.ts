@@ -2,8 +2,9 @@
 
 import type { Fineness } from "./fineness";
 import { canDraw, PictureTarget } from "./picture_target";
+import presentFragmentShader from "./present.frag?raw";
+import presentVertexShader from "./present.vert?raw";
 import { Program } from "./program";
-import { PRESENT_FRAGMENT_SHADER, PRESENT_VERTEX_SHADER } from "./shaders";
 
 export interface DrawnSize {
   readonly width: number;
@@ -20,7 +21,7 @@ export class CanvasTarget {
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
     this.#float = canDraw(gl, "RGBA16F");
-    this.#program = new Program(gl, PRESENT_VERTEX_SHADER, PRESENT_FRAGMENT_SHADER, ["picture", "size"]);
+    this.#program = new Program(gl, presentVertexShader, presentFragmentShader, ["picture", "size"]);
   }
 
   /** Give the canvas its size and bind what is to be drawn into; returns the size at which to draw. */

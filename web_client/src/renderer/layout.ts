@@ -1,7 +1,10 @@
 /** How splats lie in the data textures; shared by the worker that packs them and the shaders that read them. */
 
-/** Texels per row of every data texture; a power of two. */
-export const TEXTURE_WIDTH = 2048;
+/** Binary digits of a texel's column in a data texture. */
+const TEXTURE_BITS = 11;
+
+/** Texels per row of every data texture. */
+export const TEXTURE_WIDTH = 1 << TEXTURE_BITS;
 
 /** RGBA32F texels of a static splat: [x y z opacity] [quaternion] [sigma x y z, -] [r g b, -]. */
 export const STATIC_TEXELS = 4;
@@ -26,3 +29,15 @@ export const DYNAMIC_BIT = 0x80000000;
 
 /** Triangles drawn by one instance, one for each splat: many, because small instances starve GPUs. */
 export const TRIANGLES_PER_INSTANCE = 1024;
+
+/** The numbers above for the vertex shader of splats. */
+export const LAYOUT_DEFINITIONS = `
+#define TEXTURE_BITS ${TEXTURE_BITS}
+#define TEXTURE_WIDTH ${TEXTURE_WIDTH}
+#define STATIC_TEXELS ${STATIC_TEXELS}
+#define DYNAMIC_TEXELS ${DYNAMIC_TEXELS}
+#define FIFTH_TEXELS ${FIFTH_TEXELS}
+#define FIFTH_WIDTH ${FIFTH_WIDTH}
+#define DYNAMIC_BIT ${DYNAMIC_BIT}u
+#define TRIANGLES_PER_INSTANCE ${TRIANGLES_PER_INSTANCE}u
+`;

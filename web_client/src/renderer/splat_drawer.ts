@@ -4,11 +4,12 @@
  */
 
 import { magnification } from "../camera/magnification";
-import { FIFTH_WIDTH, STATICS_PER_ROW, TEXTURE_WIDTH, TRIANGLES_PER_INSTANCE } from "./layout";
+import { FIFTH_WIDTH, LAYOUT_DEFINITIONS, STATICS_PER_ROW, TEXTURE_WIDTH, TRIANGLES_PER_INSTANCE } from "./layout";
 import { OrderTexture } from "./order_texture";
 import { Program } from "./program";
-import { FRAGMENT_SHADER, vertexShader } from "./shaders";
 import type { Shot } from "./shot";
+import fragmentShader from "./splat.frag?raw";
+import vertexShader from "./splat.vert?raw";
 import { SplatTexture } from "./splat_texture";
 
 const UNIFORMS = [
@@ -53,9 +54,8 @@ export interface SplatSink {
 
 /** What is different where splats are drawn among other things. */
 export interface SplatSurroundings {
-  /** GLSL for the shader of the splats: see `vertexShader`. */
-  readonly declarations: string;
-  readonly statements: string;
+  /** GLSL that defines `surround`: see splat.vert. */
+  readonly shader: string;
   /** The program has been made, or made anew. */
   linked(gl: WebGL2RenderingContext, program: WebGLProgram): void;
   /** Splats are about to be drawn; the program is in use, and the depth test is off. */
@@ -126,8 +126,9 @@ export class SplatDrawer implements SplatSink {
     const { gl, surroundings } = this;
     if (gl.isContextLost()) return; // lost before it could be used: this is called again when it is back
     this.#mostRows = gl.getParameter(gl.MAX_TEXTURE_SIZE);
-    const vertices = vertexShader(surroundings?.declarations, surroundings?.statements);
-    this.#program = new Program(gl, vertices, FRAGMENT_SHADER, UNIFORMS);
+    const more = surroundings ? "#define SURROUNDED\n" : "";
+    const vertices = vertexShader.replace("\n", LAYOUT_DEFINITIONS + more) + (surroundings?.shader ?? "");
+    this.#program = new Program(gl, vertices, fragmentShader, UNIFORMS);
     surroundings?.linked(gl, this.#program.handle);
     this.#vertices = gl.createVertexArray();
     this.#order.forget();

@@ -2,6 +2,7 @@
 
 import { type Uniforms, uniformsOf } from "../renderer/program";
 import type { SplatSurroundings } from "../renderer/splat_drawer";
+import shader from "./host_surface.vert?raw";
 
 type Row = readonly [number, number, number, number];
 
@@ -20,28 +21,11 @@ export interface HostSurface {
   readonly linear: boolean;
 }
 
-const DECLARATIONS = `
-uniform vec4 depthZ;          // these take a point before the camera, and 1, to the host's clip-space z and w
-uniform vec4 depthW;
-uniform float logarithmic;    // what the host multiplies logarithms of depth by; 0 if its depth has none
-uniform bool linear;          // whether colours are wanted in linear light
-`;
-
-const STATEMENTS = `
-  float clipW = dot(depthW, vec4(p, 1.0));
-  gl_Position.z = logarithmic > 0.0 ? logarithmic * log2(1.0 + clipW) - 1.0 : dot(depthZ, vec4(p, 1.0)) / clipW;
-  if (linear) {
-    vec3 steep = pow((max(paint.rgb, 0.0) + 0.055) / 1.055, vec3(2.4));
-    colour.rgb = mix(paint.rgb / 12.92, steep, step(0.04045, paint.rgb));
-  }
-`;
-
 const UNIFORMS = ["depthZ", "depthW", "logarithmic", "linear"] as const;
 
 /** Draws splats among a host's surfaces: behind what is nearer, without a depth of their own, in the host's light. */
 export class HostSurroundings implements SplatSurroundings {
-  readonly declarations = DECLARATIONS;
-  readonly statements = STATEMENTS;
+  readonly shader = shader;
   /** What the next picture is drawn into; to be set before it. */
   surface!: HostSurface;
   #uniforms!: Uniforms<(typeof UNIFORMS)[number]>;

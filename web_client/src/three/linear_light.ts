@@ -5,25 +5,9 @@
 
 import { FloatType, HalfFloatType, RGBAFormat, type WebGLRenderTarget } from "three";
 import type { Viewport } from "../camera/projection";
+import presentVertexShader from "../renderer/present.vert?raw";
 import { Program } from "../renderer/program";
-import { PRESENT_VERTEX_SHADER } from "../renderer/shaders";
-
-/** Draws a copy over what it is a copy of, its colours turned from or into linear light; brighter than white is kept. */
-const CONVERT_FRAGMENT_SHADER = `#version 300 es
-precision highp float;
-
-uniform highp sampler2D picture;
-uniform bool linear;          // whether into it
-out vec4 result;
-
-void main() {
-  result = texelFetch(picture, ivec2(gl_FragCoord.xy), 0);
-  vec3 c = max(result.rgb, 0.0);
-  result.rgb = linear
-    ? mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c))
-    : mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
-}
-`;
+import convertFragmentShader from "./linear_light.frag?raw";
 
 /** The format of a target's colours, if they are fine enough to be turned to and fro. */
 export function fineFormat({ texture }: WebGLRenderTarget): "RGBA16F" | "RGBA32F" | null {
@@ -41,7 +25,7 @@ export class LinearLight {
 
   constructor(gl: WebGL2RenderingContext) {
     this.#gl = gl;
-    this.#program = new Program(gl, PRESENT_VERTEX_SHADER, CONVERT_FRAGMENT_SHADER, ["picture", "linear"]);
+    this.#program = new Program(gl, presentVertexShader, convertFragmentShader, ["picture", "linear"]);
     this.#vertices = gl.createVertexArray();
     this.#framebuffer = gl.createFramebuffer();
   }

@@ -2,29 +2,8 @@
 
 import { add, cross, length, normalise, scale, subtract, type Vec3 } from "../camera/vector";
 import { Program } from "../renderer/program";
-
-const VERTEX_SHADER = `#version 300 es
-uniform mat4 clip;            // clip space from the quad, whose corners are (0, 0) and (1, 1)
-out vec2 place;
-
-void main() {
-  place = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
-  gl_Position = clip * vec4(place, 0.0, 1.0);
-}
-`;
-
-const FRAGMENT_SHADER = `#version 300 es
-precision highp float;
-
-uniform sampler2D picture;    // multiplied by alpha, rows from the bottom
-uniform vec4 colour;          // multiplied by alpha; where alpha is 0, the picture is drawn
-in vec2 place;
-out vec4 result;
-
-void main() {
-  result = colour.a > 0.0 ? colour : texture(picture, place);
-}
-`;
+import fragmentShader from "./flat.frag?raw";
+import vertexShader from "./flat.vert?raw";
 
 /** A rectangle in the room: a corner, and the sides that start there. */
 export interface Quad {
@@ -47,7 +26,7 @@ export class FlatDrawer {
   readonly #texture: WebGLTexture;
 
   constructor(readonly gl: WebGL2RenderingContext) {
-    this.#program = new Program(gl, VERTEX_SHADER, FRAGMENT_SHADER, ["clip", "picture", "colour"]);
+    this.#program = new Program(gl, vertexShader, fragmentShader, ["clip", "picture", "colour"]);
     this.#texture = gl.createTexture();
     this.#bind();
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);

@@ -1,35 +1,16 @@
-/**
- * The function of docs/numerics.md as shaders.
- *
- * The vertex shader evaluates time, projects the splat and spans its ellipse; the fragment shader evaluates the Gaussian
- * at the pixel's centre from the exact screen mean, not from interpolated corners, which snap to a subpixel grid.
- */
-
-import {
-  DYNAMIC_BIT,
-  DYNAMIC_TEXELS,
-  FIFTH_TEXELS,
-  FIFTH_WIDTH,
-  STATIC_TEXELS,
-  TEXTURE_WIDTH,
-  TRIANGLES_PER_INSTANCE,
-} from "./layout";
-
-/**
- * Draws splats. `declarations` and `statements` are added to it, these to the end of `main`: there `p` is the splat's centre
- * before the camera, `paint` its colour and opacity, and both outputs are set.
- */
-export const vertexShader = (declarations = "", statements = ""): string => `#version 300 es
+#version 300 es
+// The function of docs/numerics.md: evaluates time, projects a splat and spans a triangle around its ellipse. The numbers
+// of layout.ts are defined behind the first line (LAYOUT_DEFINITIONS).
 precision highp float;
 precision highp int;
 precision highp sampler2D;
 precision highp usampler2D;
 
-uniform sampler2D statics;    // ${STATIC_TEXELS} texels per splat
-uniform sampler2D dynamics;   // ${DYNAMIC_TEXELS} texels per splat
-uniform sampler2D fifth;      // ${FIFTH_TEXELS} texels per dynamic splat, if any moves in the fifth order
+uniform sampler2D statics;    // STATIC_TEXELS texels per splat
+uniform sampler2D dynamics;   // DYNAMIC_TEXELS texels per splat
+uniform sampler2D fifth;      // FIFTH_TEXELS texels per dynamic splat, if any moves in the fifth order
 uniform usampler2D order;     // splat ids, farthest first
-uniform uint count;           // of ids
+uniform uint count;           // number of ids
 uniform mat3 rotation;        // world to camera
 uniform vec3 translation;
 uniform vec2 focal;           // pixels
@@ -39,26 +20,29 @@ uniform vec2 origin;          // its lower left corner in the framebuffer, pixel
 uniform float time;           // normalised time of the segment
 uniform float near;           // world units
 uniform bool antialiased;
-uniform vec4 magnification;   // (a, b, c, d): (a x + b y + c z + d) / z times as large as in the pictures of the scene
-uniform vec2 closeUp;         // depth from which on nothing fades, world units; deviation from which on all does, pixels
-uniform bool depths;          // colours are depths, world units
-${declarations}
+uniform vec4 magnification;   // (a, b, c, d): shown (a x + b y + c z + d) / z times as large as in the pictures of the scene
+uniform vec2 closeUp;         // depth of the farthest fading splat, world units; deviation at which fading begins, pixels
+uniform bool depths;          // draw depths (world units) instead of colours
 
 flat out vec2 middle;         // pixels of the framebuffer
-flat out vec3 falloff;        // 1 / (deviation of x where y is known), slope of x on y, 1 / (deviation of y); times BASE
+flat out vec3 falloff;        // 1 / (deviation of x given y), slope of x on y, 1 / (deviation of y); times BASE
 flat out vec4 colour;         // rgb, log2 of the opacity
+
+#ifdef SURROUNDED
+// Defined by code that is appended to this file where splats are drawn among other things (three/host_surface.vert). It
+// may change gl_Position.z and colour; p is the splat's centre in camera space, paint its own colour.
+void surround(vec3 p, vec3 paint);
+#endif
 
 const float LOW_PASS = 0.3;
 const float VISIBLE = 1.0 / 255.0;
-const float LARGEST = 1e18;   // pixels squared: what is wider would overflow
+const float LARGEST = 1e18;   // pixels squared; wider splats would overflow
 const float FAINTEST = 0.005 * 0.005;
-const float BASE = 0.84932180;  // sqrt(log2(e) / 2), so that exp(-d^2 / 2) is exp2 of -(BASE d)^2
-// Of a triangle around the unit circle. It covers 30 % more pixels than a square would, and costs half as much to set up.
+const float BASE = 0.84932180;  // sqrt(log2(e) / 2): exp(-d^2 / 2) is exp2(-(BASE d)^2)
+// A triangle around the unit circle: 30 % more pixels than a square, and half the work to set up.
 const vec2 CORNERS[3] = vec2[](vec2(-1.7320508, -1.0), vec2(1.7320508, -1.0), vec2(0.0, 2.0));
-const int WIDTH_MASK = ${TEXTURE_WIDTH - 1};
-const int WIDTH_BITS = ${Math.log2(TEXTURE_WIDTH)};
 
-ivec2 place(int i) { return ivec2(i & WIDTH_MASK, i >> WIDTH_BITS); }
+ivec2 place(int i) { return ivec2(i & (TEXTURE_WIDTH - 1), i >> TEXTURE_BITS); }
 
 mat3 rotationOf(vec4 q) {     // w, x, y, z
   float squared = dot(q, q);
@@ -76,7 +60,7 @@ void main() {
   falloff = vec3(0.0);
   colour = vec4(0.0);
 
-  uint rank = uint(gl_InstanceID) * ${TRIANGLES_PER_INSTANCE}u + uint(gl_VertexID / 3);
+  uint rank = uint(gl_InstanceID) * TRIANGLES_PER_INSTANCE + uint(gl_VertexID / 3);
   if (rank >= count) return;
   uint id = texelFetch(order, place(int(rank)), 0).r;
 
@@ -84,9 +68,9 @@ void main() {
   vec4 quaternion;
   vec3 sigma;
   vec4 paint;
-  if (id >= ${DYNAMIC_BIT}u) {
-    int splat = int(id - ${DYNAMIC_BIT}u);
-    ivec2 at = place(splat * ${DYNAMIC_TEXELS});
+  if (id >= DYNAMIC_BIT) {
+    int splat = int(id - DYNAMIC_BIT);
+    ivec2 at = place(splat * DYNAMIC_TEXELS);
     vec4 a = texelFetch(dynamics, at, 0);
     vec4 b = texelFetch(dynamics, at + ivec2(1, 0), 0);
     vec4 c = texelFetch(dynamics, at + ivec2(2, 0), 0);
@@ -98,8 +82,7 @@ void main() {
     float d = time - f.w;
     vec3 cubic = c.yzw;
     if (g.y > 0.0) {
-      int m4 = splat * ${FIFTH_TEXELS};
-      at = ivec2(m4 & ${FIFTH_WIDTH - 1}, m4 >> ${Math.log2(FIFTH_WIDTH)});
+      at.x = splat * FIFTH_TEXELS & (FIFTH_WIDTH - 1);   // in the same row
       cubic += d * (texelFetch(fifth, at, 0).xyz + d * texelFetch(fifth, at + ivec2(1, 0), 0).xyz);
     }
     position = a.xyz + d * (vec3(a.w, b.xy) + d * (vec3(b.zw, c.x) + d * cubic));
@@ -107,7 +90,7 @@ void main() {
     sigma = e.xyz;
     paint = vec4(f.xyz, e.w * exp(-g.x * d * d));
   } else {
-    ivec2 at = place(int(id) * ${STATIC_TEXELS});
+    ivec2 at = place(int(id) * STATIC_TEXELS);
     vec4 a = texelFetch(statics, at, 0);
     position = a.xyz;
     quaternion = texelFetch(statics, at + ivec2(1, 0), 0);
@@ -158,46 +141,7 @@ void main() {
   colour = vec4(depths ? vec3(p.z) : paint.rgb, log2(paint.a));
   vec2 clip = 2.0 * (mean2d + offset) / size - 1.0;
   gl_Position = vec4(clip.x, -clip.y, 0.0, 1.0);
-  ${statements}
+#ifdef SURROUNDED
+  surround(p, paint.rgb);
+#endif
 }
-`;
-
-export const FRAGMENT_SHADER = `#version 300 es
-precision highp float;
-
-const float LEAST = -7.9943534;   // log2(1 / 255)
-
-flat in vec2 middle;
-flat in vec3 falloff;
-flat in vec4 colour;
-out vec4 result;
-
-void main() {
-  vec2 delta = gl_FragCoord.xy - middle;
-  vec2 deviations = vec2(falloff.x * (delta.x + falloff.y * delta.y), falloff.z * delta.y);
-  float power = colour.a - dot(deviations, deviations);
-  if (power < LEAST) discard;
-  float alpha = min(0.99, exp2(power));
-  result = vec4(colour.rgb * alpha, alpha);
-}
-`;
-
-/** One triangle that covers the picture. */
-export const PRESENT_VERTEX_SHADER = `#version 300 es
-void main() {
-  gl_Position = vec4(float(gl_VertexID & 1) * 4.0 - 1.0, float(gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
-}
-`;
-
-/** Copies a picture to the canvas: exactly where they are of one size, else interpolated. */
-export const PRESENT_FRAGMENT_SHADER = `#version 300 es
-precision highp float;
-
-uniform highp sampler2D picture;
-uniform vec2 size;            // of the canvas
-out vec4 result;
-
-void main() {
-  result = vec4(texture(picture, gl_FragCoord.xy / size).rgb, 1.0);
-}
-`;
