@@ -108,7 +108,9 @@ def magnifications() -> dict[str, Any]:
         Camera(f"camera {i}", 640, 480, 500.0 + 50 * i, 480.0, 320.0, 240.0, pose) for i, pose in enumerate(cameras)
     ]
     middle = Camera("between", 1280, 960, 1000.0, 1000.0, 640.0, 480.0, looking_at((0.2, 0.1, -2.0), (0.0, 0.0, 0.0)))
-    away = dataclasses.replace(middle, name="turned away", world_to_camera=looking_at((0.2, 0.1, -2.0), (3.0, 0.0, -4.0)))
+    away = dataclasses.replace(
+        middle, name="turned away", world_to_camera=looking_at((0.2, 0.1, -2.0), (3.0, 0.0, -4.0))
+    )
     return {
         "rig": [camera.to_json() for camera in of_rig],
         "views": [

@@ -16,6 +16,7 @@ from hgs_core.base.progress import Progress, ProgressCallback, silent
 from hgs_core.capture.capture import Capture
 from hgs_core.codec import Manifest, decode_scene, load_manifest
 from hgs_core.evaluate.camera_scores import CameraScores, combine
+from hgs_core.evaluate.magnified import MagnifiedScorer
 from hgs_core.evaluate.picture_scores import PictureScorer
 from hgs_core.evaluate.truth import Truth
 from hgs_core.render.fixed_view import FixedView
@@ -37,6 +38,7 @@ def evaluate_run(
     masks: Path | None = None,
     lpips: Path | None = None,
     flip: bool = False,
+    magnify: Sequence[int] = (),
     backend: str = "auto",
 ) -> dict[str, Any]:
     """Render the decoded scene at every frame of some cameras and compare; writes eval.json.
@@ -50,6 +52,7 @@ def evaluate_run(
         masks: folder of masks of what moves; without it the capture's own are used, or what moves in the truth.
         lpips: file of the weights (`Lpips`); without it there is no LPIPS.
         flip: whether to compute FLIP.
+        magnify: factors, 2 to 8, of larger pictures to score at a few moments of every camera, with nearer eyes.
         backend: that draws (`hgs_core.render.rasterize`).
 
     Returns:
@@ -85,10 +88,12 @@ def evaluate_run(
     scores = {index: CameraScores(scorer) for index in indices}
     names = {index: capture.cameras[index].name for index in indices}
     scene = decode_scene(folder.scene).map(torch.from_numpy)
+    magnified = MagnifiedScorer(scene, manifest, capture, source, backend).scores(indices, magnify) if magnify else None
     _score(scene, manifest, falloff, capture, source, scores, backend, progress)
     totals = manifest.totals
     result = {
         **combine(list(scores.values())),
+        "magnified": magnified,
         "bytes_total": totals.bytes_static
         + totals.bytes_dynamic
         + manifest.bytes_audio
@@ -133,6 +138,7 @@ def _score(
                 background=scene.background,
                 antialiased=scene.antialiased,
                 backend=backend,
+                rig=manifest.rig,
             )
             for frame, seconds in enumerate(capture.times):
                 segment = scene.segment_at(float(seconds))

@@ -16,8 +16,10 @@ TINY = 1e-300  # world units squared
 
 
 def magnification(camera: Camera, rig: Sequence[Camera]) -> npt.NDArray[np.float64]:
-    """Return the magnification of a view: [4] a, b, c, d, so that a point (x, y, z) in it shows (a x + b y + c z + d) / z
-    times as large as the cameras of the rig beside the view showed it. All are 0 without a rig.
+    """Return the magnification of a view, [4] a, b, c, d; zeros without a rig.
+
+    A point (x, y, z) in the view shows (a x + b y + c z + d) / z times as large as the cameras of the rig beside the
+    view showed it.
 
     Args:
         camera: the view.
@@ -36,7 +38,7 @@ def magnification(camera: Camera, rig: Sequence[Camera]) -> npt.NDArray[np.float
 
 
 def weights(camera: Camera, rig: Sequence[Camera]) -> npt.NDArray[np.float64]:
-    """Return the weights [C] of a rig's cameras for a view, with a sum of 1: all of it on one that stands and looks alike."""
+    """Return the weights [C] of a rig's cameras for a view; their sum is 1, all of it on a camera in the same pose."""
     places = np.array([other.position for other in rig])
     axes = np.array([other.world_to_camera[2, :3] for other in rig])
     away = ((places - camera.position) ** 2).sum(axis=1)

@@ -32,6 +32,7 @@ FIELDS = (
     "psnr_dynamic_colour_corrected",  # dB, after the same maps
     "psnr_lens_corrected",  # dB, darkened as the training cameras' lenses do on average, then after such maps
     "psnr_dynamic_lens_corrected",
+    "magnified",  # dB of larger pictures and nearer eyes, if asked for
     "bytes_total",
     "bytes_static",
     "bytes_dynamic",
@@ -66,6 +67,11 @@ def add_parser(commands: Any) -> None:
     )
     parser.add_argument("--lpips", metavar="WEIGHTS", type=Path, help="compute LPIPS with these weights (.npz)")
     parser.add_argument("--flip", action="store_true", help="compute FLIP (needs the extra eval)")
+    parser.add_argument(
+        "--magnify",
+        metavar="2,4",
+        help="also score pictures so many times as large, averaged back, and eyes nearer to what moves",
+    )
     which = parser.add_mutually_exclusive_group()
     which.add_argument("--cameras", metavar="A,B", help="score these cameras")
     which.add_argument("--all-cameras", action="store_true", help="score every camera, those trained on too")
@@ -80,6 +86,7 @@ def _run(options: argparse.Namespace) -> int:
     from hgs_core.runs.run_folder import RunFolder
 
     cameras = None if options.cameras is None else _names(options.cameras)
+    magnify = [] if options.magnify is None else _factors(options.magnify)
     RunFolder(options.run_folder).read_spec()  # ahead of loading torch, for a quick refusal
     require_writable_folder(options.run_folder)
     from hgs_core.evaluate.run import evaluate_run
@@ -94,6 +101,7 @@ def _run(options: argparse.Namespace) -> int:
             masks=options.masks,
             lpips=options.lpips,
             flip=options.flip,
+            magnify=magnify,
             backend=options.backend,
         )
     scores = {name: result[name] for name in FIELDS}
@@ -114,9 +122,18 @@ def _names(text: str) -> list[str]:
     return names
 
 
+def _factors(text: str) -> list[int]:
+    try:
+        return sorted({int(part) for part in text.split(",")})
+    except ValueError:
+        raise InputError("--magnify", f"{text!r} is not a list of whole numbers", "try --magnify 2,4") from None
+
+
 def _text(value: Any) -> str:
     if value is None:
         return "-"
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {_text(score)}" for name, score in value.items())
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "-"
     return f"{value:.4f}" if isinstance(value, float) else str(value)

@@ -65,8 +65,8 @@ def encode_scene(
     `times` [F] are the seconds of the capture's frames, `thumbnail` the bytes of a JPEG picture, `training` anything
     JSON can hold, `utility` what every splat was measured to do to the capture's pictures (else it is guessed from size
     and opacity, and nothing is pruned for it). Splats are sized for how `cameras` and `closer` see them; the manifest
-    names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured space,
-    which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where that is known.
+    names the former. `trained` are those of them whose pictures made the scene: they tell the manifest's captured
+    space, which it lacks without them. `metres_per_unit`, above 0, tells headsets how large the scene is, where known.
     `up` is the unit vector that points upwards; without it, the mean of the cameras' upward directions. `audio` is the
     scene's sound, on the clock of `times`.
     Equal arguments give equal bytes. The manifest appears last and atomically; chunks of an earlier scene in the same

@@ -29,6 +29,7 @@ SCORES: dict[str, Any] = {
     "psnr_dynamic_colour_corrected": 26.25,
     "psnr_lens_corrected": 28.75,
     "psnr_dynamic_lens_corrected": None,
+    "magnified": None,
     "bytes_total": 300,
     "bytes_static": 200,
     "bytes_dynamic": 90,
@@ -91,12 +92,14 @@ def test_by_default_the_cheap_metrics_of_the_held_out_cameras_are_asked_for(
         "masks": None,
         "lpips": None,
         "flip": False,
+        "magnify": [],
         "backend": "auto",
     }
 
 
 def test_the_options_reach_the_evaluation(tmp_path: Path, wishes: dict[str, Any]) -> None:
     options = ["--truth", "t", "--masks", "m", "--lpips", "w.npz", "--flip", "--cameras", "a, b,", "--backend", "cpu"]
+    options += ["--magnify", "4,2"]
     assert main(["eval", str(tmp_path), *options]) == 0
     assert wishes == {
         "cameras": ["a", "b"],
@@ -105,10 +108,16 @@ def test_the_options_reach_the_evaluation(tmp_path: Path, wishes: dict[str, Any]
         "masks": Path("m"),
         "lpips": Path("w.npz"),
         "flip": True,
+        "magnify": [2, 4],
         "backend": "cpu",
     }
     assert main(["eval", str(tmp_path), "--all-cameras"]) == 0
     assert wishes["all_cameras"]
+
+
+def test_factors_that_are_no_numbers_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["eval", str(tmp_path), "--magnify", "2x"]) == 2
+    assert "--magnify: '2x' is not a list of whole numbers" in capsys.readouterr().err
 
 
 def test_naming_no_camera_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
