@@ -79,7 +79,7 @@ export class ScenePlayer {
       bytesTotal: totals ? totals.bytesStatic + totals.bytesDynamic : 0,
       lineRate: this.#scene.lineRate(now),
       chunks,
-      lostChunks: this.playback?.buffer.lost ?? 0,
+      lostChunks: this.playback?.buffer.states.lost ?? 0,
       complete: this.playback?.buffer.complete ?? false,
       atEdge: this.playback?.atEdge ?? false,
       splats: orders.count,

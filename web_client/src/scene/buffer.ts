@@ -3,14 +3,13 @@
 import { type Layered, layersOf } from "../codec/layers";
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { Manifest } from "../codec/types";
+import { ChunkStates } from "./chunk_states";
 
 /** Nobody knows how fast the line will be then, seconds. */
 const FORESEEN = 10;
 
 export class SceneBuffer {
-  readonly #arrived = new Set<string>();
-  readonly #away = new Set<string>(); // of those, what cannot be drawn now
-  readonly #lost = new Set<string>();
+  readonly states = new ChunkStates();
   #layers: ReadonlyMap<string, Layered>; // of all chunks
 
   constructor(readonly manifest: Manifest) {
@@ -20,35 +19,6 @@ export class SceneBuffer {
   /** The manifest has become a later version. */
   grow(): void {
     this.#layers = layersOf(this.manifest);
-  }
-
-  /** Note that a chunk can be drawn from now on. */
-  arrived(id: string): void {
-    this.#arrived.add(id);
-    this.#away.delete(id);
-    this.#lost.delete(id);
-  }
-
-  /** Note that a chunk is here, but cannot be drawn yet. */
-  delivered(id: string): void {
-    if (this.#arrived.has(id)) return;
-    this.#arrived.add(id);
-    this.#away.add(id);
-  }
-
-  /** Note that a chunk has made room for others: it cannot be drawn until it arrives again. */
-  evicted(id: string): void {
-    this.#away.add(id);
-  }
-
-  /** Note that a chunk cannot be had: what else there is at its time is shown without it. */
-  lose(id: string): void {
-    if (!this.#arrived.has(id) || this.#away.has(id)) this.#lost.add(id);
-  }
-
-  /** How many chunks are shown without. */
-  get lost(): number {
-    return this.#lost.size;
   }
 
   /** True if every dynamic splat alive at `time` is here, or cannot be had. */
@@ -87,7 +57,7 @@ export class SceneBuffer {
 
   /** True if the whole scene is here, or was: what has made room since can be fetched. One that grows is never whole. */
   get complete(): boolean {
-    return this.manifest.live === null && this.#arrived.size === this.#layers.size;
+    return this.manifest.live === null && this.states.size === this.#layers.size;
   }
 
   /** The stretches of time that can be played, as disjoint [start, end] in order. */
@@ -116,7 +86,6 @@ export class SceneBuffer {
 
   /** Whether none of the chunks, or none of the base layers among them, is still to come. */
   #here(ids: readonly string[], all: boolean): boolean {
-    const here = (id: string) => (this.#arrived.has(id) && !this.#away.has(id)) || this.#lost.has(id);
-    return ids.every((id) => here(id) || (!all && this.#layers.get(id)?.layer !== 0));
+    return ids.every((id) => this.states.settled(id) || (!all && this.#layers.get(id)?.layer !== 0));
   }
 }

@@ -6,6 +6,7 @@
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { ChunkEntry, Manifest } from "../codec/types";
 import { rowsOf } from "../worker/placement";
+import type { ChunkState, ChunkStates } from "./chunk_states";
 
 /** Chunks fetched again at once. */
 const PARALLEL = 4;
@@ -25,16 +26,9 @@ export interface ResidencyEvents {
   changed(): void;
 }
 
-type State =
-  | { readonly at: "waiting"; readonly bytes: Uint8Array<ArrayBuffer> }
-  | { readonly at: "decoder" | "textures"; readonly rows: readonly number[] }
-  /** It was here, and can be fetched. */
-  | { readonly at: "away" | "way" };
-
 export class Residency {
   readonly #pool: RowPool;
   readonly #chunks = new Map<string, ChunkEntry>();
-  readonly #states = new Map<string, State>(); // of the chunks that have come once
   readonly #abort = new AbortController();
   #ranking: string[] = []; // all chunks, those first that the playhead needs first
   #slice = -1; // of the ranking; -1 while there is none
@@ -42,10 +36,11 @@ export class Residency {
 
   /**
    * @param rows of the texture.
-   * @param fetchAgain brings a chunk that was here before.
+   * @param fetchAgain brings a chunk that was received before.
    */
   constructor(
     readonly manifest: Manifest,
+    readonly states: ChunkStates,
     rows: number,
     readonly events: ResidencyEvents,
     readonly fetchAgain: (id: string, signal: AbortSignal) => Promise<Uint8Array<ArrayBuffer>>,
@@ -67,23 +62,24 @@ export class Residency {
 
   /** A chunk has come. */
   offer(id: string, bytes: Uint8Array<ArrayBuffer>): void {
-    const state = this.#states.get(id);
-    // One that was damaged comes again into the rows that wait for it.
-    if (state?.at === "decoder") this.events.decode(id, bytes, state.rows);
-    else if (state?.at !== "textures") this.#set(id, { at: "waiting", bytes });
+    const state = this.states.get(id);
+    // A damaged chunk arrives once more, and its rows are still its own.
+    if (state?.at === "decoding") this.events.decode(id, bytes, state.rows);
+    else if (state?.at !== "drawn") this.#set(id, { at: "waiting", bytes });
   }
 
+  /** A chunk has been decoded; also a static one. */
   decoded(id: string): void {
-    const state = this.#states.get(id);
-    if (state?.at === "decoder") this.#set(id, { at: "textures", rows: state.rows });
+    const state = this.states.get(id);
+    if (!state || state.at === "decoding") this.#set(id, { at: "drawn", rows: state?.rows ?? [] });
   }
 
   /** A chunk cannot be decoded, for good. */
   lost(id: string): void {
-    const state = this.#states.get(id);
-    if (state?.at !== "decoder") return;
+    const state = this.states.get(id);
+    if (state?.at !== "decoding") return;
     this.#pool.give(state.rows);
-    this.#states.delete(id);
+    this.states.set(id, { at: "damaged" });
     this.#stale = true;
   }
 
@@ -94,16 +90,16 @@ export class Residency {
     else if (!this.#stale) return;
     this.#stale = false;
     const wanted = this.#wanted();
-    let fetching = [...this.#states.values()].filter(({ at }) => at === "way").length;
+    let fetching = [...this.states.values()].filter(({ at }) => at === "fetching").length;
     for (const id of wanted) {
-      const state = this.#states.get(id);
+      const state = this.states.get(id);
       if (state?.at === "waiting" && !this.#admit(id, state.bytes, wanted, shown)) break;
-      if (state?.at === "away" && fetching < PARALLEL) {
+      if (state?.at === "evicted" && fetching < PARALLEL) {
         fetching++;
         void this.#fetch(id);
       }
     }
-    if ([...wanted].some((id) => !this.#states.has(id))) this.#dropWaiting(wanted);
+    if ([...wanted].some((id) => this.#owed(id))) this.#dropWaiting(wanted);
   }
 
   /** Fetch and report nothing any more. */
@@ -137,10 +133,10 @@ export class Residency {
     const stays = this.#pool.free < count ? shown() : null;
     for (let i = this.#ranking.length - 1; this.#pool.free < count && i >= 0; i--) {
       const victim = this.#ranking[i];
-      const state = this.#states.get(victim);
-      if (state?.at !== "textures" || wanted.has(victim) || stays?.has(victim)) continue;
+      const state = this.states.get(victim);
+      if (state?.at !== "drawn" || wanted.has(victim) || stays?.has(victim)) continue;
       this.#pool.give(state.rows);
-      this.#states.set(victim, { at: "away" });
+      this.states.set(victim, { at: "evicted" });
       this.events.evicted(victim);
     }
     if (this.#pool.free < count) {
@@ -148,20 +144,20 @@ export class Residency {
       return false;
     }
     const rows = this.#pool.take(count);
-    this.#states.set(id, { at: "decoder", rows });
+    this.states.set(id, { at: "decoding", rows });
     this.events.decode(id, bytes, rows);
     return true;
   }
 
   async #fetch(id: string): Promise<void> {
     const { signal } = this.#abort;
-    this.#states.set(id, { at: "way" });
+    this.states.set(id, { at: "fetching" });
     try {
       const bytes = await this.fetchAgain(id, signal);
       if (!signal.aborted) this.offer(id, bytes);
     } catch {
       await new Promise((resolve) => setTimeout(resolve, PAUSE));
-      if (!signal.aborted) this.#set(id, { at: "away" });
+      if (!signal.aborted) this.#set(id, { at: "evicted" });
     }
   }
 
@@ -169,17 +165,23 @@ export class Residency {
   #dropWaiting(wanted: Set<string>): void {
     let sum = 0;
     for (const id of this.#ranking) {
-      const state = this.#states.get(id);
+      const state = this.states.get(id);
       if (state?.at !== "waiting") continue;
       sum += state.bytes.length;
       if (sum <= MOST_WAITING || wanted.has(id)) continue;
-      this.#states.set(id, { at: "away" });
+      this.states.set(id, { at: "evicted" });
       this.events.dropped(id);
     }
   }
 
-  #set(id: string, state: State): void {
-    this.#states.set(id, state);
+  /** Whether only the source can bring the chunk: it never has, or damaged. */
+  #owed(id: string): boolean {
+    const state = this.states.get(id);
+    return !state || state.at === "damaged";
+  }
+
+  #set(id: string, state: ChunkState): void {
+    this.states.set(id, state);
     this.#stale = true;
     this.events.changed();
   }

@@ -69,13 +69,11 @@ export class SceneChunks {
     this.#buffer = buffer;
     this.#residency = new Residency(
       manifest,
+      buffer.states,
       rows,
       {
         decode: (id, bytes, into) => worker.decode(id, bytes, into),
-        evicted: (id) => {
-          worker.evict(id);
-          buffer.evicted(id);
-        },
+        evicted: (id) => worker.evict(id),
         dropped: (id) => this.#intake.done(id),
         changed: () => this.#parts.changed(),
       },
@@ -97,7 +95,7 @@ export class SceneChunks {
 
   /** Go on without a chunk. */
   missing(id: string): void {
-    this.#buffer?.lose(id);
+    this.#buffer?.states.lose(id);
     this.#parts.changed();
   }
 
@@ -105,7 +103,6 @@ export class SceneChunks {
   decoded(splats: DecodedSplats): void {
     const { id } = splats;
     this.#write(splats);
-    this.#buffer?.arrived(id);
     this.#version++;
     this.#intake.done(id);
     this.#residency?.decoded(id);
@@ -157,12 +154,8 @@ export class SceneChunks {
 
   /** Decode a chunk, one that moves when there is room for it. */
   #decode(id: string, bytes: Uint8Array<ArrayBuffer>): void {
-    if (!this.#residency?.concerns(id)) {
-      this.#parts.worker.decode(id, bytes);
-      return;
-    }
-    this.#buffer?.delivered(id);
-    this.#residency.offer(id, bytes);
+    if (this.#residency?.concerns(id)) this.#residency.offer(id, bytes);
+    else this.#parts.worker.decode(id, bytes);
   }
 
   #write({ kind, first, rows, texels, fifth }: DecodedSplats): void {
