@@ -14,7 +14,7 @@ export type {
 export type { PlayerCamera } from "./player/player_camera";
 export type { PlayerStats } from "./player/player_types";
 export type { Viewing, ViewpointOptions } from "./player/viewpoint";
-export { QUALITIES, type Quality } from "./renderer/quality_names";
+export { QUALITIES, type Quality } from "./renderer/fineness";
 export type { Pixels } from "./renderer/shot";
 export { openSource } from "./source/open_source";
 export type {

@@ -18,7 +18,7 @@ const ROOMS: Readonly<Record<string, readonly string[]>> = {
   sound: ["codec", "scene"],
   player: ["camera", "codec", "renderer", "scene", "sound", "source"],
   xr: ["camera", "codec", "player", "renderer", "scene", "sound"],
-  ui: ["camera", "codec", "dom", "player", "renderer", "sound", "source", "xr"],
+  ui: ["camera", "codec", "dom", "player", "renderer", "scene", "sound", "source", "xr"],
   crop: ["camera", "dom", "player"],
   upload: ["dom", "protocol"],
   console: ["camera", "crop", "dom", "player", "protocol", "renderer", "ui", "upload"],

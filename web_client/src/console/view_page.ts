@@ -4,7 +4,7 @@ import { element } from "../dom/element";
 import type { HgsPlayer } from "../player/hgs_player";
 import { getScene } from "../protocol/api";
 import { siteUrl } from "../protocol/site";
-import type { Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import type { Pixels } from "../renderer/shot";
 import { PlayerView } from "../ui/player_view";
 import type { WholePage } from "../ui/player_view_options";

@@ -1,16 +1,16 @@
 /** The player as pages know it: a scene's picture in an element of theirs, and everything that can be asked of it. */
 
+import type { Quality } from "../renderer/fineness";
 import { checkedSplats } from "../renderer/fineness";
-import type { Quality } from "../renderer/quality_names";
 import type { PlayerClock } from "../scene/clock";
 import { openSource } from "../source/open_source";
 import type { OpenSource } from "../source/scene_source";
 import { claimContext, leaveContext, offerContext, Readiness, type Tenant } from "./context_places";
 import type { Beginning, HgsPlayerEvents, HgsPlayerOptions } from "./hgs_player_events";
 import { type Asked, asked } from "./media_api";
-import { ScreenedScene } from "./mounted_scene";
+import { MountedScene } from "./mounted_scene";
 import { PlayerCamera } from "./player_camera";
-import { PicturedPlayer } from "./player_readings";
+import { PlayerReadings } from "./player_readings";
 
 /**
  * Plays one scene at a time, without controls. Times are seconds on the scene's clock, which runs from `start` to `end`.
@@ -20,7 +20,7 @@ import { PicturedPlayer } from "./player_readings";
  * await player.load("https://cdn.example/studio/manifest.json");
  * player.play();
  */
-export class HgsPlayer extends PicturedPlayer {
+export class HgsPlayer extends PlayerReadings {
   /** From where the scene is seen. */
   readonly camera = new PlayerCamera(() => this.#scene?.viewpoint ?? null);
   protected readonly asked: Asked;
@@ -29,7 +29,7 @@ export class HgsPlayer extends PicturedPlayer {
   readonly #disposed = new AbortController();
   #src: string | OpenSource | null = null;
   #beginning: Beginning = {};
-  #scene: ScreenedScene | null = null;
+  #scene: MountedScene | null = null;
   #seen = true;
   #waiting: { resolve(): void; reject(error: Error): void } | null = null; // for a graphics context, for the scene that is to be loaded
   readonly #tenant: Tenant;
@@ -201,7 +201,7 @@ export class HgsPlayer extends PicturedPlayer {
     if (clock) clock.range = range;
   }
 
-  protected get screened(): ScreenedScene | null {
+  protected get mounted(): MountedScene | null {
     return this.#scene;
   }
 
@@ -231,7 +231,7 @@ export class HgsPlayer extends PicturedPlayer {
       const { antialiased = null, memoryBudget } = this.#options;
       const [time, playing, viewpoint] = [this.asked.time, this.asked.playing, this.#viewpoint()];
       const options = { open, time, playing, antialiased, memoryBudget, viewpoint };
-      this.#scene = new ScreenedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
+      this.#scene = new MountedScene(this.#stage, options, (type, detail) => this.#heard(type, detail));
       this.#scene.player.quality = this.#quality;
       this.#scene.player.splatBudget = this.#splatBudget;
     } catch (error) {
@@ -261,7 +261,7 @@ export class HgsPlayer extends PicturedPlayer {
   }
 
   /** Play the scene's sound, too. */
-  async #listen(scene: ScreenedScene): Promise<void> {
+  async #listen(scene: MountedScene): Promise<void> {
     try {
       const { SceneSound } = await import("../sound/scene_sound"); // most scenes need none of it
       if (!scene.gone.aborted) new SceneSound(this, scene.player, scene.gone);

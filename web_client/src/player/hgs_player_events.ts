@@ -1,7 +1,7 @@
 /** What a player tells a page, and what a page may ask of it. */
 
 import type { Manifest } from "../codec/types";
-import type { Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import type { Viewing, ViewpointOptions } from "./viewpoint";
 
 /** What of a scene is seen first. */

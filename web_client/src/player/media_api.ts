@@ -21,7 +21,7 @@ export function asked(options: PlayingOptions & Pick<Beginning, "time">): Asked 
 }
 
 /** Times are seconds on the scene's clock, which runs from `start` to `end`. */
-export abstract class PlayedScene {
+export abstract class MediaApi {
   /** What the scene says of itself; null until it has come. */
   abstract readonly manifest: Manifest | null;
   protected abstract readonly asked: Asked;
@@ -134,15 +134,15 @@ export abstract class PlayedScene {
   }
 }
 
-/** A class that is a `Base`, an event target or an object of a host, and a `PlayedScene`. */
-export function played<B extends abstract new (...args: never[]) => object>(
+/** A class that is a `Base`, an event target or an object of a host, and a `MediaApi`. */
+export function withMediaApi<B extends abstract new (...args: never[]) => object>(
   Base: B,
   // biome-ignore lint/suspicious/noExplicitAny: so TypeScript knows a class that takes another's members
-): B & (abstract new (...args: any[]) => PlayedScene) {
+): B & (abstract new (...args: any[]) => MediaApi) {
   abstract class Played extends (Base as unknown as new (...args: unknown[]) => object) {}
-  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(PlayedScene.prototype);
+  const { constructor: _, ...members } = Object.getOwnPropertyDescriptors(MediaApi.prototype);
   Object.defineProperties(Played.prototype, members);
-  return Played as unknown as ReturnType<typeof played<B>>;
+  return Played as unknown as ReturnType<typeof withMediaApi<B>>;
 }
 
 function checkedTime(time: number): number {

@@ -5,10 +5,10 @@ import type { PlayerClock } from "../scene/clock";
 import { ProgressEvents } from "../scene/playback_events";
 import type { OpenSource } from "../source/scene_source";
 import type { HgsPlayerEvents } from "./hgs_player_events";
-import { ScenePlayer } from "./scene_canvas";
+import { SceneCanvas } from "./scene_canvas";
 import { Viewpoint, type ViewpointOptions } from "./viewpoint";
 
-export interface ScreenedSceneOptions {
+export interface MountedSceneOptions {
   readonly open: OpenSource;
   /** Seconds; null for the start. */
   readonly time: number | null;
@@ -20,10 +20,10 @@ export interface ScreenedSceneOptions {
 
 type Tell = <K extends keyof HgsPlayerEvents>(type: K, detail: HgsPlayerEvents[K]) => void;
 
-export class ScreenedScene {
+export class MountedScene {
   readonly canvas = document.createElement("canvas");
   readonly viewpoint: Viewpoint;
-  readonly player: ScenePlayer;
+  readonly player: SceneCanvas;
   manifest: Manifest | null = null;
   readonly #abort = new AbortController();
   readonly #progress = new ProgressEvents();
@@ -33,7 +33,7 @@ export class ScreenedScene {
   /** @throws Error if the browser has no WebGL2. */
   constructor(
     stage: HTMLElement,
-    { open, time, playing, antialiased, memoryBudget, viewpoint }: ScreenedSceneOptions,
+    { open, time, playing, antialiased, memoryBudget, viewpoint }: MountedSceneOptions,
     readonly tell: Tell,
   ) {
     this.#failed = new Promise((_, reject) => {
@@ -54,7 +54,7 @@ export class ScreenedScene {
     };
     this.viewpoint = new Viewpoint(canvas, viewpoint, events, signal);
     try {
-      this.player = new ScenePlayer({
+      this.player = new SceneCanvas({
         canvas,
         source: open,
         time,

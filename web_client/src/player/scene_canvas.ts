@@ -4,7 +4,7 @@
  */
 
 import { CanvasRenderer } from "../renderer/canvas_renderer";
-import type { Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import type { Pixels } from "../renderer/shot";
 import type { Playback } from "../scene/playback";
 import type { SceneStep } from "../scene/scene_types";
@@ -14,7 +14,7 @@ import type { SceneSource } from "../source/scene_source";
 import { Picture } from "./picture";
 import type { PlayerOptions, PlayerStats } from "./player_types";
 
-export class ScenePlayer {
+export class SceneCanvas {
   readonly #options: PlayerOptions;
   /** For whoever drives the player: its context, its background, and the splats to draw. */
   readonly renderer: CanvasRenderer;

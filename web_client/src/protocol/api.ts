@@ -1,9 +1,9 @@
 /** Captures, jobs and scenes over HTTP; the objects are those of docs/rest.md. All functions throw `ApiError`. */
 
-import { ApiError, getJson, KEY_NEEDED, request, sendJson } from "./http";
+import { ApiError, getJson, request, sendJson } from "./http";
 import { siteUrl } from "./site";
 
-export { ApiError, KEY_NEEDED };
+export { ApiError };
 
 const POLL_MS = 1000;
 

@@ -4,7 +4,10 @@
  * picture), and cost about a quarter more.
  */
 
-import type { Quality } from "./quality_names";
+/** A viewer's choice. Auto: as fine as the device can at a steady rate while something moves, and finest at rest. */
+export type Quality = "auto" | "high" | "medium" | "low";
+
+export const QUALITIES: readonly Quality[] = ["auto", "high", "medium", "low"];
 
 export interface Fineness {
   /** Of the canvas's width and height. */

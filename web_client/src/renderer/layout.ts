@@ -27,6 +27,9 @@ export const FIFTH_WIDTH = DYNAMICS_PER_ROW * FIFTH_TEXELS;
 /** Set in the ids of dynamic splats. */
 export const DYNAMIC_BIT = 0x80000000;
 
+/** Whether a splat is dynamic, by its id. */
+export const isDynamic = (id: number): boolean => id >= DYNAMIC_BIT;
+
 /** Triangles drawn by one instance, one for each splat: many, because small instances starve GPUs. */
 export const TRIANGLES_PER_INSTANCE = 1024;
 

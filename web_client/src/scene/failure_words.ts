@@ -3,7 +3,7 @@
 import type { SourceFailure } from "../source/scene_source";
 
 export const DECODER_STOPPED = "The decoder of this page has stopped. Reloading the page may help.";
-const NOT_LOADED = "A part of the player could not be loaded. Reloading the page may help.";
+export const NOT_LOADED = "A part of the player could not be loaded. Reloading the page may help.";
 
 /** The words for a failure of the source, which are loaded when there is one. */
 export async function describeFailure(failure: SourceFailure): Promise<string> {

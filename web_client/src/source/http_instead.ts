@@ -1,10 +1,8 @@
 /** A served scene by HTTP alone: whether it can be had so, and from where. Loaded when its stream does not come about. */
 
-import type { OpenSource, SourceFailure } from "./scene_source";
+import { GZIP, type OpenSource, type SourceFailure } from "./scene_source";
 
 const PATIENCE = 10_000; // ms
-/** The first byte of an index, which a page that some proxy shows in its place has not. */
-const GZIP = 0x1f;
 const REMARK =
   "hgs: this site does not pass WebSockets; the scene is loaded over HTTP instead. See docs/deploy.md of the server.";
 
@@ -25,6 +23,7 @@ export async function askOverHttp(stream: string, signal: AbortSignal): Promise<
       cache: "no-cache",
     });
     if (response.status === 200) {
+      // A proxy's own page in place of the index begins otherwise.
       return new Uint8Array(await response.arrayBuffer())[0] === GZIP ? "there" : "away";
     }
     if (response.status === 401 || response.status === 403) return "no-access";

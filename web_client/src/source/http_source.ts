@@ -9,7 +9,7 @@ import type { ChunkEntry } from "../codec/types";
 import { ChunkOrder } from "./chunk_order";
 import { download, StatusError } from "./download";
 import { retryDelay } from "./retry_delay";
-import type { Playhead, SceneManifest, SceneSource, SourceEvents } from "./scene_source";
+import { GZIP, type Playhead, type SceneManifest, type SceneSource, type SourceEvents } from "./scene_source";
 import { Throughput } from "./throughput";
 
 /** Downloads at once: enough to fill a long line, and few enough to be of use after a seek. */
@@ -18,8 +18,6 @@ const PARALLEL = 4;
 const UNDECODED = 16 << 20;
 /** How often a server may answer something else in place of a chunk before it is shown without. */
 const MOST_REFUSALS = 3;
-
-const GZIP = 0x1f; // the first byte of an index
 
 export class HttpSource implements SceneSource {
   readonly #abort = new AbortController();

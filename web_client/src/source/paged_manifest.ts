@@ -4,10 +4,9 @@ import { ManifestError } from "../codec/errors";
 import { Field, parseManifest } from "../codec/manifest";
 import { gunzip, type Page, type PieceEntry, readPage } from "../codec/page";
 import type { Box, Manifest, SegmentEntry, SliceEntry } from "../codec/types";
-import type { SceneManifest } from "./scene_source";
+import { GZIP, type SceneManifest } from "./scene_source";
 
 const VERSION = 1;
-const GZIP = 0x1f; // the first byte
 /** The box of what has no splats. */
 const NOWHERE: Box = { min: [Infinity, Infinity, Infinity], max: [-Infinity, -Infinity, -Infinity] };
 

@@ -65,6 +65,9 @@ export interface SceneSource {
   close(): void;
 }
 
+/** The first byte of an index as it is stored: gzip's. A manifest is plain JSON. */
+export const GZIP = 0x1f;
+
 /** Opens a source, which begins to bring the scene at once. */
 export type OpenSource = (events: SourceEvents, playhead: Playhead) => SceneSource;
 

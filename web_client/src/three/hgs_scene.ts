@@ -2,7 +2,7 @@
 
 import { type Camera, Object3D, type PerspectiveCamera, type WebGLRenderer } from "three";
 import type { Manifest } from "../codec/types";
-import { type Asked, asked, played } from "../player/media_api";
+import { type Asked, asked, withMediaApi } from "../player/media_api";
 import { checkedSplats } from "../renderer/fineness";
 import type { Playback } from "../scene/playback";
 import { ProgressEvents } from "../scene/playback_events";
@@ -24,7 +24,7 @@ export type { HgsSceneEventMap, HgsSceneEvents, HgsSceneOptions };
  * const scene = new HgsScene({ src: "studio/manifest.json", loop: true, autoplay: true });
  * threeScene.add(scene);
  */
-export class HgsScene extends played(Object3D<HgsSceneEventMap>) {
+export class HgsScene extends withMediaApi(Object3D<HgsSceneEventMap>) {
   override readonly type: string = "HgsScene";
   protected readonly asked: Asked;
   readonly #mesh: SplatMesh;

@@ -1,10 +1,10 @@
 /** All that keys and the settings do with a player, and what they open over its picture. */
 
 import { FlyMode } from "../camera/fly_mode";
-import { LatePart } from "../dom/late_part";
 import type { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import { obey, playerKeys } from "./key_bindings";
+import { LatePart } from "./late_part";
 import { Message } from "./message";
 import { Panels } from "./panels";
 import { PlayerActions } from "./player_actions";

@@ -1,9 +1,9 @@
 /** The place of the buttons for headsets, which are loaded where the browser and a device offer one. */
 
 import { element } from "../dom/element";
-import { LatePart } from "../dom/late_part";
 import type { HgsPlayer } from "../player/hgs_player";
 import { offeredModes } from "../xr/offer";
+import { LatePart } from "./late_part";
 
 /** An element that holds the buttons as soon as there is a use for them, until the player is disposed of. */
 export function offerHeadset(player: HgsPlayer, shadow: ShadowRoot): HTMLElement {

@@ -2,13 +2,13 @@
 
 import { listenForGestures } from "../camera/gestures";
 import { element } from "../dom/element";
-import { LatePart } from "../dom/late_part";
 import { adoptStyle } from "../dom/shadow_style";
 import { HgsPlayer } from "../player/hgs_player";
 import type { Bookmarks } from "./bookmarks";
 import type { Commands } from "./commands";
 import { toggleFullscreen } from "./full_screen";
 import { listenForKeys, mayBeObeyed } from "./key_listener";
+import { LatePart } from "./late_part";
 import { Notices } from "./notices";
 import { pauseOutOfSight } from "./out_of_sight";
 import css from "./player.css?inline";

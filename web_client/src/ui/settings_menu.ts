@@ -3,7 +3,7 @@
 import { element } from "../dom/element";
 import { formatTime } from "../dom/format";
 import type { HgsPlayer } from "../player/hgs_player";
-import { QUALITIES, type Quality } from "../renderer/quality_names";
+import type { Quality } from "../renderer/fineness";
 import { readableCameraNames } from "./camera_names";
 import { type PlayerActions, RATES } from "./player_actions";
 
@@ -42,7 +42,7 @@ export class SettingsMenu {
     readonly button: HTMLElement,
   ) {
     const { camera } = player;
-    choose(this.#quality, QUALITIES, (quality) => QUALITY_NAMES[quality]);
+    choose(this.#quality, Object.keys(QUALITY_NAMES) as Quality[], (quality) => QUALITY_NAMES[quality]);
     this.#quality.addEventListener("change", () => {
       player.quality = this.#quality.value as Quality;
     });

@@ -4,7 +4,7 @@
  */
 
 import type { Bounds } from "../codec/types";
-import { DYNAMIC_BIT, STATICS_PER_ROW } from "../renderer/layout";
+import { DYNAMIC_BIT, isDynamic, STATICS_PER_ROW } from "../renderer/layout";
 
 /** Levels of an octave of utility, and of all that are told apart. */
 const STEPS = 4;
@@ -65,7 +65,7 @@ export class SplatBudget {
 
   /** The higher, the sooner a splat is taken: its level, and its part of those that have it. */
   #rank(id: number): number {
-    const level = id & DYNAMIC_BIT ? this.#dynamics[id & ~DYNAMIC_BIT] : this.#statics[(id / STATICS_PER_ROW) | 0];
+    const level = isDynamic(id) ? this.#dynamics[id & ~DYNAMIC_BIT] : this.#statics[(id / STATICS_PER_ROW) | 0];
     return level * PARTS + (Math.imul(id, GOLDEN) >>> 24);
   }
 }

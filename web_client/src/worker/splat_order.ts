@@ -5,7 +5,7 @@
 
 import { chunksOf, sliceAt } from "../codec/slices";
 import type { DecodedChunk, Manifest } from "../codec/types";
-import { TEXTURE_WIDTH } from "../renderer/layout";
+import { isDynamic, TEXTURE_WIDTH } from "../renderer/layout";
 import { BLOCK, StaticBlocks } from "./blocks";
 import { type SplatDepth, sameDepth } from "./depth";
 import { Dynamics } from "./dynamics";
@@ -98,7 +98,7 @@ export class SplatOrderer {
     for (const chunk of chunks) chunk.writeLevels(levels, span[0]);
     const kept = this.#budget.cut(ids, count, request.budget);
     let dynamic = 0;
-    for (let i = 0; i < kept; i++) dynamic += ids[i] >>> 31; // DYNAMIC_BIT
+    for (let i = 0; i < kept; i++) if (isDynamic(ids[i])) dynamic++;
     return { ids, count: kept, dynamic };
   }
 

@@ -7,7 +7,7 @@ import { projectedIntrinsics, type Viewport } from "../camera/projection";
 import { startCamera } from "../camera/start";
 import type { Vec3 } from "../camera/vector";
 import type { HgsPlayer } from "../player/hgs_player";
-import type { ScenePlayer } from "../player/scene_canvas";
+import type { SceneCanvas } from "../player/scene_canvas";
 import type { Shot } from "../renderer/shot";
 import type { View } from "../scene/view";
 import { type Commands, Controls } from "./controls";
@@ -68,7 +68,7 @@ export class HeadsetSession {
   private constructor(
     readonly session: XRSession,
     readonly player: HgsPlayer,
-    readonly scene: ScenePlayer,
+    readonly scene: SceneCanvas,
     first: Similarity,
     readonly space: XRReferenceSpace,
     layer: EyeLayer,

@@ -1,6 +1,6 @@
 /** A part of the player that is loaded when it is first used. */
 
-const FAILED = "A part of the player could not be loaded. Reloading the page may help.";
+import { NOT_LOADED } from "../scene/failure_words";
 
 export class LatePart<T> {
   #part: T | null = null;
@@ -34,7 +34,7 @@ export class LatePart<T> {
       this.#part = await this.#coming;
     } catch (cause) {
       this.#coming = null;
-      if (!this.signal.aborted) this.failed(FAILED, cause);
+      if (!this.signal.aborted) this.failed(NOT_LOADED, cause);
       return;
     }
     if (!this.signal.aborted) then(this.#part);
